@@ -1,0 +1,1 @@
+"""The service: REST, pages, 3D. Never imports `worker`; start reading at `backend.app`."""

@@ -1,0 +1,1 @@
+"""Components, methods and the library of campaigns."""

@@ -1,0 +1,60 @@
+"""What the API says of components, methods and the library of campaigns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+
+from campaigns.catalogue import Catalogue, ParameterEntry
+
+
+class Schema(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+CatalogueOut = Catalogue
+
+
+class LibraryCampaign(Schema):
+    """A shipped campaign; `problems` is empty when this installation can run it."""
+
+    id: str
+    digest: str
+    document: dict[str, Any]
+    yaml: str
+    problems: list[ProblemOut]
+
+
+class ProblemOut(Schema):
+    field: str
+    given: str
+    message: str
+
+
+class CheckedParameter(Schema):
+    """A parameter of the scenario by path: its entry, nominal value, and bounds where it is uncertain."""
+
+    path: str
+    entry: ParameterEntry
+    nominal: float | None
+    low: float | None
+    high: float | None
+
+
+class Checked(Schema):
+    """A campaign as the product understands it, or what is wrong with it."""
+
+    ok: bool
+    problems: list[ProblemOut]
+    digest: str | None
+    document: dict[str, Any] | None
+    yaml: str | None
+    parameters: list[CheckedParameter]
+    evaluations: int | None
+    """How many evaluations a run of it would fly."""
+    seconds: float | None
+    """Estimated from the speed of earlier runs of the same components; None when there are none."""
+
+
+LibraryCampaign.model_rebuild()

@@ -1,0 +1,216 @@
+"""The tables: campaigns, runs (the queue), stages, evaluations in column chunks, findings, traces, access.
+
+Arrays are little-endian float64 in BLOBs, row-major. Start reading at `Run`; the lease columns are explained in
+`backend.db.queue`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import orm
+
+
+class Base(orm.DeclarativeBase):
+    type_annotation_map = {dict[str, Any]: sa.JSON, list[Any]: sa.JSON, float: sa.Double}  # noqa: RUF012
+
+
+class Campaign(Base):
+    """A submitted campaign, immutable, by its digest."""
+
+    __tablename__ = "campaigns"
+    digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
+    name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    document: orm.Mapped[dict[str, Any]]
+    created: orm.Mapped[float]
+
+
+class Run(Base):
+    """One execution of a campaign, and at once its place in the queue.
+
+    The columns after `error` repeat what the run list shows, so that the list reads one table.
+    """
+
+    __tablename__ = "runs"
+    id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
+    campaign_digest: orm.Mapped[str] = orm.mapped_column(sa.ForeignKey("campaigns.digest"), index=True)
+    name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    tags: orm.Mapped[list[Any]] = orm.mapped_column(default=list)
+    owner: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="")
+    """Who submitted it."""
+    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="queued", index=True)
+    """queued, running, cancelling, cancelled, failed, done"""
+    created: orm.Mapped[float] = orm.mapped_column(index=True)
+    started: orm.Mapped[float | None]
+    finished: orm.Mapped[float | None]
+    # queue
+    priority: orm.Mapped[int] = orm.mapped_column(default=0)
+    attempts: orm.Mapped[int] = orm.mapped_column(default=0)
+    max_attempts: orm.Mapped[int] = orm.mapped_column(default=3)
+    not_before: orm.Mapped[float] = orm.mapped_column(default=0.0)
+    lease_until: orm.Mapped[float] = orm.mapped_column(default=0.0)
+    worker: orm.Mapped[str | None] = orm.mapped_column(sa.String(80))
+    fence: orm.Mapped[int] = orm.mapped_column(default=0)
+    cancel: orm.Mapped[bool] = orm.mapped_column(default=False)
+    error: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
+    """Why it failed, a sentence."""
+    # what the list shows
+    verdict: orm.Mapped[str | None] = orm.mapped_column(sa.String(12))
+    reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
+    """The verdict's sentence."""
+    summary: orm.Mapped[dict[str, Any]] = orm.mapped_column(default=dict)
+    """The verdict's parts and provenance; see `worker.stages.verdict`."""
+    threshold: orm.Mapped[float | None]
+    nominal_cost: orm.Mapped[float | None]
+    worst_cost: orm.Mapped[float | None]
+    worst_method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
+    evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
+    planned: orm.Mapped[int] = orm.mapped_column(default=0)
+    failed_evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
+
+
+class Stage(Base):
+    """One stage of a run; its result is written once, when it ends."""
+
+    __tablename__ = "stages"
+    run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
+    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    kind: orm.Mapped[str] = orm.mapped_column(sa.String(20))
+    """nominal, sensitivity, search, certify, validate"""
+    method: orm.Mapped[str | None] = orm.mapped_column(sa.String(60))
+    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="waiting")
+    """waiting, running, done"""
+    started: orm.Mapped[float | None]
+    finished: orm.Mapped[float | None]
+    planned: orm.Mapped[int] = orm.mapped_column(default=0)
+    evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
+    failed: orm.Mapped[int] = orm.mapped_column(default=0)
+    excluded: orm.Mapped[int] = orm.mapped_column(default=0)
+    best: orm.Mapped[float | None]
+    best_index: orm.Mapped[int | None]
+    seconds: orm.Mapped[float] = orm.mapped_column(default=0.0)
+    """Working time, attempts added up [s]."""
+    result: orm.Mapped[dict[str, Any] | None]
+
+
+class EvaluationChunk(Base):
+    """Consecutive evaluations of one stage as columns: points (m, n), costs (m, k), status (m,), seconds (m,)."""
+
+    __tablename__ = "evaluation_chunks"
+    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    first: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    count: orm.Mapped[int]
+    points: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """float64 on the unit cube."""
+    costs: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """float64, NaN where the status is not ok."""
+    status: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """uint8: 0 ok, 1 failed, 2 timeout, 3 excluded."""
+    seconds: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """float64, working time of the stage when each was known [s]."""
+    reasons: orm.Mapped[dict[str, Any]] = orm.mapped_column(default=dict)
+    """{index in the stage: why} for every evaluation that is not ok."""
+    __table_args__ = (
+        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
+    )
+
+
+class Finding(Base):
+    """One distinct worst case; parameters at full precision."""
+
+    __tablename__ = "findings"
+    run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
+    label: orm.Mapped[str] = orm.mapped_column(sa.String(8), primary_key=True)
+    """F1 is the worst."""
+    cost: orm.Mapped[float]
+    margin: orm.Mapped[float]
+    parameters: orm.Mapped[dict[str, Any]]
+    """{path: value} in the parameters' units."""
+    point: orm.Mapped[list[Any]]
+    """On the unit cube."""
+    methods: orm.Mapped[list[Any]]
+    at_bounds: orm.Mapped[dict[str, Any]]
+    """{path: "low" | "high"}"""
+    validation: orm.Mapped[dict[str, Any]]
+
+
+class Trace(Base):
+    """The flight that shows the nominal case or a finding, as columns of float64."""
+
+    __tablename__ = "traces"
+    run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
+    name: orm.Mapped[str] = orm.mapped_column(sa.String(12), primary_key=True)
+    """nominal, F1, F2, ..."""
+    columns: orm.Mapped[list[Any]]
+    """[{name, symbol, unit, group}] in the order of the columns; `campaigns.trace` says which groups there are."""
+    rows: orm.Mapped[int]
+    data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """float64, (rows, columns)."""
+    meta: orm.Mapped[dict[str, Any]]
+    """closest: {time, value, position, obstacle}; obstacles: [{position, radius, ...}]; goal; parameters."""
+
+
+class CatalogueDocument(Base):
+    """The catalogue of the newest worker; one row."""
+
+    __tablename__ = "catalogue"
+    id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    document: orm.Mapped[dict[str, Any]]
+    published: orm.Mapped[float]
+
+
+class Worker(Base):
+    """A worker's supervisor as it last beat."""
+
+    __tablename__ = "workers"
+    name: orm.Mapped[str] = orm.mapped_column(sa.String(80), primary_key=True)
+    host: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    pid: orm.Mapped[int]
+    started: orm.Mapped[float]
+    beat: orm.Mapped[float]
+    run_id: orm.Mapped[int | None]
+
+
+class Token(Base):
+    """An API token: only its hash is kept."""
+
+    __tablename__ = "tokens"
+    id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
+    name: orm.Mapped[str] = orm.mapped_column(sa.String(64), unique=True)
+    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), unique=True)
+    created: orm.Mapped[float]
+    last_used: orm.Mapped[float | None]
+    revoked: orm.Mapped[float | None]
+
+
+class LoginLink(Base):
+    """A login link printed at start: good once."""
+
+    __tablename__ = "login_links"
+    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
+    created: orm.Mapped[float]
+    expires: orm.Mapped[float]
+    used: orm.Mapped[float | None]
+
+
+class Session(Base):
+    """A browser session: only the hash of its cookie is kept."""
+
+    __tablename__ = "sessions"
+    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
+    user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    created: orm.Mapped[float]
+    expires: orm.Mapped[float]
+
+
+class IdempotencyKey(Base):
+    """A submit that was already answered: the same key gives the same run, another body under it is refused."""
+
+    __tablename__ = "idempotency_keys"
+    key: orm.Mapped[str] = orm.mapped_column(sa.String(128), primary_key=True)
+    user: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
+    body: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"))
+    created: orm.Mapped[float]

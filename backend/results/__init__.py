@@ -1,0 +1,1 @@
+"""Evaluations, findings and traces of a run."""

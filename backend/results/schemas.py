@@ -1,0 +1,80 @@
+"""What the API says of a run's evaluations, findings and traces. Start reading at `EvaluationSeries`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Schema(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class EvaluationSeries(Schema):
+    """One stage's evaluations for charts: every improvement of the best, and an even choice of the rest.
+
+    Columns of equal length; `index` counts from 0 within the stage.
+    """
+
+    position: int
+    kind: str
+    method: str | None
+    total: int
+    failed: int
+    excluded: int
+    index: list[int]
+    seconds: list[float]
+    cost: list[float | None]
+    status: list[Literal["ok", "failed", "timeout", "excluded"]]
+    parameters: dict[str, list[float]]
+    """{path: values} in the parameters' units."""
+    improvements: dict[str, list[float]]
+    """`index`, `seconds`, `cost` of every evaluation that was the best so far, and of the last one."""
+
+
+class EvaluationFailure(Schema):
+    position: int
+    index: int
+    status: Literal["failed", "timeout", "excluded"]
+    reason: str
+    parameters: dict[str, float]
+
+
+class Evaluations(Schema):
+    stages: list[EvaluationSeries]
+    failures: list[EvaluationFailure]
+    """At most 200 of them."""
+
+
+class FindingDetail(Schema):
+    label: str
+    cost: float
+    margin: float
+    parameters: dict[str, float]
+    nominal: dict[str, float]
+    low: dict[str, float]
+    high: dict[str, float]
+    methods: list[str]
+    at_bounds: dict[str, Literal["low", "high"]]
+    validation: dict[str, Any]
+
+
+class TraceColumn(Schema):
+    name: str
+    symbol: str
+    unit: str
+    group: Literal["time", "pose", "state", "command", "separation"]
+
+
+class TraceInfo(Schema):
+    name: str
+    rows: int
+    columns: list[TraceColumn]
+    meta: dict[str, Any]
+
+
+class TraceData(TraceInfo):
+    """Columns by name, thinned to at most `max_points` rows; the rows nearest the closest approach are kept."""
+
+    data: dict[str, list[float | None]]

@@ -1,0 +1,1 @@
+"""Submitting, listing, watching and cancelling runs."""

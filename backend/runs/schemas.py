@@ -1,0 +1,102 @@
+"""What the API says of runs: submitting, listing, watching. Start reading at `RunSummary`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
+VerdictWord = Literal["cleared", "violated", "inconclusive"]
+StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
+
+
+class Schema(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class RunSubmit(Schema):
+    """A campaign to run; the campaign's own name and tags are used where none are given."""
+
+    campaign: dict[str, Any]
+    name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
+    tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] | None = None
+    priority: Annotated[int, Field(ge=-10, le=10)] = 0
+
+
+class StageProgress(Schema):
+    """A stage as it stands; `result` is there once it is done (its form by kind: `worker/stages`)."""
+
+    position: int
+    kind: StageKind
+    method: str | None
+    state: Literal["waiting", "running", "done"]
+    planned: int
+    evaluations: int
+    failed: int
+    excluded: int
+    best: float | None
+    best_index: int | None
+    seconds: float
+    started: float | None
+    finished: float | None
+
+
+class StageDetail(StageProgress):
+    result: dict[str, Any] | None
+
+
+class RunSummary(Schema):
+    """A run as the list shows it. Times are seconds since 1970; costs and margins are in `unit`."""
+
+    id: str
+    """R-0001"""
+    name: str
+    tags: list[str]
+    owner: str
+    state: RunState
+    verdict: VerdictWord | None
+    reason: str | None
+    """The verdict's sentence."""
+    error: str | None
+    campaign_name: str
+    campaign_digest: str
+    quantity: str
+    """d_min"""
+    unit: str
+    """m"""
+    threshold: float | None
+    nominal_cost: float | None
+    worst_cost: float | None
+    margin: float | None
+    worst_method: str | None
+    evaluations: int
+    planned: int
+    failed_evaluations: int
+    created: float
+    started: float | None
+    finished: float | None
+    stage: StageProgress | None
+    """The stage being worked on."""
+    attempts: int
+    worker: str | None
+
+
+class RunDetail(RunSummary):
+    """A run with its campaign, stages and provenance."""
+
+    campaign: dict[str, Any]
+    stages: list[StageProgress]
+    summary: dict[str, Any]
+    """Parts of the verdict (`scope`, `checks`), statistics, versions; see `worker.stages.verdict`."""
+    rate: float | None
+    """Evaluations per second of the running stage."""
+    remaining: float | None
+    """Estimated time left [s]; None while it cannot be told."""
+
+
+class RunPage(Schema):
+    items: list[RunSummary]
+    next_cursor: str | None
+    counts: dict[str, int]
+    """How many runs there are by state and by verdict under the same search text."""

@@ -1,0 +1,21 @@
+"""The vocabulary: what may be asked of Clearance.
+
+`spec` is the campaign itself, `catalogue` the components and methods it may name, `check` holds one against
+the other, `load` reads YAML or JSON. Start reading at `spec.Campaign`.
+"""
+
+from campaigns.catalogue import Catalogue
+from campaigns.check import check
+from campaigns.load import CampaignError, Problem, library, load_file, load_text
+from campaigns.spec import Campaign
+
+__all__ = [
+    "Campaign",
+    "CampaignError",
+    "Catalogue",
+    "Problem",
+    "check",
+    "library",
+    "load_file",
+    "load_text",
+]

@@ -1,0 +1,82 @@
+"""The catalogue as data: which components and methods an installation has, with units, bounds and text.
+
+The worker publishes it to the database; the API, the launch form and `campaigns.check` read nothing else.
+Start reading at `Catalogue`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict
+
+Role = Literal["vehicle", "controller", "avoider", "obstacle", "criterion"]
+
+
+class Entry(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ParameterEntry(Entry):
+    """A number a component takes: its name in the campaign, symbol, unit, own limits, default and one line of text."""
+
+    name: str
+    symbol: str
+    unit: str
+    low: float
+    high: float
+    default: float | None
+    """None: the campaign must give it."""
+    text: str
+
+
+class ComponentEntry(Entry):
+    """A component as a campaign names it. `starts` are the start states of a vehicle."""
+
+    role: Role
+    name: str
+    title: str
+    dimension: int | None
+    """2 or 3 where the component lives in a plane or in space; None where it fits both."""
+    parameters: list[ParameterEntry]
+    starts: list[ParameterEntry] = []
+    goals: list[ParameterEntry] = []
+    """What the goal of an avoider is given by."""
+    unit: str = ""
+    """The unit of a criterion's value."""
+    quantity: str = ""
+    """The short name of a criterion's value, such as d_min."""
+    text: str
+    """Equations, symbols and source, as the component's own file states them."""
+
+
+class MethodEntry(Entry):
+    """A search method: what it does and guarantees, and its options as JSON Schema."""
+
+    name: str
+    title: str
+    kind: Literal["global", "local", "random"]
+    """Global methods must agree before anything is cleared; random ones give the independent sample."""
+    text: str
+    how: str
+    """A few words for a table: how it searches."""
+    source: str
+    evaluations: int
+    """The usual budget."""
+    options: dict[str, Any]
+
+
+class Catalogue(Entry):
+    """All that a campaign may name, and the version of the code that offers it."""
+
+    version: str
+    components: list[ComponentEntry]
+    methods: list[MethodEntry]
+
+    def component(self, role: Role, name: str) -> ComponentEntry | None:
+        """The component of that role and name, or None."""
+        return next((c for c in self.components if c.role == role and c.name == name), None)
+
+    def method(self, name: str) -> MethodEntry | None:
+        """The method of that name, or None."""
+        return next((m for m in self.methods if m.name == name), None)

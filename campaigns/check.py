@@ -1,0 +1,216 @@
+"""Holds a campaign against the catalogue: known components and methods, units, each component's own limits.
+
+The same for command line and API; the catalogue is data, so nothing of the physics is imported.
+Start reading at `check`.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
+from campaigns.load import Problem
+from campaigns.spec import Campaign, Part, Triangular, TruncatedNormal, Uncertain
+
+
+def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
+    """Every problem of the campaign under this catalogue; an empty list means it can be run."""
+    return list(_check(campaign, catalogue))
+
+
+def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
+    """The parts of a scenario: prefix of its parameters' paths, field in the file, role, part."""
+    s = campaign.scenario
+    yield "vehicle", "scenario.vehicle", "vehicle", s.vehicle
+    yield "controller", "scenario.controller", "controller", s.controller
+    yield "avoider", "scenario.avoider", "avoider", s.avoider
+    for i, obstacle in enumerate(s.obstacles):
+        yield f"obstacles.{i}", f"scenario.obstacles.{i}", "obstacle", obstacle
+    c = campaign.criterion
+    yield "criterion", "criterion", "criterion", Part(component=c.component, parameters=c.parameters)
+
+
+def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[ParameterEntry, float]]:
+    """Every parameter of the campaign by path, with its entry and nominal value; unknown components are left out.
+
+    A parameter that must be given and is not has the nominal value NaN; `check` reports it.
+    """
+    found: dict[str, tuple[ParameterEntry, float]] = {}
+    for prefix, _, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is not None:
+            found.update(_values(prefix, entry.parameters, part.parameters))
+            if role == "vehicle":
+                found.update(_values("start", entry.starts, campaign.scenario.start))
+            if role == "avoider":
+                found.update(_values("goal", entry.goals, campaign.scenario.goal))
+    return found
+
+
+def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    for _, field, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is None:
+            names = [c.name for c in catalogue.components if c.role == role]
+            yield Problem(f"{field}.component", part.component, f"no such {role}; {_known(part.component, names)}")
+            continue
+        yield from _given(f"{field}.parameters", entry.parameters, part.parameters)
+        if role == "vehicle":
+            yield from _given("scenario.start", entry.starts, campaign.scenario.start)
+        if role == "avoider":
+            yield from _given("scenario.goal", entry.goals, campaign.scenario.goal)
+    yield from _dimensions(campaign, catalogue)
+    known = parameters(campaign, catalogue)
+    for path, uncertain in campaign.uncertain.items():
+        yield from _uncertain(path, uncertain, known)
+    yield from _searches(campaign, catalogue, known)
+
+
+def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    found: list[tuple[str, ComponentEntry]] = []
+    for _, field, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is not None and entry.dimension is not None:
+            found.append((field, entry))
+    for field, entry in found[1:]:
+        first = found[0][1]
+        if entry.dimension != first.dimension:
+            yield Problem(
+                f"{field}.component",
+                entry.name,
+                f"lives in {entry.dimension} dimensions, the {first.role} {first.name!r} in {first.dimension}",
+            )
+
+
+def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:
+    known = {e.name: e for e in entries}
+    for name, value in values.items():
+        if name not in known:
+            yield Problem(f"{field}.{name}", f"{value:g}", f"no such parameter; {_known(name, known)}")
+        elif not known[name].low <= value <= known[name].high:
+            yield Problem(f"{field}.{name}", f"{value:g}", _limits(known[name]))
+    for name, entry in known.items():
+        if entry.default is None and name not in values:
+            yield Problem(f"{field}.{name}", "", f"this parameter is required: {entry.text} [{entry.unit}]")
+
+
+def _uncertain(path: str, uncertain: Uncertain, known: Mapping[str, tuple[ParameterEntry, float]]) -> Iterator[Problem]:
+    field = f"uncertain.{path}"
+    if path not in known:
+        yield Problem(field, path, f"the scenario has no such parameter; {_known(path, known)}")
+        return
+    entry, nominal = known[path]
+    if uncertain.unit is not None and _unit(uncertain.unit) != _unit(entry.unit):
+        yield Problem(f"{field}.unit", uncertain.unit, f"the unit of {path} is {entry.unit or '1 (no unit)'}")
+    low, high = uncertain.interval(nominal)
+    if not low < high:
+        yield Problem(
+            f"{field}.plus_minus",
+            str(uncertain.plus_minus),
+            f"around the nominal value {nominal:g} this is an empty interval; give low and high",
+        )
+        return
+    for name, bound in (("low", low), ("high", high)):
+        if not entry.low <= bound <= entry.high:
+            key = name if uncertain.plus_minus is None else "plus_minus"
+            yield Problem(f"{field}.{key}", f"{bound:g}", f"{name} bound: {_limits(entry)}")
+    if not low <= nominal <= high:
+        yield Problem(
+            field,
+            f"{low:g} to {high:g}",
+            f"the nominal value {nominal:g} lies outside the bounds; widen them or move it",
+        )
+    yield from _distributed(field, uncertain, low, high)
+
+
+def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> Iterator[Problem]:
+    given = uncertain.distribution
+    if isinstance(given, Triangular) and not low <= given.mode <= high:
+        yield Problem(f"{field}.distribution.mode", f"{given.mode:g}", f"must lie within {low:g} to {high:g}")
+    if isinstance(given, TruncatedNormal) and not low <= given.mean <= high:
+        yield Problem(f"{field}.distribution.mean", f"{given.mean:g}", f"must lie within {low:g} to {high:g}")
+
+
+def _searches(
+    campaign: Campaign, catalogue: Catalogue, known: Mapping[str, tuple[ParameterEntry, float]]
+) -> Iterator[Problem]:
+    for i, search in enumerate(campaign.stages.search):
+        field = f"stages.search.{i}"
+        entry = catalogue.method(search.method)
+        if entry is None:
+            names = [m.name for m in catalogue.methods]
+            yield Problem(f"{field}.method", search.method, f"no such method; {_known(search.method, names)}")
+            continue
+        yield from _options(f"{field}.options", search.options, entry.options)
+        for j, start in enumerate(search.starts):
+            for path, value in start.items():
+                yield from _started(f"{field}.starts.{j}.{path}", path, value, campaign, known)
+
+
+def _started(
+    field: str, path: str, value: float, campaign: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]
+) -> Iterator[Problem]:
+    if path not in campaign.uncertain:
+        yield Problem(field, path, f"not an uncertain parameter; {_known(path, campaign.uncertain)}")
+    elif path in known:
+        low, high = campaign.uncertain[path].interval(known[path][1])
+        if not low <= value <= high:
+            yield Problem(field, f"{value:g}", f"a start lies within the bounds {low:g} to {high:g}")
+
+
+def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
+    """The few words of JSON Schema that an options dataclass yields: type, enum, minimum, maximum."""
+    properties = schema.get("properties", {})
+    for name, value in options.items():
+        if name not in properties:
+            yield Problem(f"{field}.{name}", str(value), f"no such option; {_known(name, properties)}")
+        elif (reason := _misfit(value, properties[name])) is not None:
+            yield Problem(f"{field}.{name}", repr(value), reason)
+
+
+_TYPES = {"integer": (int,), "number": (int, float), "string": (str,), "boolean": (bool,), "null": (type(None),)}
+
+
+def _misfit(value: Any, rule: Mapping[str, Any]) -> str | None:
+    if "anyOf" in rule:
+        reasons = [_misfit(value, r) for r in rule["anyOf"]]
+        return None if None in reasons else next(r for r in reasons if r is not None)
+    kind = rule.get("type")
+    if kind in _TYPES and (not isinstance(value, _TYPES[kind]) or (isinstance(value, bool) and kind != "boolean")):
+        return f"expected a value of type {kind}"
+    if "enum" in rule and value not in rule["enum"]:
+        return f"expected one of {', '.join(map(str, rule['enum']))}"
+    for word, outside, text in (
+        ("minimum", lambda v, b: v < b, "at least"),
+        ("maximum", lambda v, b: v > b, "at most"),
+        ("exclusiveMinimum", lambda v, b: v <= b, "above"),
+        ("exclusiveMaximum", lambda v, b: v >= b, "below"),
+    ):
+        if word in rule and (value != value or outside(value, rule[word])):
+            return f"expected {text} {rule[word]}"
+    return None
+
+
+def _values(
+    prefix: str, entries: list[ParameterEntry], given: Mapping[str, float]
+) -> dict[str, tuple[ParameterEntry, float]]:
+    missing = float("nan")
+    return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}
+
+
+def _limits(entry: ParameterEntry) -> str:
+    return f"{entry.text} lies within {entry.low:g} to {entry.high:g} {entry.unit}".rstrip()
+
+
+def _unit(text: str) -> str:
+    return text.replace(" ", "").replace("*", "").replace("·", "").replace("²", "2").replace("^", "")
+
+
+def _known(given: str, names: Iterable[str]) -> str:
+    names = list(names)
+    close = difflib.get_close_matches(given, names, n=1)
+    if close:
+        return f"did you mean {close[0]!r}?"
+    return f"there are: {', '.join(names[:12])}{', ...' if len(names) > 12 else ''}" if names else "there are none"

@@ -1,0 +1,290 @@
+"""The campaign: scenario, uncertain parameters, criterion, stages, seed; immutable and known by its digest.
+
+Only what holds without knowing the components is checked here (types, sizes, intervals); units and a component's own
+limits are held by `campaigns.check` against the catalogue. Start reading at `Campaign`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+
+LARGEST = 1e12
+"""No quantity of a campaign may be larger than this, in its own unit."""
+
+MAX_STEPS = 2_000_000
+MAX_EVALUATIONS = 10_000_000
+
+
+def _number(value: Any) -> Any:
+    """Numbers only: YAML 1.1 reads 1e-3 as text, so text that is a number is taken for one."""
+    if isinstance(value, bool):
+        raise ValueError("expected a number, given true or false")
+    if isinstance(value, str):
+        try:
+            value = float(value)
+        except ValueError:
+            raise ValueError(f"expected a number, given the text {value!r}") from None
+    if isinstance(value, (int, float)) and not (math.isfinite(value) and abs(value) <= LARGEST):
+        raise ValueError(f"expected a finite number of at most {LARGEST:g} in magnitude, given {value!r}")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_number)]
+Name = Annotated[str, Field(min_length=1, max_length=120)]
+Identifier = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=60)]
+Path = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)+$", max_length=120)]
+"""Where a parameter stands in the scenario: `vehicle.m`, `obstacles.0.position.x`."""
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def _flatten(value: Any, prefix: str = "") -> Any:
+    if not isinstance(value, Mapping):
+        return value
+    flat: dict[str, Any] = {}
+    for key, inner in value.items():
+        if isinstance(inner, Mapping):
+            flat.update(_flatten(inner, f"{prefix}{key}."))
+        else:
+            flat[f"{prefix}{key}"] = inner
+    return flat
+
+
+Values = Annotated[dict[str, Number], BeforeValidator(_flatten), Field(max_length=500)]
+"""Parameter values by name; nested mappings are read as dotted names, `position: {x: 4}` as `position.x: 4`."""
+
+
+class Part(Strict):
+    """A component and the values of its parameters; what is left out takes the component's default."""
+
+    component: Identifier
+    parameters: Values = {}
+
+
+class Guidance(Strict):
+    """How often the avoider is asked: at every stage of the integrator, or at its own period with a hold between."""
+
+    period: Annotated[Number, Field(ge=0)] = 0.0
+    """[s]; 0 is continuous."""
+
+
+class Scenario(Strict):
+    """What flies: vehicle, controller, avoider; from where to where; past what; for how long at what step."""
+
+    vehicle: Part
+    controller: Part
+    avoider: Part
+    start: Values = {}
+    goal: Values
+    obstacles: Annotated[list[Part], Field(max_length=64)] = []
+    guidance: Guidance = Guidance()
+    horizon: Annotated[Number, Field(gt=0)]
+    """[s]"""
+    step: Annotated[Number, Field(gt=0)]
+    """[s]"""
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Scenario:
+        steps = self.horizon / self.step
+        if steps < 1:
+            raise ValueError(f"the step of {self.step:g} s is longer than the horizon of {self.horizon:g} s")
+        if steps > MAX_STEPS:
+            raise ValueError(
+                f"horizon / step = {steps:.3g} steps, at most {MAX_STEPS:,} are allowed: lengthen the step or shorten the horizon"
+            )
+        if abs(steps - round(steps)) > 1e-6 * steps:
+            raise ValueError(f"the horizon of {self.horizon:g} s is not a whole number of steps of {self.step:g} s")
+        every = self.guidance.period / self.step
+        if abs(every - round(every)) > 1e-6 * max(every, 1.0):
+            raise ValueError(
+                f"the guidance period of {self.guidance.period:g} s is not a whole number of steps of {self.step:g} s"
+            )
+        return self
+
+
+class Uniform(Strict):
+    kind: Literal["uniform"] = "uniform"
+
+
+class TruncatedNormal(Strict):
+    """A normal distribution cut off at the bounds."""
+
+    kind: Literal["truncated_normal"] = "truncated_normal"
+    mean: Number
+    deviation: Annotated[Number, Field(gt=0)]
+
+
+class Triangular(Strict):
+    """A triangle over the bounds with its peak at `mode`."""
+
+    kind: Literal["triangular"] = "triangular"
+    mode: Number
+
+
+Distribution = Annotated[Uniform | TruncatedNormal | Triangular, Field(discriminator="kind")]
+
+
+def _distribution(value: Any) -> Any:
+    return {"kind": value} if isinstance(value, str) else value
+
+
+_PERCENT = re.compile(r"^\s*([0-9.eE+-]+)\s*%\s*$")
+
+
+class Uncertain(Strict):
+    """The bounds of one uncertain parameter: `low` and `high`, or `plus_minus` around the nominal value.
+
+    `plus_minus: 20%` is a share of the nominal value, `plus_minus: 0.5` is in the parameter's unit.
+    """
+
+    low: Number | None = None
+    high: Number | None = None
+    plus_minus: Number | str | None = None
+    unit: Annotated[str, Field(max_length=30)] | None = None
+    distribution: Annotated[Distribution, BeforeValidator(_distribution)] = Uniform()
+
+    @model_validator(mode="after")
+    def _one_form(self) -> Uncertain:
+        interval = (self.low is not None, self.high is not None)
+        if self.plus_minus is None:
+            if interval != (True, True):
+                raise ValueError("give both low and high, or plus_minus")
+            if not self.low < self.high:  # type: ignore[operator]
+                kind = "empty" if self.low == self.high else "reversed"
+                raise ValueError(
+                    f"the interval from low = {self.low:g} to high = {self.high:g} is {kind}: low must be below high"
+                )
+            return self
+        if any(interval):
+            raise ValueError("give either low and high, or plus_minus, not both")
+        if self._share()[0] <= 0:
+            raise ValueError(f"plus_minus must be above 0, given {self.plus_minus!r}")
+        return self
+
+    def _share(self) -> tuple[float, bool]:
+        if isinstance(self.plus_minus, str):
+            match = _PERCENT.match(self.plus_minus)
+            try:
+                share = float(match[1]) / 100 if match else math.nan
+            except ValueError:
+                share = math.nan
+            if not math.isfinite(share):
+                raise ValueError(f"plus_minus must be a number or a percentage such as 20%, given {self.plus_minus!r}")
+            return share, True
+        assert self.plus_minus is not None
+        return float(self.plus_minus), False
+
+    def interval(self, nominal: float) -> tuple[float, float]:
+        """Low and high around the given nominal value, in its unit."""
+        if self.low is not None and self.high is not None:
+            return self.low, self.high
+        amount, relative = self._share()
+        reach = amount * abs(nominal) if relative else amount
+        return nominal - reach, nominal + reach
+
+
+class Criterion(Strict):
+    """The flight is clear when the criterion's value stays above `threshold`."""
+
+    component: Identifier = "separation"
+    parameters: Values = {}
+    threshold: Number
+
+
+class Sensitivity(Strict):
+    """One parameter at a time over its bounds, the others nominal."""
+
+    points: Annotated[int, Field(ge=2, le=2001)] = 21
+
+
+class Search(Strict):
+    """One search stage: a method, its budget of evaluations, its options and, where it uses them, its starts."""
+
+    method: Identifier
+    evaluations: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS)]
+    options: dict[str, Any] = {}
+    starts: Annotated[list[dict[Path, Number]], Field(max_length=10_000)] = []
+    """Points to start from, by path in the parameters' units; a path left out is nominal."""
+
+
+class Validate(Strict):
+    """How the findings are flown again: tolerance against the other integrator and half the step, and neighbours."""
+
+    tolerance: Annotated[Number, Field(gt=0, le=1)] = 1e-3
+    """Share of the criterion's value; a tenth of the margin holds as well."""
+    neighbours: Annotated[int, Field(ge=0, le=100_000)] = 300
+    reach: Annotated[Number, Field(gt=0, le=0.5)] = 1e-3
+    """Share of each range within which the neighbours lie."""
+
+
+class Stages(Strict):
+    """What a run does, in this order; nominal is always flown."""
+
+    sensitivity: Sensitivity | None = Sensitivity()
+    search: Annotated[list[Search], Field(min_length=1, max_length=32)]
+    validate_: Validate = Field(default=Validate(), alias="validate")
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, validate_by_name=True, validate_by_alias=True
+    )
+
+
+class Published(Strict):
+    """A published value to show beside ours."""
+
+    label: Name
+    value: Number
+    at: dict[Path, Number] = {}
+    source: Annotated[str, Field(max_length=300)] = ""
+
+
+class Campaign(Strict):
+    """What is asked: one verification campaign.
+
+    `digest` identifies it: equal campaigns have equal digests whatever file form, key order or spelling of a default
+    they came from.
+    """
+
+    version: Literal[1] = 1
+    name: Name
+    summary: Annotated[str, Field(max_length=400)] = ""
+    notes: Annotated[str, Field(max_length=20_000)] = ""
+    tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
+    scenario: Scenario
+    uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
+    criterion: Criterion
+    stages: Stages
+    agreement: Annotated[Number, Field(gt=0, le=1)] = 0.05
+    """Share of nominal minus worst within which the global methods must agree."""
+    target_probability: Annotated[Number, Field(gt=0, lt=1)] | None = None
+    """Where given, the 95 % bound on P(violation) from the random sample must be at most this."""
+    confidence: Annotated[Number, Field(gt=0.5, lt=1)] = 0.95
+    seed: Annotated[int, Field(ge=0, le=2**53)] = 1
+    published: Annotated[list[Published], Field(max_length=100)] = []
+
+    @field_validator("tags")
+    @classmethod
+    def _distinct(cls, tags: list[str]) -> list[str]:
+        return list(dict.fromkeys(tags))
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over the canonical JSON form, 64 hexadecimal digits."""
+        return hashlib.sha256(self.canonical().encode()).hexdigest()
+
+    def canonical(self) -> str:
+        """The JSON form with sorted keys, every default written out."""
+        return json.dumps(self.document(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+    def document(self) -> dict[str, Any]:
+        """The campaign as plain JSON values."""
+        return self.model_dump(mode="json", by_alias=True)

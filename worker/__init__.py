@@ -1,0 +1,1 @@
+"""The physics and the search. Start reading at `worker.problem`."""

@@ -1,0 +1,170 @@
+"""Where a run's results go as they arise, and where a resumed run finds them.
+
+`Store` is the seam: the database behind a lease (`backend.db.store`) or memory (`MemoryStore`, for the command line).
+Every write of a store that has lost its lease raises; nothing is ever overwritten by a stale worker.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
+
+
+class Columns(NamedTuple):
+    """Consecutive evaluations of one stage, a row each.
+
+    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as `worker.evaluate.Status`;
+    seconds (m,) working time of the stage when each was known; reasons {index in the stage: sentence}.
+    """
+
+    points: Floats
+    costs: Floats
+    status: NDArray[np.uint8]
+    seconds: Floats
+    reasons: dict[int, str]
+
+
+@dataclass(frozen=True)
+class StagePlan:
+    """A stage before it is begun: `planned` evaluations are its budget."""
+
+    kind: StageKind
+    method: str | None
+    planned: int
+
+
+@dataclass(frozen=True)
+class StageRecord:
+    """A stage as it stands in the store; `seconds` is the working time so far."""
+
+    plan: StagePlan
+    state: Literal["waiting", "running", "done"] = "waiting"
+    seconds: float = 0.0
+    result: dict[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One distinct worst case; columns as in `backend.db.tables.Finding`."""
+
+    label: str
+    cost: float
+    margin: float
+    parameters: dict[str, float]
+    point: list[float]
+    methods: list[str]
+    at_bounds: dict[str, str]
+    validation: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A flight as columns; `columns` and `meta` as in `backend.db.tables.Trace`, data (rows, columns)."""
+
+    name: str
+    columns: list[dict[str, str]]
+    data: Floats
+    meta: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """The end of a run: verdict, its sentence, and all that stands behind it."""
+
+    verdict: Literal["cleared", "violated", "inconclusive"]
+    reason: str
+    nominal_cost: float | None
+    worst_cost: float | None
+    worst_method: str | None
+    summary: dict[str, Any]
+
+
+class Store(Protocol):
+    """What a runner needs of storage. Positions are those of the plan; indices count from 0 within a stage."""
+
+    def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
+        """Write the plan of a new run; return every stage as it stands (a resumed run finds its earlier state)."""
+
+    def begin(self, position: int) -> None:
+        """Mark a stage running."""
+
+    def evaluations(self, position: int) -> Columns | None:
+        """All evaluations stored for a stage, in order; None when there are none."""
+
+    def append(self, position: int, first: int, columns: Columns) -> None:
+        """Store evaluations from index `first` on, and bring the stage's and the run's counts and best up to date."""
+
+    def finish(
+        self,
+        position: int,
+        result: dict[str, Any],
+        seconds: float,
+        findings: Sequence[Finding] = (),
+        traces: Sequence[Trace] = (),
+    ) -> None:
+        """Store a stage's result and what it found, and mark it done: all or nothing."""
+
+    def conclude(self, conclusion: Conclusion) -> None:
+        """Store the verdict; the run is done."""
+
+
+@dataclass
+class MemoryStore:
+    """Everything in memory; what the command line writes out at the end."""
+
+    stages: list[StageRecord] = field(default_factory=list)
+    chunks: dict[int, list[Columns]] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+    traces: dict[str, Trace] = field(default_factory=dict)
+    conclusion: Conclusion | None = None
+
+    def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
+        if not self.stages:
+            self.stages = [StageRecord(plan) for plan in stages]
+        return list(self.stages)
+
+    def begin(self, position: int) -> None:
+        stage = self.stages[position]
+        self.stages[position] = StageRecord(stage.plan, "running", stage.seconds)
+
+    def evaluations(self, position: int) -> Columns | None:
+        return join(self.chunks.get(position, []))
+
+    def append(self, position: int, first: int, columns: Columns) -> None:
+        held = sum(len(c.status) for c in self.chunks.get(position, []))
+        if first != held:
+            raise ValueError(f"stage {position} holds {held} evaluations, given some from index {first} on")
+        self.chunks.setdefault(position, []).append(columns)
+
+    def finish(
+        self,
+        position: int,
+        result: dict[str, Any],
+        seconds: float,
+        findings: Sequence[Finding] = (),
+        traces: Sequence[Trace] = (),
+    ) -> None:
+        self.stages[position] = StageRecord(self.stages[position].plan, "done", seconds, result)
+        self.findings.extend(findings)
+        self.traces.update({t.name: t for t in traces})
+
+    def conclude(self, conclusion: Conclusion) -> None:
+        self.conclusion = conclusion
+
+
+def join(chunks: Sequence[Columns]) -> Columns | None:
+    """Consecutive columns as one; None for none."""
+    if not chunks:
+        return None
+    reasons: dict[int, str] = {}
+    for chunk in chunks:
+        reasons.update(chunk.reasons)
+    points, costs, status, seconds = (np.concatenate([c[k] for c in chunks]) for k in range(4))
+    return Columns(points, costs, status, seconds, reasons)

@@ -1,0 +1,112 @@
+"""Opens the database: SQLite in WAL mode or PostgreSQL; `engine.begin()` writes, `read(engine)` reads.
+
+Source: SQLite, "Write-Ahead Logging" and "BEGIN IMMEDIATE" (sqlite.org/lang_transaction.html). A deferred transaction
+that turns into a writer can fail at once whatever the timeout; an immediate one waits its turn. Start reading at `connect`.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.tables import Base
+
+BUSY_TIMEOUT = 30.0
+"""How long a writer of SQLite waits for another one [s]."""
+
+_READ = "clearance_read"
+_MIGRATION_LOCK = 0x636C6561
+"""The key of PostgreSQL's advisory lock that one migrating process holds."""
+
+
+def connect(url: str) -> sa.Engine:
+    """An engine for `sqlite:///path` or `postgresql://...`; a missing folder of an SQLite file is made.
+
+    Every transaction of SQLite is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for another database.
+    """
+    parsed = sa.make_url(url)
+    backend = parsed.get_backend_name()
+    if backend == "sqlite":
+        return _sqlite(parsed)
+    if backend in ("postgresql", "postgres"):
+        return sa.create_engine(parsed.set(drivername="postgresql+psycopg"), pool_pre_ping=True)
+    raise ValueError(f"the database {parsed.render_as_string()!r} is not one of sqlite:///FILE and postgresql://...")
+
+
+def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
+    """True on SQLite, false on PostgreSQL."""
+    return bind.dialect.name == "sqlite"
+
+
+@contextmanager
+def read(engine: sa.Engine) -> Iterator[sa.Connection]:
+    """A connection that only reads: one consistent snapshot, and on SQLite neither waits for writers nor makes them wait."""
+    with engine.connect() as connection:
+        yield connection.execution_options(**{_READ: True})
+
+
+def now(connection: sa.Connection) -> float:
+    """The queue's clock, seconds since 1970: on PostgreSQL the server's, so that machines need not agree."""
+    if is_sqlite(connection):
+        return time.time()
+    return float(connection.scalar(sa.text("select extract(epoch from clock_timestamp())")) or 0.0)
+
+
+@contextmanager
+def migration_lock(engine: sa.Engine) -> Iterator[sa.Connection]:
+    """A write transaction that only one process has at a time, however many start at once."""
+    with engine.begin() as connection:
+        if not is_sqlite(connection):
+            connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_MIGRATION_LOCK)))
+        yield connection
+
+
+def migrate(url: str) -> None:
+    """Bring the database's tables to the newest form; safe when several processes start at once."""
+    engine = connect(url)
+    try:
+        with migration_lock(engine) as connection:
+            Base.metadata.create_all(connection)
+    finally:
+        engine.dispose()
+
+
+def _sqlite(url: sa.URL) -> sa.Engine:
+    if not url.database or url.database == ":memory:":
+        raise ValueError("an SQLite database is a file, since several processes share it: sqlite:///path/to/file")
+    Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
+    engine = sa.create_engine(url, connect_args={"timeout": BUSY_TIMEOUT})
+
+    @sa.event.listens_for(engine, "connect")
+    def _connected(connection: sqlite3.Connection, _record: Any) -> None:
+        connection.isolation_level = None  # otherwise the driver begins transactions of its own, and deferred ones
+        for pragma in (f"busy_timeout={BUSY_TIMEOUT * 1000:.0f}", "synchronous=NORMAL", "foreign_keys=ON"):
+            connection.execute(f"PRAGMA {pragma}")
+        _set_wal(connection)
+
+    @sa.event.listens_for(engine, "begin")
+    def _begun(connection: sa.Connection) -> None:
+        reads = connection.get_execution_options().get(_READ, False)
+        connection.exec_driver_sql("BEGIN" if reads else "BEGIN IMMEDIATE")
+
+    return engine
+
+
+def _set_wal(connection: sqlite3.Connection) -> None:
+    """WAL is a property of the file; turning it on can find the file locked without ever asking the busy handler."""
+    deadline = time.monotonic() + BUSY_TIMEOUT
+    while True:
+        try:
+            if connection.execute("PRAGMA journal_mode").fetchone()[0] != "wal":
+                connection.execute("PRAGMA journal_mode=WAL")
+            return
+        except sqlite3.OperationalError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.01)

@@ -1,89 +1,41 @@
 """Where a run's results go as they arise, and where a resumed run finds them.
 
 `Store` is the seam: the database behind a lease (`backend.db.store`) or memory (`MemoryStore`, for the command line).
-Every write of a store that has lost its lease raises; nothing is ever overwritten by a stale worker.
+Every write of a store that has lost its lease raises; nothing is ever overwritten by a stale worker. What is handed
+over is plain data, in `backend.db.records`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from backend.db.records import (
+    Columns,
+    Conclusion,
+    Finding,
+    Floats,
+    StageKind,
+    StagePlan,
+    StageRecord,
+    Trace,
+    join,
+)
 
-Floats = NDArray[np.float64]
-StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
-
-
-class Columns(NamedTuple):
-    """Consecutive evaluations of one stage, a row each.
-
-    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as `worker.evaluate.Status`;
-    seconds (m,) working time of the stage when each was known; reasons {index in the stage: sentence}.
-    """
-
-    points: Floats
-    costs: Floats
-    status: NDArray[np.uint8]
-    seconds: Floats
-    reasons: dict[int, str]
-
-
-@dataclass(frozen=True)
-class StagePlan:
-    """A stage before it is begun: `planned` evaluations are its budget."""
-
-    kind: StageKind
-    method: str | None
-    planned: int
-
-
-@dataclass(frozen=True)
-class StageRecord:
-    """A stage as it stands in the store; `seconds` is the working time so far."""
-
-    plan: StagePlan
-    state: Literal["waiting", "running", "done"] = "waiting"
-    seconds: float = 0.0
-    result: dict[str, Any] | None = None
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One distinct worst case; columns as in `backend.db.tables.Finding`."""
-
-    label: str
-    cost: float
-    margin: float
-    parameters: dict[str, float]
-    point: list[float]
-    methods: list[str]
-    at_bounds: dict[str, str]
-    validation: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Trace:
-    """A flight as columns; `columns` and `meta` as in `backend.db.tables.Trace`, data (rows, columns)."""
-
-    name: str
-    columns: list[dict[str, str]]
-    data: Floats
-    meta: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Conclusion:
-    """The end of a run: verdict, its sentence, and all that stands behind it."""
-
-    verdict: Literal["cleared", "violated", "inconclusive"]
-    reason: str
-    nominal_cost: float | None
-    worst_cost: float | None
-    worst_method: str | None
-    summary: dict[str, Any]
+__all__ = [
+    "Columns",
+    "Conclusion",
+    "Finding",
+    "Floats",
+    "MemoryStore",
+    "StageKind",
+    "StagePlan",
+    "StageRecord",
+    "Store",
+    "Trace",
+    "join",
+]
 
 
 class Store(Protocol):
@@ -157,14 +109,3 @@ class MemoryStore:
 
     def conclude(self, conclusion: Conclusion) -> None:
         self.conclusion = conclusion
-
-
-def join(chunks: Sequence[Columns]) -> Columns | None:
-    """Consecutive columns as one; None for none."""
-    if not chunks:
-        return None
-    reasons: dict[int, str] = {}
-    for chunk in chunks:
-        reasons.update(chunk.reasons)
-    points, costs, status, seconds = (np.concatenate([c[k] for c in chunks]) for k in range(4))
-    return Columns(points, costs, status, seconds, reasons)

@@ -1,7 +1,7 @@
 """Opens the database: SQLite in WAL mode or PostgreSQL; `engine.begin()` writes, `read(engine)` reads.
 
-Source: SQLite, "Write-Ahead Logging" and "BEGIN IMMEDIATE" (sqlite.org/lang_transaction.html). A deferred transaction
-that turns into a writer can fail at once whatever the timeout; an immediate one waits its turn. Start reading at `connect`.
+Source: SQLite, "Write-Ahead Logging" and "Transaction" (sqlite.org/lang_transaction.html): a deferred transaction that
+turns into a writer can fail at once whatever the timeout, an immediate one waits its turn. Start reading at `connect`.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
 
 @contextmanager
 def read(engine: sa.Engine) -> Iterator[sa.Connection]:
-    """A connection that only reads: one consistent snapshot, and on SQLite neither waits for writers nor makes them wait."""
+    """A connection that only reads: one snapshot, and on SQLite it neither waits for writers nor makes them wait."""
     with engine.connect() as connection:
         yield connection.execution_options(**{_READ: True})
 

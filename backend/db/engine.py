@@ -6,6 +6,8 @@ turns into a writer can fail at once whatever the timeout, an immediate one wait
 
 from __future__ import annotations
 
+import functools
+import json
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -20,6 +22,7 @@ from backend.db.tables import Base
 BUSY_TIMEOUT = 30.0
 """How long a writer of SQLite waits for another one [s]."""
 
+_json = functools.partial(json.dumps, allow_nan=False)
 _READ = "clearance_read"
 _MIGRATION_LOCK = 0x636C6561
 """The key of PostgreSQL's advisory lock that one migrating process holds."""
@@ -35,7 +38,7 @@ def connect(url: str) -> sa.Engine:
     if backend == "sqlite":
         return _sqlite(parsed)
     if backend in ("postgresql", "postgres"):
-        return sa.create_engine(parsed.set(drivername="postgresql+psycopg"), pool_pre_ping=True)
+        return sa.create_engine(parsed.set(drivername="postgresql+psycopg"), pool_pre_ping=True, json_serializer=_json)
     raise ValueError(f"the database {parsed.render_as_string()!r} is not one of sqlite:///FILE and postgresql://...")
 
 
@@ -81,7 +84,7 @@ def _sqlite(url: sa.URL) -> sa.Engine:
     if not url.database or url.database == ":memory:":
         raise ValueError("an SQLite database is a file, since several processes share it: sqlite:///path/to/file")
     Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
-    engine = sa.create_engine(url, connect_args={"timeout": BUSY_TIMEOUT})
+    engine = sa.create_engine(url, connect_args={"timeout": BUSY_TIMEOUT}, json_serializer=_json)
 
     @sa.event.listens_for(engine, "connect")
     def _connected(connection: sqlite3.Connection, _record: Any) -> None:

@@ -39,7 +39,7 @@ class Run(Base):
     tags: orm.Mapped[list[Any]] = orm.mapped_column(default=list)
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="")
     """Who submitted it."""
-    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="queued", index=True)
+    state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="queued")
     """queued, running, cancelling, cancelled, failed, done"""
     created: orm.Mapped[float] = orm.mapped_column(index=True)
     started: orm.Mapped[float | None]
@@ -68,6 +68,7 @@ class Run(Base):
     evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
     planned: orm.Mapped[int] = orm.mapped_column(default=0)
     failed_evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
+    __table_args__ = (sa.Index("ix_runs_queue", "state", "owner", "not_before", "lease_until"),)
 
 
 class Stage(Base):

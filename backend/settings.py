@@ -1,0 +1,88 @@
+"""The service's settings, from environment variables `CLEARANCE_*`. Start reading at `Settings.load`."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+PREFIX = "CLEARANCE_"
+
+
+class Settings(BaseModel):
+    """Where the service listens and keeps its data; the environment variable is the name in capitals."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    data: Path = Path("data")
+    """Folder for the database and the login link."""
+    database: str = ""
+    """`sqlite:///FILE` or `postgresql://...`; empty: clearance.sqlite3 in the data folder."""
+    host: str = "127.0.0.1"
+    port: Annotated[int, Field(ge=0, le=65535)] = 8000
+    """0: any free one."""
+    allow_any_host: bool = False
+    """Permits a bind beyond loopback, for use inside a container that publishes on 127.0.0.1 only."""
+    public_url: str = ""
+    """How a browser reaches the service, where that differs from host and port."""
+    pages: Path = Path(__file__).parent.parent / "frontend" / "dist"
+    """The built front end."""
+    max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
+    """How many 3D views may be open at once."""
+
+    @model_validator(mode="after")
+    def _loopback(self) -> Settings:
+        if not self.allow_any_host and not _is_loopback(self.host):
+            raise ValueError(
+                f"refusing to listen on {self.host!r}: only the loopback address is allowed, because there are no "
+                f"accounts yet; set {PREFIX}ALLOW_ANY_HOST=true if something in front keeps strangers out, as the "
+                "compose file does"
+            )
+        return self
+
+    @classmethod
+    def load(cls, environment: Mapping[str, str] | None = None) -> Settings:
+        """Settings from the environment. Raises `ValueError` with one sentence a line for what is wrong."""
+        given = os.environ if environment is None else environment
+        names = {PREFIX + name.upper(): name for name in cls.model_fields}
+        try:
+            return cls.model_validate({names[key]: value for key, value in given.items() if key in names and value})
+        except ValidationError as error:
+            lines = (_line(e) for e in error.errors(include_url=False))
+            raise ValueError("\n".join(lines)) from None
+
+    @property
+    def database_url(self) -> str:
+        """The database, with the default filled in."""
+        return self.database or f"sqlite:///{self.data.absolute() / 'clearance.sqlite3'}"
+
+    @property
+    def cookie(self) -> str:
+        """The session cookie's name; browsers share cookies among the ports of a host, so the port is part of it."""
+        return f"clearance_{self.port}"
+
+    def url(self, port: int) -> str:
+        """Where a browser on this machine opens the service."""
+        host = self.host if _is_loopback(self.host) else "127.0.0.1"
+        return self.public_url.rstrip("/") or f"http://{f'[{host}]' if ':' in host else host}:{port}"
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _line(error: object) -> str:
+    assert isinstance(error, dict)
+    message = str(error["msg"]).removeprefix("Value error, ")
+    if not error["loc"]:
+        return message
+    return f"{PREFIX}{str(error['loc'][0]).upper()}: {message}, given {error['input']!r}"

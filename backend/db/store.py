@@ -1,0 +1,229 @@
+"""The tables as a runner's store: satisfies `worker.store.Store` for one claim, every write under its fence.
+
+Each method is one transaction that first touches the run's row under the claim's fence: a worker that has lost its
+lease writes nothing. Start reading at `RunStore.append`.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+import sqlalchemy as sa
+
+from backend.db.engine import now, read
+from backend.db.queue import Claim, fenced
+from backend.db.records import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
+from backend.db.tables import EvaluationChunk, Run, Stage
+from backend.db.tables import Finding as FindingRow
+from backend.db.tables import Trace as TraceRow
+
+OK, FAILED, TIMEOUT, EXCLUDED = range(4)
+"""An evaluation's status, as in the tables."""
+
+PATIENCE = 120.0
+"""How long a write is repeated while the database cannot be reached or stays locked [s]."""
+
+Result = TypeVar("Result")
+
+
+class RunStore:
+    """The results of one claimed run. Writes raise `LostLease` once the run is another worker's or has ended."""
+
+    def __init__(self, engine: sa.Engine, claim: Claim, patience: float = PATIENCE) -> None:
+        self.engine, self.claim, self.patience = engine, claim, patience
+        self._run = claim.run_id
+
+    def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
+        """Write the plan of a new run; return every stage as it stands."""
+        return self._write(lambda connection: self._plan(connection, stages))
+
+    def begin(self, position: int) -> None:
+        """Mark a stage running."""
+
+        def work(connection: sa.Connection) -> None:
+            fenced(connection, self.claim, state=Run.state)
+            started = sa.func.coalesce(Stage.started, now(connection))
+            connection.execute(self._stage(position).values(state="running", started=started))
+
+        self._write(work)
+
+    def evaluations(self, position: int) -> Columns | None:
+        """All evaluations stored for a stage, in order; None when there are none."""
+        of = (EvaluationChunk.run_id == self._run, EvaluationChunk.position == position)
+        with read(self.engine) as connection:
+            rows = connection.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
+            return join([as_columns(row) for row in rows])
+
+    def append(self, position: int, first: int, columns: Columns) -> None:
+        """Store evaluations from index `first` on, and bring the stage's and the run's counts and best up to date.
+
+        Raises `ValueError` unless `first` is the number of evaluations that the stage holds.
+        """
+        if len(columns.status):
+            self._write(lambda connection: self._append(connection, position, first, columns))
+
+    def finish(
+        self,
+        position: int,
+        result: dict[str, Any],
+        seconds: float,
+        findings: Sequence[Finding] = (),
+        traces: Sequence[Trace] = (),
+    ) -> None:
+        """Store a stage's result and what it found, and mark it done: all or nothing. Attempts count anew."""
+
+        def work(connection: sa.Connection) -> None:
+            kind = connection.scalar(sa.select(Stage.kind).where(Stage.run_id == self._run, Stage.position == position))
+            values: dict[str, Any] = {"attempts": 1, "error": None}
+            if kind == "nominal":
+                values["nominal_cost"] = plain(result.get("cost"))
+            fenced(connection, self.claim, **values)
+            ended = {"state": "done", "finished": now(connection), "seconds": seconds, "result": plain(result)}
+            connection.execute(self._stage(position).values(**ended))
+            self._replace(connection, FindingRow, FindingRow.label, [_finding(f) for f in findings])
+            self._replace(connection, TraceRow, TraceRow.name, [_trace(t) for t in traces])
+
+        self._write(work)
+
+    def conclude(self, conclusion: Conclusion) -> None:
+        """Store the verdict; the run is done."""
+        values = {
+            "state": "done",
+            "verdict": conclusion.verdict,
+            "reason": conclusion.reason,
+            "nominal_cost": plain(conclusion.nominal_cost),
+            "worst_cost": plain(conclusion.worst_cost),
+            "worst_method": conclusion.worst_method,
+            "summary": plain(conclusion.summary),
+            "lease_until": 0.0,
+            "error": None,
+        }
+        self._write(lambda connection: fenced(connection, self.claim, finished=now(connection), **values))
+
+    def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
+        fenced(connection, self.claim, planned=sum(stage.planned for stage in stages))
+        rows = connection.execute(sa.select(Stage).where(Stage.run_id == self._run).order_by(Stage.position)).all()
+        if not rows:
+            plans = [{"run_id": self._run, "position": i, **vars(stage)} for i, stage in enumerate(stages)]
+            connection.execute(sa.insert(Stage), plans)
+            return [StageRecord(stage) for stage in stages]
+        if [(row.kind, row.method) for row in rows] != [(stage.kind, stage.method) for stage in stages]:
+            raise ValueError("the stages of this run were planned by another version of Clearance; submit it again")
+        return [
+            StageRecord(StagePlan(row.kind, row.method, row.planned), row.state, row.seconds, row.result)
+            for row in rows
+        ]
+
+    def _append(self, connection: sa.Connection, position: int, first: int, columns: Columns) -> None:
+        count = len(columns.status)
+        failed = int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())
+        totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + failed}
+        fenced(connection, self.claim, **totals)
+        of = (Stage.run_id == self._run, Stage.position == position)
+        stage = connection.execute(sa.select(Stage.evaluations, Stage.best, Stage.kind, Stage.method).where(*of)).one()
+        if stage.evaluations != first:
+            raise ValueError(
+                f"stage {position} holds {stage.evaluations} evaluations, given some from index {first} on"
+            )
+        chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **_blobs(columns)}
+        connection.execute(sa.insert(EvaluationChunk).values(**chunk))
+        values: dict[str, Any] = {
+            "evaluations": first + count,
+            "failed": Stage.failed + failed,
+            "excluded": Stage.excluded + int((columns.status == EXCLUDED).sum()),
+            "seconds": float(columns.seconds[-1]),
+        }
+        best, index = _lowest(columns)
+        if index is not None and (stage.best is None or best < stage.best):
+            values |= {"best": best, "best_index": first + index}
+            if stage.kind == "search":
+                self._worst(connection, best, stage.method)
+        connection.execute(self._stage(position).values(**values))
+
+    def _worst(self, connection: sa.Connection, cost: float, method: str | None) -> None:
+        """The run's worst case so far, as the list of runs shows it while the search goes on."""
+        lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
+        connection.execute(
+            sa.update(Run).where(Run.id == self._run, lower).values(worst_cost=cost, worst_method=method)
+        )
+
+    def _stage(self, position: int) -> sa.Update:
+        return sa.update(Stage).where(Stage.run_id == self._run, Stage.position == position)
+
+    def _replace(self, connection: sa.Connection, table: Any, key: Any, rows: list[dict[str, Any]]) -> None:
+        if rows:
+            names = [row[key.key] for row in rows]
+            connection.execute(sa.delete(table).where(table.run_id == self._run, key.in_(names)))
+            connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
+
+    def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
+        """One transaction, repeated while the database is locked or away; its own errors pass through."""
+        deadline = time.monotonic() + self.patience
+        pause = 0.05
+        while True:
+            try:
+                with self.engine.begin() as connection:
+                    return work(connection)
+            except sa.exc.OperationalError:
+                if time.monotonic() + pause > deadline:
+                    raise
+            time.sleep(pause)
+            pause = min(2.0, 2 * pause)
+
+
+def as_columns(row: Any) -> Columns:
+    """A row of the table of chunks as arrays."""
+    points, costs, seconds = (
+        np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(row.count, -1)
+        for data in (row.points, row.costs, row.seconds)
+    )
+    reasons = {int(index): reason for index, reason in row.reasons.items()}
+    return Columns(points, costs, np.frombuffer(row.status, dtype=np.uint8).copy(), seconds[:, 0], reasons)
+
+
+def plain(value: Any) -> Any:
+    """The value as JSON can hold it: numbers of numpy become Python's, what is not finite becomes None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [plain(inner) for inner in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _blobs(columns: Columns) -> dict[str, Any]:
+    return {
+        "points": _bytes(columns.points),
+        "costs": _bytes(columns.costs),
+        "status": np.ascontiguousarray(columns.status, dtype=np.uint8).tobytes(),
+        "seconds": _bytes(columns.seconds),
+        "reasons": {str(index): reason for index, reason in columns.reasons.items()},
+    }
+
+
+def _bytes(array: Any) -> bytes:
+    return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def _lowest(columns: Columns) -> tuple[float, int | None]:
+    """The lowest cost of the evaluations that are ok, by the first criterion, and its row; the first of equals."""
+    ok = np.flatnonzero((columns.status == OK) & np.isfinite(columns.costs[:, 0]))
+    if not len(ok):
+        return math.nan, None
+    index = int(ok[np.argmin(columns.costs[ok, 0])])
+    return float(columns.costs[index, 0]), index
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {**plain(vars(finding)), "cost": finding.cost, "margin": finding.margin}
+
+
+def _trace(trace: Trace) -> dict[str, Any]:
+    rows = len(trace.data)
+    shape = {"name": trace.name, "columns": plain(trace.columns), "rows": rows}
+    return {**shape, "data": _bytes(trace.data), "meta": plain(trace.meta)}

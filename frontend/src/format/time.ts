@@ -1,0 +1,33 @@
+// Times of day and ages, from seconds since 1970, in the browser's own time zone.
+
+const clock = new Intl.DateTimeFormat('en-GB', { hour: '2-digit', minute: '2-digit' })
+const day = new Intl.DateTimeFormat('en-GB', { day: 'numeric', month: 'short' })
+const full = new Intl.DateTimeFormat('en-GB', {
+  day: 'numeric',
+  month: 'short',
+  year: 'numeric',
+  hour: '2-digit',
+  minute: '2-digit',
+  second: '2-digit',
+})
+
+/** For a table: minutes ago within the hour, the time today, else the day. */
+export function when(time: number, now = Date.now() / 1000): string {
+  const age = now - time
+  if (age < 45) return 'just now'
+  if (age < 3570) return `${Math.max(1, Math.round(age / 60))} min ago`
+  const date = new Date(time * 1000)
+  if (date.toDateString() === new Date(now * 1000).toDateString()) return clock.format(date)
+  if (date.getFullYear() === new Date(now * 1000).getFullYear()) return day.format(date)
+  return `${day.format(date)} ${date.getFullYear()}`
+}
+
+/** The day and the time in full. */
+export const moment = (time: number): string => full.format(new Date(time * 1000))
+
+/** For a heading: "Today 10:41" or "19 Nov 10:41". */
+export function dayAndClock(time: number, now = Date.now() / 1000): string {
+  const date = new Date(time * 1000)
+  const today = date.toDateString() === new Date(now * 1000).toDateString()
+  return `${today ? 'Today' : day.format(date)} ${clock.format(date)}`
+}

@@ -1,7 +1,7 @@
 """Errors as problem documents: what was given, what is allowed, what to do.
 
-Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`; everything else that goes wrong is turned
-into the same form here. Start reading at `RefusedError`.
+Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`; everything else that goes wrong is
+turned into the same form here. Start reading at `RefusedError`.
 """
 
 from __future__ import annotations

@@ -1,33 +1,40 @@
-"""Who may come in: API tokens, login links and sessions, of which only SHA-256 hashes are kept.
+"""API tokens, login links and sessions as rows: only the SHA-256 of a secret is kept, the secret is shown once.
 
-The secrets are 256 bits from the system's generator, so a fast hash is enough (NIST SP 800-63B, section 5.1.2.2, asks
-for slow ones only below 112 bits) and looking a hash up leaks nothing of the secret. Start reading at `create_token`.
+The secrets are 256 random bits, so that a plain hash is enough (OWASP Session Management Cheat Sheet, entropy), and
+looking a hash up leaks nothing of the secret. Start reading at `hashed`.
 """
 
 from __future__ import annotations
 
 import hashlib
 import hmac
+import re
 import secrets
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import sqlalchemy as sa
 
-from backend.db.engine import now
+from backend.db import engine
 from backend.db.tables import LoginLink, Session, Token
 
-LINK_LIFETIME = 24 * 3600.0
-"""How long a login link waits to be opened [s]."""
+TOKEN_PREFIX = "clr_"
+"""Opens every API token, so that one that leaked into a file can be found by searching."""
+
+LINK_LIFETIME = 12 * 3600.0
+"""How long an unused login link is good [s]."""
 
 SESSION_LIFETIME = 14 * 24 * 3600.0
 """How long a browser stays signed in [s]."""
 
-TOKEN_PREFIX = "clr_"
-"""Lets a person, and a scanner for leaked secrets, recognise a token."""
-
-TOKEN_NOTED = 60.0
+USE_NOTED = 60.0
 """The time of a token's last use is written at most this often [s]."""
+
+_NAME = re.compile(r"[\w.+-]{1,64}")
+
+
+class AccessError(ValueError):
+    """A token cannot be created or revoked; the message says why and what to do."""
 
 
 @dataclass(frozen=True)
@@ -39,52 +46,55 @@ class Visitor:
 
 
 def hashed(secret: str) -> str:
-    """The hash under which a secret is kept, 64 hexadecimal digits."""
+    """What the tables keep of a token, a login code or a session cookie: SHA-256, 64 hexadecimal digits."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
 def create_token(connection: sa.Connection, name: str) -> str:
-    """A new API token; returned once, kept as a hash. Raises `ValueError` when the name is taken or unfit."""
-    if not name or len(name) > 64 or not name.isprintable():
-        raise ValueError(f"a token's name has 1 to 64 printable characters, given {name!r}")
+    """A new API token under a name not used before; this is the only time that it can be seen."""
+    if not _NAME.fullmatch(name):
+        raise AccessError(f"the name {name!r} does not fit: 1 to 64 letters, digits and . _ + -, no spaces")
     if connection.scalar(sa.select(Token.id).where(Token.name == name)) is not None:
-        raise ValueError(f"there is a token named {name!r} already; revoke it or choose another name")
+        raise AccessError(f"there is, or was, a token named {name!r}; choose another name")
     secret = TOKEN_PREFIX + secrets.token_urlsafe(32)
-    connection.execute(sa.insert(Token).values(name=name, hash=hashed(secret), created=now(connection)))
+    values = {"name": name, "hash": hashed(secret), "created": engine.now(connection)}
+    connection.execute(sa.insert(Token).values(**values))
     return secret
 
 
-def revoke_token(connection: sa.Connection, name: str) -> bool:
-    """End a token; False when there is none of that name still good. Its name stays taken, as a record."""
-    done = connection.execute(
-        sa.update(Token).where(Token.name == name, Token.revoked.is_(None)).values(revoked=now(connection))
-    )
-    return done.rowcount > 0
+def tokens(connection: sa.Connection) -> list[sa.Row[tuple[str, float, float | None, float | None]]]:
+    """Name, created, last used and revoked [s since 1970] of every token, oldest first."""
+    columns = (Token.name, Token.created, Token.last_used, Token.revoked)
+    return list(connection.execute(sa.select(*columns).order_by(Token.id)))
 
 
-def create_link(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:
-    """The code of a new login link, good once and for `lifetime` seconds."""
-    code, time = secrets.token_urlsafe(32), now(connection)
-    connection.execute(sa.delete(LoginLink).where(LoginLink.expires < time))
-    connection.execute(sa.insert(LoginLink).values(hash=hashed(code), created=time, expires=time + lifetime))
+def revoke_token(connection: sa.Connection, name: str) -> None:
+    """From now on the token is refused; its row stays, so that the name still says who it was."""
+    known = sa.update(Token).where(Token.name == name)
+    if connection.execute(known.values(revoked=sa.func.coalesce(Token.revoked, engine.now(connection)))).rowcount == 0:
+        raise AccessError(f"there is no token named {name!r}; `clearance token list` shows those there are")
+
+
+def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:
+    """The code of a fresh login link, good once and for `lifetime` [s]; codes long expired are cleared away."""
+    code = secrets.token_urlsafe(32)
+    created = engine.now(connection)
+    connection.execute(sa.delete(LoginLink).where(LoginLink.expires < created - 7 * 24 * 3600.0))
+    values = {"hash": hashed(code), "created": created, "expires": created + lifetime}
+    connection.execute(sa.insert(LoginLink).values(**values))
     return code
 
 
 def open_session(connection: sa.Connection, code: str, user: str) -> str | None:
     """Use a login link up: the secret of a new session, or None when the code is wrong, used or expired."""
-    time = now(connection)
-    used = connection.execute(
-        sa.update(LoginLink)
-        .where(LoginLink.hash == hashed(code), LoginLink.used.is_(None), LoginLink.expires > time)
-        .values(used=time)
-    )
-    if used.rowcount != 1:
+    at = engine.now(connection)
+    good = (LoginLink.hash == hashed(code), LoginLink.used.is_(None), LoginLink.expires > at)
+    if connection.execute(sa.update(LoginLink).where(*good).values(used=at)).rowcount != 1:
         return None
     secret = secrets.token_urlsafe(32)
-    connection.execute(sa.delete(Session).where(Session.expires < time))
-    connection.execute(
-        sa.insert(Session).values(hash=hashed(secret), user=user, created=time, expires=time + SESSION_LIFETIME)
-    )
+    connection.execute(sa.delete(Session).where(Session.expires < at))
+    values = {"hash": hashed(secret), "user": user, "created": at, "expires": at + SESSION_LIFETIME}
+    connection.execute(sa.insert(Session).values(**values))
     return secret
 
 
@@ -96,20 +106,21 @@ def close_session(connection: sa.Connection, secret: str) -> None:
 def by_session(connection: sa.Connection, secret: str) -> Visitor | None:
     """The visitor a session's cookie belongs to."""
     row = _found(connection, sa.select(Session.hash, Session.user, Session.expires), Session.hash, secret)
-    return Visitor(row.user, "link") if row is not None and row.expires > now(connection) else None
+    return Visitor(row.user, "link") if row is not None and row.expires > engine.now(connection) else None
 
 
 def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | None:
     """The visitor an API token belongs to, and whether its use should be noted now."""
-    row = _found(connection, sa.select(Token.hash, Token.name, Token.revoked, Token.last_used), Token.hash, secret)
+    columns = (Token.hash, Token.name, Token.revoked, Token.last_used)
+    row = _found(connection, sa.select(*columns), Token.hash, secret)
     if row is None or row.revoked is not None:
         return None
-    return Visitor(row.name, "token"), now(connection) - (row.last_used or 0.0) > TOKEN_NOTED
+    return Visitor(row.name, "token"), engine.now(connection) - (row.last_used or 0.0) > USE_NOTED
 
 
 def note_use(connection: sa.Connection, name: str) -> None:
     """Write down that a token was used."""
-    connection.execute(sa.update(Token).where(Token.name == name).values(last_used=now(connection)))
+    connection.execute(sa.update(Token).where(Token.name == name).values(last_used=engine.now(connection)))
 
 
 def _found(connection: sa.Connection, query: Any, column: Any, secret: str) -> Any:

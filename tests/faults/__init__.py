@@ -1,0 +1,1 @@
+"""What must survive: killed workers, stale fences, locked databases, hanging children. Real processes."""

@@ -1,0 +1,58 @@
+"""Campaigns and evaluations that the fault tests use. Start reading at `campaign`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from backend.db.records import Columns, Finding, StagePlan, Trace
+from campaigns import Campaign
+
+PLAN = [StagePlan("nominal", None, 1), StagePlan("search", "direct", 100), StagePlan("validate", None, 10)]
+
+
+def campaign(**changes: Any) -> Campaign:
+    """Case 1, the unicycle past one obstacle; `changes` replace its top-level entries."""
+    document: Mapping[str, Any] = {
+        "name": "unicycle past a pillar",
+        "scenario": {
+            "vehicle": {"component": "unicycle", "parameters": {"m": 5, "J": 0.05}},
+            "controller": {"component": "pid_speed"},
+            "avoider": {"component": "potential_field"},
+            "goal": {"x": 6, "y": 7},
+            "obstacles": [{"component": "static_circle", "parameters": {"position": {"x": 4, "y": 4}}}],
+            "horizon": 15,
+            "step": 0.005,
+        },
+        "uncertain": {"vehicle.m": {"plus_minus": "20%"}, "vehicle.J": {"plus_minus": "20%"}},
+        "criterion": {"threshold": 0.5},
+        "stages": {"search": [{"method": "direct", "evaluations": 100}]},
+    }
+    return Campaign.model_validate({**document, **changes})
+
+
+def columns(first: int, count: int, seed: int = 1) -> Columns:
+    """Evaluations whose every bit depends on the seed and the index: some failed, some timed out, some excluded."""
+    rows = [np.random.default_rng([seed, first + i]).random(4) for i in range(count)]
+    values = np.array(rows).reshape(count, 4)
+    status = np.array([(0, 0, 0, 0, 0, 1, 2, 3)[int(8 * v)] for v in values[:, 3]], dtype=np.uint8)
+    costs = np.where(status == 0, values[:, 2], np.nan)[:, None]
+    seconds = 0.01 * (first + 1 + np.arange(count))
+    reasons = {first + i: f"diverged at {values[i, 0]:.3f} s" for i in range(count) if status[i]}
+    return Columns(np.ascontiguousarray(values[:, :2]), costs, status, seconds, reasons)
+
+
+def finding(label: str = "F1", cost: float = 0.1 + 0.2) -> Finding:
+    """A finding with numbers that no short decimal can stand for."""
+    parameters = {"vehicle.m": 1 / 3 * 18, "vehicle.J": np.nextafter(0.06, 1)}
+    return Finding(
+        label, cost, cost - 0.5, parameters, [1.0, np.nextafter(1, 0)], ["direct"], {"vehicle.m": "high"}, {}
+    )
+
+
+def trace(name: str = "F1") -> Trace:
+    """A short flight."""
+    described = [{"name": "t", "symbol": "t", "unit": "s", "group": "time"}]
+    return Trace(name, described, np.array([[0.0], [-0.0], [1e-310], [np.nan]]), {"threshold": np.float64(0.5)})

@@ -1,0 +1,35 @@
+"""Databases for the fault tests. Start reading at `database`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import connect, migrate
+from backend.db.tables import Base
+from tests.faults import postgres
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[str]:
+    """The URL of a PostgreSQL server."""
+    with postgres.server() as url:
+        yield url
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[sa.Engine]:
+    """An empty database of each kind."""
+    file = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    url = file if request.param == "sqlite" else request.getfixturevalue("server")
+    migrate(url)
+    engine = connect(url)
+    yield engine
+    if request.param == "postgresql":
+        with engine.begin() as connection:
+            names = ", ".join(table.name for table in Base.metadata.sorted_tables)
+            connection.execute(sa.text(f"truncate {names} restart identity cascade"))
+    engine.dispose()

@@ -1,0 +1,56 @@
+"""A PostgreSQL server of the test's own, from Debian's binaries, on a socket in a folder of its own.
+
+Start reading at `server`; where the binaries are missing it says so and the tests that need it are skipped.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+
+@contextmanager
+def server() -> Iterator[str]:
+    """The URL of a running, empty server; skips the test where there is none to start."""
+    binaries = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
+    found = shutil.which("initdb") or (str(binaries[-1]) if binaries else None)
+    if found is None:
+        pytest.skip("no PostgreSQL server is installed (Debian: apt-get install postgresql)")
+    bin_folder = Path(found).parent
+    # The server refuses to run as root, and a socket's path is at most 107 bytes: hence a short folder of its own.
+    folder = Path(tempfile.mkdtemp(prefix="pg", dir="/tmp"))
+    as_user = _as_user(folder)
+    try:
+        data = folder / "data"
+        _run([*as_user, str(bin_folder / "initdb"), "-D", str(data), "-U", "clearance", "-A", "trust", "-N"])
+        options = f"-c listen_addresses='' -c unix_socket_directories='{folder}' -c fsync=off"
+        control = [*as_user, str(bin_folder / "pg_ctl"), "-D", str(data), "-l", str(folder / "log"), "-w"]
+        _run([*control, "-o", options, "start"])
+        try:
+            yield f"postgresql://clearance@/postgres?host={folder}"
+        finally:
+            _run([*control, "-m", "immediate", "stop"])
+    finally:
+        shutil.rmtree(folder)
+
+
+def _as_user(folder: Path) -> list[str]:
+    if os.geteuid() != 0:
+        return []
+    try:
+        shutil.chown(folder, "postgres", "postgres")
+    except LookupError:
+        pytest.skip("PostgreSQL refuses to run as root, and there is no user postgres")
+    return ["runuser", "-u", "postgres", "--"]
+
+
+def _run(command: list[str]) -> None:
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd="/", check=False)
+    assert done.returncode == 0, f"{command}: {done.stdout}"

@@ -1,0 +1,234 @@
+"""The queue's promises, on SQLite and PostgreSQL: one holder at a time, attempts, fences, cancelling, order."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import now
+from backend.db.queue import Claim, LostLease, Queue, request_cancel, submit
+from backend.db.store import RunStore
+from backend.db.tables import Campaign, Run
+from tests.faults.cases import PLAN, campaign
+
+
+def put(engine: sa.Engine, **given: Any) -> int:
+    values: dict[str, Any] = {"name": "a run", "tags": ["x"], "owner": "ada", "planned": 111} | given
+    with engine.begin() as connection:
+        return submit(connection, campaign(), **values)
+
+
+def row(engine: sa.Engine, run_id: int) -> Any:
+    with engine.begin() as connection:
+        return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
+
+
+def expire(engine: sa.Engine, run_id: int) -> None:
+    """As if the worker had been silent for longer than its lease."""
+    with engine.begin() as connection:
+        connection.execute(sa.update(Run).where(Run.id == run_id).values(lease_until=now(connection) - 1))
+
+
+def ready(engine: sa.Engine, run_id: int) -> None:
+    """As if the pause before the next attempt were over."""
+    with engine.begin() as connection:
+        connection.execute(sa.update(Run).where(Run.id == run_id).values(not_before=0.0))
+
+
+def claimed(queue: Queue, worker: str = "w") -> Claim:
+    claim = queue.claim(worker)
+    assert claim is not None
+    return claim
+
+
+def test_a_claim_holds_the_run_and_carries_the_campaign(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    claim = claimed(queue)
+    assert claim == Claim(run_id, 1, 1, 3, "w", campaign().document())
+    assert Claim(**claim.as_json()) == claim
+    held = row(database, run_id)
+    assert (held.state, held.worker, held.threshold, held.planned) == ("running", "w", 0.5, 111)
+    assert queue.claim("other") is None
+    assert queue.beat(claim) is False
+
+
+def test_the_same_campaign_twice_is_stored_once(database: sa.Engine) -> None:
+    put(database)
+    put(database, name="again")
+    with database.begin() as connection:
+        assert connection.scalar(sa.select(sa.func.count()).select_from(Campaign)) == 1
+        assert connection.scalar(sa.select(sa.func.count()).select_from(Run)) == 2
+
+
+def test_order_is_priority_then_fewest_held_by_the_owner_then_age(database: sa.Engine) -> None:
+    queue = Queue(database)
+    first, second = put(database, owner="ada"), put(database, owner="ada")
+    other, urgent = put(database, owner="bob"), put(database, owner="ada", priority=5)
+    order = [claimed(queue).run_id for _ in range(4)]
+    assert order == [urgent, other, first, second]
+
+
+def test_a_silent_worker_loses_its_run_and_can_write_nothing(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    stale = claimed(queue, "slow")
+    RunStore(database, stale).plan(PLAN)
+    expire(database, run_id)
+    fresh = claimed(queue, "next")
+    assert (fresh.fence, fresh.attempt) == (2, 2)
+    assert "lost" in row(database, run_id).error
+    old = RunStore(database, stale)
+    for write in (lambda: old.begin(0), lambda: old.plan(PLAN), lambda: old.finish(0, {}, 0.0)):
+        with pytest.raises(LostLease):
+            write()
+    for call in (queue.beat, queue.give_back, queue.cancelled, lambda c: queue.fail(c, "no")):
+        with pytest.raises(LostLease):
+            call(stale)
+    with pytest.raises(LostLease):
+        queue.retry(stale, "no")
+    assert queue.cancel_requested(stale)
+    assert row(database, run_id).fence == 2
+    assert queue.beat(fresh) is False
+
+
+def test_a_lease_that_ran_out_unnoticed_is_still_good(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    claim = claimed(queue)
+    expire(database, run_id)
+    assert queue.beat(claim) is False
+    assert queue.claim("other") is None
+
+
+def test_three_attempts_then_failed_with_a_sentence(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    for attempt in (1, 2, 3):
+        claim = claimed(queue)
+        assert claim.attempt == attempt
+        store = RunStore(database, claim)
+        store.plan(PLAN)
+        store.begin(1)
+        queue.retry(claim, "the worker process ended with signal 9 (SIGKILL)", delay=3600)
+        if attempt < 3:
+            assert queue.claim("early") is None
+            assert row(database, run_id).error == (
+                f"Attempt {attempt} of 3: the worker process ended with signal 9 (SIGKILL)."
+            )
+            ready(database, run_id)
+    ended = row(database, run_id)
+    assert (ended.state, ended.finished is None) == ("failed", False)
+    assert ended.error == (
+        "Given up after 3 attempts in the search stage (direct); "
+        "the last one: the worker process ended with signal 9 (SIGKILL)."
+    )
+    assert queue.claim("w") is None
+
+
+def test_three_lost_workers_end_the_run_too(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    for _ in range(3):
+        claimed(queue)
+        expire(database, run_id)
+    assert queue.claim("w") is None
+    ended = row(database, run_id)
+    assert ended.state == "failed"
+    assert ended.error == (
+        "Given up after 3 attempts before its first stage; the last one: its worker was lost without a sign."
+    )
+
+
+def test_a_completed_stage_makes_attempts_count_anew(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    for _ in range(2):
+        claimed(queue)
+        expire(database, run_id)
+    store = RunStore(database, claimed(queue))
+    store.plan(PLAN)
+    store.finish(0, {"cost": 0.9}, 0.1)
+    assert (row(database, run_id).attempts, row(database, run_id).error) == (1, None)
+    for attempt in (2, 3):
+        expire(database, run_id)
+        assert claimed(queue).attempt == attempt
+    expire(database, run_id)
+    assert queue.claim("w") is None
+    assert row(database, run_id).state == "failed"
+
+
+def test_giving_back_does_not_count(database: sa.Engine) -> None:
+    run_id, queue = put(database), Queue(database)
+    for _ in range(5):
+        queue.give_back(claimed(queue))
+        assert (row(database, run_id).state, row(database, run_id).attempts) == ("queued", 0)
+
+
+def cancel(engine: sa.Engine, run_id: int) -> str | None:
+    with engine.begin() as connection:
+        return request_cancel(connection, run_id)
+
+
+def test_cancel_by_state(database: sa.Engine) -> None:
+    queue = Queue(database)
+    waiting = put(database)
+    assert cancel(database, waiting) == "cancelled"
+    assert queue.claim("w") is None
+    held = put(database)
+    claim = claimed(queue)
+    assert not queue.cancel_requested(claim)
+    assert cancel(database, held) == "cancelling"
+    assert queue.cancel_requested(claim)
+    assert queue.beat(claim) is True
+    queue.cancelled(claim)
+    assert cancel(database, held) == "cancelled"
+    assert row(database, held).finished is not None
+    assert cancel(database, 999) is None
+
+
+def test_cancel_does_not_wait_for_a_dead_worker(database: sa.Engine) -> None:
+    queue = Queue(database)
+    first = put(database)
+    claimed(queue)
+    expire(database, first)
+    assert cancel(database, first) == "cancelled"
+    second = put(database)
+    claimed(queue)
+    cancel(database, second)
+    expire(database, second)
+    assert queue.claim("w") is None
+    assert row(database, second).state == "cancelled"
+
+
+@pytest.mark.parametrize("end", ["retry", "give_back"])
+def test_a_run_being_cancelled_is_not_queued_again(database: sa.Engine, end: str) -> None:
+    run_id, queue = put(database), Queue(database)
+    claim = claimed(queue)
+    cancel(database, run_id)
+    if end == "retry":
+        queue.retry(claim, "it died")
+    else:
+        queue.give_back(claim)
+    assert row(database, run_id).state == "cancelled"
+
+
+def test_many_workers_at_once_never_hold_the_same_run(database: sa.Engine) -> None:
+    runs = {put(database, owner=f"user{i % 3}") for i in range(40)}
+    held: list[int] = []
+    errors: list[BaseException] = []
+
+    def work(name: str) -> None:
+        try:
+            queue = Queue(database)
+            while (claim := queue.claim(name)) is not None or len(held) < len(runs):
+                if claim is not None:
+                    held.append(claim.run_id)
+        except BaseException as error:
+            errors.append(error)
+            raise
+
+    threads = [threading.Thread(target=work, args=(f"w{i}",)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not errors
+    assert sorted(held) == sorted(runs)

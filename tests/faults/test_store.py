@@ -1,0 +1,147 @@
+"""The store over the tables: bit-exact numbers, counters in step, all or nothing, resumable."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+
+from backend.db.queue import Claim, Queue, submit
+from backend.db.records import Columns, Conclusion, StagePlan, StageRecord
+from backend.db.store import RunStore, plain
+from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
+from tests.faults.cases import PLAN, campaign, columns, finding, trace
+from worker.store import Store
+
+
+@pytest.fixture
+def claim(database: sa.Engine) -> Claim:
+    with database.begin() as connection:
+        submit(connection, campaign(), name="a run", tags=[], owner="", planned=0)
+    claim = Queue(database).claim("w")
+    assert claim is not None
+    return claim
+
+
+@pytest.fixture
+def store(database: sa.Engine, claim: Claim) -> RunStore:
+    store = RunStore(database, claim)
+    store.plan(PLAN)
+    return store
+
+
+def rows(store: RunStore, table: Any, *order: Any) -> Any:
+    with store.engine.begin() as connection:
+        return connection.execute(sa.select(table).order_by(*order)).all()
+
+
+def same_bits(a: Columns, b: Columns) -> bool:
+    arrays = all(x.tobytes() == y.tobytes() and x.shape == y.shape for x, y in zip(a[:4], b[:4], strict=True))
+    return arrays and a.reasons == b.reasons
+
+
+def test_it_is_a_store(store: RunStore) -> None:
+    as_store: Store = store
+    assert as_store.plan(PLAN) == [StageRecord(stage) for stage in PLAN]
+
+
+def test_evaluations_come_back_bit_for_bit_with_every_count_in_step(store: RunStore) -> None:
+    store.begin(1)
+    assert store.evaluations(1) is None
+    for first, count in ((0, 5), (5, 1), (6, 94)):
+        store.append(1, first, columns(first, count))
+    whole = columns(0, 100)
+    held = store.evaluations(1)
+    assert held is not None
+    assert same_bits(held, whole)
+    [run] = rows(store, Run)
+    stage = rows(store, Stage, Stage.position)[1]
+    failed, excluded = int(np.isin(whole.status, (1, 2)).sum()), int((whole.status == 3).sum())
+    assert failed
+    assert excluded
+    assert (stage.evaluations, stage.failed, stage.excluded, stage.seconds) == (100, failed, excluded, 1.0)
+    assert (stage.best, stage.best_index) == (np.nanmin(whole.costs), int(np.nanargmin(whole.costs)))
+    assert (run.evaluations, run.failed_evaluations) == (100, failed)
+    assert (run.worst_cost, run.worst_method) == (stage.best, "direct")
+
+
+def test_the_first_of_equal_costs_is_the_best(store: RunStore) -> None:
+    flat = columns(0, 4)._replace(costs=np.zeros((4, 1)), status=np.zeros(4, dtype=np.uint8), reasons={})
+    store.append(1, 0, flat)
+    store.append(1, 4, flat)
+    assert rows(store, Stage, Stage.position)[1].best_index == 0
+
+
+def test_a_gap_or_a_repetition_is_refused_and_leaves_nothing(store: RunStore) -> None:
+    store.append(1, 0, columns(0, 5))
+    for first in (0, 4, 6):
+        with pytest.raises(ValueError, match=f"holds 5 evaluations, given some from index {first} on"):
+            store.append(1, first, columns(first, 5))
+    assert rows(store, Run)[0].evaluations == 5
+    assert len(rows(store, EvaluationChunk)) == 1
+
+
+def test_finish_stores_result_findings_and_traces_together(store: RunStore) -> None:
+    store.begin(0)
+    store.finish(
+        0, {"cost": np.float64(0.9435642), "nothing": np.nan, "at": np.arange(2)}, 0.25, [], [trace("nominal")]
+    )
+    store.finish(1, {"method": "direct"}, 1.5, [finding(), finding("F2")])
+    store.finish(2, {"ok": True}, 2.5, [finding("F1", cost=0.25)], [trace()])
+    stages = rows(store, Stage, Stage.position)
+    assert [s.state for s in stages] == ["done"] * 3
+    assert stages[0].result == {"cost": 0.9435642, "nothing": None, "at": [0, 1]}
+    assert rows(store, Run)[0].nominal_cost == 0.9435642
+    first, second = rows(store, Finding, Finding.label)
+    assert first.cost == 0.25
+    assert (second.parameters, second.point) == (finding().parameters, finding().point)
+    flight = next(t for t in rows(store, Trace) if t.name == "F1")
+    assert flight.data == trace().data.tobytes()
+    assert (flight.rows, flight.columns, flight.meta) == (4, trace().columns, {"threshold": 0.5})
+
+
+def test_a_finish_that_cannot_be_stored_leaves_nothing(store: RunStore) -> None:
+    store.begin(1)
+    with pytest.raises(sa.exc.IntegrityError):
+        store.finish(1, {"method": "direct"}, 1.5, [finding(), finding()])
+    assert rows(store, Stage, Stage.position)[1].state == "running"
+    assert not rows(store, Finding)
+
+
+def test_a_resumed_run_finds_what_stands_there(database: sa.Engine, store: RunStore, claim: Claim) -> None:
+    store.begin(0)
+    store.finish(0, {"cost": 0.9}, 0.25)
+    store.begin(1)
+    store.append(1, 0, columns(0, 7))
+    queue = Queue(database)
+    queue.give_back(claim)
+    fresh = queue.claim("next")
+    assert fresh is not None
+    resumed = RunStore(database, fresh)
+    assert resumed.plan(PLAN) == [
+        StageRecord(PLAN[0], "done", 0.25, {"cost": 0.9}),
+        StageRecord(PLAN[1], "running", 0.07, None),
+        StageRecord(PLAN[2]),
+    ]
+    held = resumed.evaluations(1)
+    assert held is not None
+    assert same_bits(held, columns(0, 7))
+    with pytest.raises(ValueError, match="another version"):
+        resumed.plan([StagePlan("nominal", None, 1)])
+
+
+def test_a_conclusion_ends_the_run(store: RunStore) -> None:
+    store.conclude(Conclusion("violated", "It comes too close.", 0.9, 0.3, "direct", {"margin": np.float64(-0.2)}))
+    [run] = rows(store, Run)
+    assert (run.state, run.verdict, run.reason) == ("done", "violated", "It comes too close.")
+    assert (run.nominal_cost, run.worst_cost, run.worst_method) == (0.9, 0.3, "direct")
+    assert run.summary == {"margin": -0.2}
+    assert run.finished >= run.started
+
+
+def test_plain_values_for_json() -> None:
+    given = {"a": np.float64("inf"), 3: (np.int64(2), np.bool_(True)), "c": [float("nan"), -0.0, None, "x"]}
+    assert plain(given) == {"a": None, "3": [2, True], "c": [None, -0.0, None, "x"]}
+    assert str(plain(-0.0)) == "-0.0"

@@ -10,14 +10,17 @@ import functools
 import json
 import sqlite3
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import sqlalchemy as sa
+from sqlalchemy.dialects import postgresql, sqlite
 
 from backend.db.tables import Base
+
+Result = TypeVar("Result")
 
 BUSY_TIMEOUT = 30.0
 """How long a writer of SQLite waits for another one [s]."""
@@ -47,6 +50,11 @@ def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
     return bind.dialect.name == "sqlite"
 
 
+def insert(connection: sa.Connection, table: Any) -> sqlite.Insert | postgresql.Insert:
+    """The insert that also knows `on_conflict_do_nothing` and `on_conflict_do_update`."""
+    return sqlite.insert(table) if is_sqlite(connection) else postgresql.insert(table)
+
+
 @contextmanager
 def read(engine: sa.Engine) -> Iterator[sa.Connection]:
     """A connection that only reads: one snapshot, and on SQLite it neither waits for writers nor makes them wait."""
@@ -59,6 +67,23 @@ def now(connection: sa.Connection) -> float:
     if is_sqlite(connection):
         return time.time()
     return float(connection.scalar(sa.text("select extract(epoch from clock_timestamp())")) or 0.0)
+
+
+def write(engine: sa.Engine, work: Callable[[sa.Connection], Result], patience: float) -> Result:
+    """One write transaction, begun anew for up to `patience` [s] while the database is locked or away.
+
+    Where it is lost whether a commit arrived, `work` is done again: it must be able to tell, or not to mind.
+    """
+    deadline, pause = time.monotonic() + patience, 0.05
+    while True:
+        try:
+            with engine.begin() as connection:
+                return work(connection)
+        except sa.exc.OperationalError:
+            if time.monotonic() + pause > deadline:
+                raise
+        time.sleep(pause)
+        pause = min(2.0, 2 * pause)
 
 
 @contextmanager

@@ -13,9 +13,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import sqlalchemy as sa
-from sqlalchemy.dialects import postgresql, sqlite
 
-from backend.db.engine import is_sqlite, now, read
+from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from campaigns.spec import Campaign
@@ -70,8 +69,7 @@ def submit(
     """Put a run of the campaign into the queue, in the caller's transaction; returns its number."""
     created = now(connection)
     row = {"digest": campaign.digest, "name": campaign.name, "document": campaign.document(), "created": created}
-    insert = (sqlite if is_sqlite(connection) else postgresql).insert(CampaignRow).values(**row)
-    connection.execute(insert.on_conflict_do_nothing())
+    connection.execute(insert(connection, CampaignRow).values(**row).on_conflict_do_nothing())
     values = {
         "campaign_digest": campaign.digest,
         "name": name,

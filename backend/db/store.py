@@ -7,14 +7,13 @@ lease writes nothing. Start reading at `RunStore.append`.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db.engine import now, read
+from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
 from backend.db.records import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
 from backend.db.tables import EvaluationChunk, Run, Stage
@@ -25,9 +24,7 @@ OK, FAILED, TIMEOUT, EXCLUDED = range(4)
 """An evaluation's status, as in the tables."""
 
 PATIENCE = 120.0
-"""How long a write is repeated while the database cannot be reached or stays locked [s]."""
-
-Result = TypeVar("Result")
+"""How long a write is tried again while the database cannot be reached or stays locked [s]."""
 
 
 class RunStore:
@@ -161,18 +158,7 @@ class RunStore:
             connection.execute(sa.insert(table), [{"run_id": self._run, **row} for row in rows])
 
     def _write(self, work: Callable[[sa.Connection], Result]) -> Result:
-        """One transaction, repeated while the database is locked or away; its own errors pass through."""
-        deadline = time.monotonic() + self.patience
-        pause = 0.05
-        while True:
-            try:
-                with self.engine.begin() as connection:
-                    return work(connection)
-            except sa.exc.OperationalError:
-                if time.monotonic() + pause > deadline:
-                    raise
-            time.sleep(pause)
-            pause = min(2.0, 2 * pause)
+        return write(self.engine, work, self.patience)
 
 
 def as_columns(row: Any) -> Columns:

@@ -1,0 +1,49 @@
+"""The workers as they last gave a sign, and the catalogue that the newest of them published.
+
+Start reading at `publish` and `beat`.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+
+import sqlalchemy as sa
+
+from backend.db.engine import insert, now
+from backend.db.tables import CatalogueDocument, Worker
+from campaigns.catalogue import Catalogue
+
+FORGOTTEN = 24 * 3600.0
+"""A worker silent for longer than this is no longer listed [s]."""
+
+
+def publish(connection: sa.Connection, catalogue: Catalogue) -> None:
+    """Make the catalogue the one that campaigns are held against."""
+    values = {"document": catalogue.model_dump(mode="json"), "published": now(connection)}
+    row = insert(connection, CatalogueDocument).values(id=1, **values)
+    connection.execute(row.on_conflict_do_update(index_elements=["id"], set_=values))
+
+
+def published(connection: sa.Connection) -> float | None:
+    """When the catalogue was last published [s since 1970]; None before there is one."""
+    return connection.scalar(sa.select(CatalogueDocument.published))
+
+
+def arrive(connection: sa.Connection, name: str) -> None:
+    """A worker has started under this name."""
+    at = now(connection)
+    gone = sa.or_(Worker.name == name, Worker.beat < at - FORGOTTEN)
+    connection.execute(sa.delete(Worker).where(gone))
+    values = {"name": name, "host": socket.gethostname()[:120], "pid": os.getpid(), "started": at, "beat": at}
+    connection.execute(sa.insert(Worker).values(**values))
+
+
+def beat(connection: sa.Connection, name: str, run_id: int | None) -> None:
+    """The worker is alive, and works on this run."""
+    connection.execute(sa.update(Worker).where(Worker.name == name).values(beat=now(connection), run_id=run_id))
+
+
+def leave(connection: sa.Connection, name: str) -> None:
+    """The worker has ended in good order."""
+    connection.execute(sa.delete(Worker).where(Worker.name == name))

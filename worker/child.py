@@ -1,0 +1,101 @@
+"""The process that does a worker's work: it may crash, hang or hold the interpreter, and harms nobody else.
+
+Its supervisor writes claims to its standard input and reads one answer each, as lines of JSON; what the physics prints
+goes to standard error. Run as `python -m worker.child`; start reading at `serve`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from typing import Any, TextIO
+
+import sqlalchemy as sa
+
+from backend.db import workers
+from backend.db.engine import connect, write
+from backend.db.queue import Claim, LostLease
+from backend.db.store import PATIENCE, RunStore
+from campaigns import Campaign, CampaignError
+from campaigns.load import load_document
+from worker.store import Store
+
+Execute = Callable[[Campaign, Store], Any]
+
+RUNNER = "worker.runner:execute"
+
+
+def main() -> None:
+    """Read database and runner from the input, publish the catalogue, then work on claims until the input ends."""
+    requests, answers = _private_streams()
+    setup = json.loads(requests.readline())
+    engine = connect(setup["database"])
+    execute = resolve(setup["runner"])
+    from worker.catalog import catalogue
+
+    document = catalogue()
+    write(engine, lambda connection: workers.publish(connection, document), PATIENCE)
+    _say(answers, {"ready": True})
+    serve(engine, execute, requests, answers)
+
+
+def serve(engine: sa.Engine, execute: Execute, requests: TextIO, answers: TextIO) -> None:
+    """Work on one claim after the other; how each ended is an answer, never an exception."""
+    for line in requests:
+        _say(answers, perform(execute, engine, Claim(**json.loads(line))))
+
+
+def perform(execute: Execute, engine: sa.Engine, claim: Claim) -> dict[str, str]:
+    """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (the campaign), `failed` (this attempt)."""
+    from worker.runner import CampaignUnusable
+
+    try:
+        campaign = load_document(claim.document, f"run {claim.run_id}")
+        if execute(campaign, RunStore(engine, claim)) is None:
+            return {"outcome": "failed", "text": "the runner ended without a verdict"}
+    except LostLease:
+        return {"outcome": "lost", "text": ""}
+    except (CampaignUnusable, CampaignError) as error:
+        return {"outcome": "unusable", "text": str(error)}
+    except (Exception, SystemExit) as error:
+        traceback.print_exc()
+        what = " ".join(str(error).split())
+        return {
+            "outcome": "failed",
+            "text": f"the runner raised {type(error).__name__}" + (f": {what}" if what else ""),
+        }
+    return {"outcome": "done", "text": ""}
+
+
+def resolve(name: str) -> Execute:
+    """The function named as `module:function`."""
+    module, _, function = name.partition(":")
+    found: Execute = getattr(importlib.import_module(module), function)
+    return found
+
+
+def _private_streams() -> tuple[TextIO, TextIO]:
+    """Standard input and output for the supervisor alone: a print or an input() in the physics must not reach it."""
+    requests = os.fdopen(os.dup(0), "r", encoding="utf-8")
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    os.dup2(2, 1)
+    return requests, answers
+
+
+def _say(answers: TextIO, message: dict[str, Any]) -> None:
+    answers.write(json.dumps(message) + "\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(1)

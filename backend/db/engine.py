@@ -18,8 +18,6 @@ from typing import Any, TypeVar
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
 
-from backend.db.tables import Base
-
 Result = TypeVar("Result")
 
 BUSY_TIMEOUT = 30.0
@@ -43,6 +41,11 @@ def connect(url: str) -> sa.Engine:
     if backend in ("postgresql", "postgres"):
         return sa.create_engine(parsed.set(drivername="postgresql+psycopg"), pool_pre_ping=True, json_serializer=_json)
     raise ValueError(f"the database {parsed.render_as_string()!r} is not one of sqlite:///FILE and postgresql://...")
+
+
+def default_url(data: Path) -> str:
+    """The database in a data folder, used where no other is named."""
+    return f"sqlite:///{data.absolute() / 'clearance.sqlite3'}"
 
 
 def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
@@ -97,10 +100,15 @@ def migration_lock(engine: sa.Engine) -> Iterator[sa.Connection]:
 
 def migrate(url: str) -> None:
     """Bring the database's tables to the newest form; safe when several processes start at once."""
+    from backend.db.migrate import to_head  # Alembic is needed at start only
+
     engine = connect(url)
+    if is_sqlite(engine):
+        # A table is altered by copying and dropping it, which must not cascade; the pragma has no effect later.
+        sa.event.listen(engine, "connect", lambda connection, _: connection.execute("PRAGMA foreign_keys=OFF"))
     try:
         with migration_lock(engine) as connection:
-            Base.metadata.create_all(connection)
+            to_head(connection)
     finally:
         engine.dispose()
 

@@ -1,0 +1,106 @@
+"""`python -m backend`: migrates the database, prints a login link, serves until told to stop.
+
+Start reading at `main`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+import signal
+import socket
+import sys
+from pathlib import Path
+
+import sqlalchemy as sa
+import uvicorn
+from fastapi import FastAPI
+
+from backend.app import create
+from backend.db.access import create_login_code
+from backend.db.engine import migrate
+from backend.settings import Settings
+
+LINK_FILE = "login-link"
+"""In the data folder, readable by its owner only: the newest login link, for whoever started the service."""
+
+GRACE = 1
+"""How long answers under way may take when the service stops [s]."""
+
+
+class Server(uvicorn.Server):
+    """Ends the streams of events first when it stops; they would otherwise hold it up for ever."""
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        app = self.config.app
+        assert isinstance(app, FastAPI)
+        app.state.hub.stop()
+        await super().shutdown(sockets)
+
+
+def main() -> int:
+    """Serve; 2 when the settings or the database cannot be used."""
+    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    logging.getLogger("alembic").setLevel(logging.WARNING)
+    for chatty in ("websockets", "uvicorn"):
+        logging.getLogger(chatty).setLevel(logging.WARNING)
+    try:
+        settings = Settings.load()
+        settings.data.mkdir(parents=True, exist_ok=True)
+        migrate(settings.database_url)
+        listening = _listen(settings)
+    except (ValueError, OSError, sa.exc.SQLAlchemyError) as error:
+        print(f"clearance: {error}", file=sys.stderr)
+        return 2
+    app = create(settings)
+    _announce(app, settings, listening.getsockname()[1])
+    config = uvicorn.Config(
+        app,
+        log_config=None,
+        access_log=False,
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,
+        server_header=False,
+        timeout_graceful_shutdown=GRACE,
+    )
+    server = Server(config)
+    for number in (signal.SIGTERM, signal.SIGINT):  # uvicorn raises them again when it is done; that is then no news
+        signal.signal(number, lambda *_: setattr(server, "should_exit", True))
+    asyncio.run(server.serve([listening]))
+    return 0
+
+
+def _listen(settings: Settings) -> socket.socket:
+    """Bound before anything is announced, so that a taken port is said in one sentence."""
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    listening = socket.socket(family, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((settings.host, settings.port))
+        listening.listen(128)
+    except OSError as error:
+        listening.close()
+        where = f"{settings.host}:{settings.port}"
+        raise OSError(f"cannot listen on {where}: {error.strerror}; choose another CLEARANCE_PORT") from None
+    return listening
+
+
+def _announce(app: FastAPI, settings: Settings, port: int) -> None:
+    with app.state.engine.begin() as connection:
+        code = create_login_code(connection)
+    link = f"{settings.url(port)}/login?code={code}"
+    _write_private(settings.data / LINK_FILE, link + "\n")
+    print(f"Open {link}", flush=True)
+
+
+def _write_private(path: Path, text: str) -> None:
+    """Whole or not at all, and never readable by others."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as file:
+        file.write(text)
+    draft.replace(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,64 @@
+"""Puts the service together. Start reading at `create`."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import APIRouter, FastAPI
+from starlette.middleware import Middleware
+
+from backend import errors, openapi, pages
+from backend.auth import Guard
+from backend.catalog import endpoints as catalog
+from backend.db.engine import connect
+from backend.events import endpoints as events
+from backend.events.hub import Hub
+from backend.frame import Frame
+from backend.health import endpoints as health
+from backend.results import endpoints as results
+from backend.runs import endpoints as runs
+from backend.scenes import endpoints as scenes
+from backend.scenes.live import Live
+from backend.sessions import endpoints as sessions
+from backend.settings import Settings
+from campaigns.version import VERSION
+
+API = "/api/v1"
+
+
+def create(settings: Settings) -> FastAPI:
+    """The application over the settings' database, whose tables must be there (`backend.db.engine.migrate`)."""
+    engine = connect(settings.database_url)
+    hub, live = Hub(engine), Live()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        yield
+        await hub.close()
+        await live.close()
+        engine.dispose()
+
+    app = FastAPI(
+        title="Clearance",
+        version=VERSION,
+        summary="Finds the worst case of an obstacle-avoidance system before the world does.",
+        lifespan=lifespan,
+        middleware=[Middleware(Frame), Middleware(Guard, engine=engine, cookie=settings.cookie)],
+        openapi_url=f"{API}/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+        generate_unique_id_function=lambda route: route.name,
+        separate_input_output_schemas=False,
+    )
+    app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
+    errors.install(app)
+    api = APIRouter(prefix=API, responses=errors.PROBLEMS)
+    for feature in (health, sessions, catalog, runs, results, events):
+        api.include_router(feature.router)
+    app.include_router(api)
+    app.include_router(sessions.login)
+    app.include_router(scenes.router)
+    pages.serve(app, settings.pages)
+    openapi.install(app)
+    return app

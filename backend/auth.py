@@ -1,0 +1,114 @@
+"""Who may do what: nothing is open but health, the login link and the pages' static files.
+
+A browser comes in by a session cookie, a program by `Authorization: Bearer` (RFC 6750). Writes and sockets must come
+from our own pages (RFC 6454, Origin). Start reading at `Guard`.
+"""
+
+from __future__ import annotations
+
+import urllib.parse
+from typing import Annotated
+
+import anyio.to_thread
+import sqlalchemy as sa
+from fastapi import Depends, Request
+from starlette.datastructures import Headers
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from backend import pages
+from backend.db import access
+from backend.db.access import Visitor
+from backend.db.engine import read
+from backend.errors import RefusedError, respond
+
+OPEN = frozenset({"/api/v1/health", "/login", "/favicon.ico", "/favicon.svg"})
+OPEN_FOLDERS = ("/assets/",)
+SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+class Guard:
+    """Lets known visitors through, as `request.state.visitor`; refuses everyone else."""
+
+    def __init__(self, app: ASGIApp, engine: sa.Engine, cookie: str) -> None:
+        self.app, self.engine, self.cookie = app, engine, cookie
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket") or _is_open(scope["path"]):
+            await self.app(scope, receive, send)
+            return
+        connection = HTTPConnection(scope)
+        visitor = await anyio.to_thread.run_sync(self._visitor, connection)
+        refused = _refusal(scope, connection.headers, visitor)
+        if refused is None:
+            scope.setdefault("state", {})["visitor"] = visitor
+            await self.app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await receive()  # the handshake; closing before accepting it answers 403
+            await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
+        elif refused.status == 401 and pages.wants_page(connection.headers):
+            await pages.sign_in(401)(scope, receive, send)
+        else:
+            await respond(refused, scope["path"])(scope, receive, send)
+
+    def _visitor(self, connection: HTTPConnection) -> Visitor | None:
+        scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+        if scheme:
+            return self._by_token(token.strip()) if scheme.lower() == "bearer" else None
+        cookie = connection.cookies.get(self.cookie)
+        if not cookie:
+            return None
+        with read(self.engine) as reader:
+            return access.by_session(reader, cookie)
+
+    def _by_token(self, token: str) -> Visitor | None:
+        with read(self.engine) as reader:
+            found = access.by_token(reader, token)
+        if found is None:
+            return None
+        visitor, note = found
+        if note:
+            with self.engine.begin() as writer:
+                access.note_use(writer, visitor.user)
+        return visitor
+
+
+def _is_open(path: str) -> bool:
+    return path in OPEN or path.startswith(OPEN_FOLDERS)
+
+
+def _refusal(scope: Scope, headers: Headers, visitor: Visitor | None) -> RefusedError | None:
+    if visitor is None:
+        detail = (
+            "sign in first: open the login link that `clearance serve` printed (a new one: `clearance login-link`), "
+            "or send an API token as `Authorization: Bearer TOKEN` (`clearance token create NAME`)"
+        )
+        return RefusedError(401, "not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
+    socket = scope["type"] == "websocket"
+    if (socket or scope["method"] not in SAFE) and not _from_our_pages(
+        headers, required=socket and visitor.via == "link"
+    ):
+        detail = (
+            f"the request comes from {headers.get('origin', 'no Origin')!r}, not from a page of "
+            f"{headers.get('host', '')!r}: writes and sockets are accepted from the service's own pages only"
+        )
+        return RefusedError(403, "foreign-origin", detail)
+    return None
+
+
+def _from_our_pages(headers: Headers, required: bool) -> bool:
+    """Browsers send Origin with every write and every socket; a program that sends none is no browser."""
+    origin = headers.get("origin")
+    if origin is None:
+        return not required
+    return bool(origin) and urllib.parse.urlsplit(origin).netloc == headers.get("host", "")
+
+
+def visitor(request: Request) -> Visitor:
+    """The visitor that the guard let through."""
+    found = request.state.visitor
+    assert isinstance(found, Visitor)
+    return found
+
+
+CurrentVisitor = Annotated[Visitor, Depends(visitor)]

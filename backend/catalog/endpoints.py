@@ -1,0 +1,73 @@
+"""GET /components and the library of campaigns; POST /campaigns/check. Start reading at `check_campaign`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.concurrency import run_in_threadpool
+
+from backend import bodies
+from backend.catalog import service
+from backend.catalog.schemas import Checked, LibraryCampaign
+from backend.db.engine import read
+from backend.deps import Engine, Reader
+from campaigns import Campaign, CampaignError, Catalogue
+from campaigns.load import load_document
+
+router = APIRouter(tags=["catalog"])
+
+CHECK_BODY = {
+    "required": True,
+    "content": {
+        "application/json": {"schema": {"$ref": "#/components/schemas/CampaignBody"}},
+        "application/yaml": {"schema": {"type": "string"}},
+    },
+}
+
+
+@router.get("/components")
+def list_components(reader: Reader) -> Catalogue:
+    """Components and methods with their parameters, units, limits and texts."""
+    return service.required(reader)
+
+
+@router.get("/campaigns")
+def list_campaigns(reader: Reader) -> list[LibraryCampaign]:
+    """The campaigns that are shipped with this installation."""
+    return service.library_campaigns(reader)
+
+
+@router.get("/campaigns/schema")
+def campaign_schema() -> dict[str, Any]:
+    """The JSON Schema of a campaign."""
+    return Campaign.model_json_schema()
+
+
+@router.get("/campaigns/{name}")
+def get_campaign(name: str, reader: Reader) -> LibraryCampaign:
+    """One of the shipped campaigns."""
+    return service.library_campaign(reader, name)
+
+
+@router.post("/campaigns/check", openapi_extra={"requestBody": CHECK_BODY})
+async def check_campaign(request: Request, engine: Engine) -> Checked:
+    """What a campaign means and what is wrong with it, as `{"campaign": ...}` or as YAML; stores nothing."""
+    yaml = bodies.is_yaml(request)
+    body = await request.body()
+
+    def work() -> Checked:
+        with read(engine) as reader:
+            return service.checked(reader, _given(body, yaml))
+
+    return await run_in_threadpool(work)
+
+
+def _given(body: bytes, yaml: bool) -> Campaign | CampaignError:
+    try:
+        if yaml:
+            return bodies.yaml_campaign(body)
+        document = bodies.document(body)
+        return load_document(document.get("campaign") if isinstance(document, dict) else document, "request")
+    except CampaignError as error:
+        return error

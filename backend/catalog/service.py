@@ -1,0 +1,160 @@
+"""The catalogue that the workers publish, and campaigns held against it. Start reading at `checked`."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import CatalogueDocument, Run, Stage
+from backend.errors import RefusedError, not_found
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
+from campaigns.check import parameters
+from campaigns.plan import plan
+from campaigns.text import to_yaml
+
+NO_CATALOGUE = (
+    "no worker has published its components yet, so campaigns cannot be checked: start one with `clearance worker` "
+    "and try again in a few seconds"
+)
+RECENT_RUNS = 300
+"""How far back runs are looked through for the speed of the same components."""
+
+
+def published(reader: sa.Connection) -> Catalogue | None:
+    """The catalogue of the newest worker; None before any worker has started."""
+    newest = sa.select(CatalogueDocument.document).order_by(CatalogueDocument.published.desc()).limit(1)
+    document = reader.scalar(newest)
+    return None if document is None else Catalogue.model_validate(document)
+
+
+def required(reader: sa.Connection) -> Catalogue:
+    """The catalogue, or 503 while there is none."""
+    catalogue = published(reader)
+    if catalogue is None:
+        raise RefusedError(503, "no-catalogue", NO_CATALOGUE, headers={"Retry-After": "2"})
+    return catalogue
+
+
+def library_campaigns(reader: sa.Connection) -> list[LibraryCampaign]:
+    """Every shipped campaign, with what keeps this installation from running it."""
+    catalogue = published(reader)
+    return [_library_campaign(name, catalogue) for name in library()]
+
+
+def library_campaign(reader: sa.Connection, name: str) -> LibraryCampaign:
+    """One shipped campaign, or 404."""
+    if name not in library():
+        raise not_found("campaign in the library called", name)
+    return _library_campaign(name, published(reader))
+
+
+def _library_campaign(name: str, catalogue: Catalogue | None) -> LibraryCampaign:
+    campaign, text = _shipped(name)
+    problems = [Problem("", "", NO_CATALOGUE)] if catalogue is None else check(campaign, catalogue)
+    return LibraryCampaign(
+        id=name, digest=campaign.digest, document=campaign.document(), yaml=text, problems=_out(problems)
+    )
+
+
+@functools.lru_cache(maxsize=64)
+def _shipped(name: str) -> tuple[Campaign, str]:
+    path = library()[name]
+    return load_file(path), path.read_text(encoding="utf-8")
+
+
+def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
+    """The campaign as the product understands it, or everything that is wrong with it; stores nothing."""
+    if isinstance(given, CampaignError):
+        return Checked(
+            ok=False,
+            problems=_out(given.problems),
+            digest=None,
+            document=None,
+            yaml=None,
+            parameters=[],
+            evaluations=None,
+            seconds=None,
+        )
+    catalogue = required(reader)
+    problems = check(given, catalogue)
+    evaluations = sum(stage.planned for stage in plan(given))
+    return Checked(
+        ok=not problems,
+        problems=_out(problems),
+        digest=given.digest,
+        document=given.document(),
+        yaml=to_yaml(given),
+        parameters=_parameters(given, catalogue),
+        evaluations=evaluations,
+        seconds=_seconds(reader, given, evaluations),
+    )
+
+
+def _out(problems: list[Problem]) -> list[ProblemOut]:
+    return [ProblemOut(field=p.field, given=p.given, message=p.message) for p in problems]
+
+
+def _parameters(campaign: Campaign, catalogue: Catalogue) -> list[CheckedParameter]:
+    found = []
+    for path, (entry, nominal) in parameters(campaign, catalogue).items():
+        known = math.isfinite(nominal)
+        low = high = None
+        if path in campaign.uncertain and (known or campaign.uncertain[path].plus_minus is None):
+            low, high = campaign.uncertain[path].interval(nominal)
+        found.append(CheckedParameter(path=path, entry=entry, nominal=nominal if known else None, low=low, high=high))
+    return found
+
+
+def bounds(campaign: Campaign, catalogue: Catalogue | None) -> dict[str, tuple[float, float, float]]:
+    """Nominal value, low and high of each uncertain parameter, in the campaign's order.
+
+    A path that this catalogue does not know (any more) is left out.
+    """
+    known = {} if catalogue is None else parameters(campaign, catalogue)
+    found = {}
+    for path, uncertain in campaign.uncertain.items():
+        if path in known:
+            nominal = known[path][1]
+            found[path] = (nominal, *uncertain.interval(nominal))
+    return found
+
+
+def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> float | None:
+    """Working time that the evaluations would take at the speed of earlier runs of the same components [s].
+
+    A flight's time goes with its number of steps, so speed is counted in steps.
+    """
+    recent = sa.select(Run.id, Run.campaign_digest).where(Run.state == "done").order_by(Run.id.desc())
+    runs = recent.limit(RECENT_RUNS).subquery()
+    document = CampaignRow.document
+    same = [
+        _component(document, role) == _component_of(campaign, role) for role in ("vehicle", "controller", "avoider")
+    ]
+    steps = document["scenario"]["horizon"].as_float() / document["scenario"]["step"].as_float()
+    totals = (
+        sa.select(sa.func.sum(Stage.evaluations * steps), sa.func.sum(Stage.seconds))
+        .select_from(runs)
+        .join(CampaignRow, CampaignRow.digest == runs.c.campaign_digest)
+        .join(Stage, Stage.run_id == runs.c.id)
+        .where(Stage.state == "done", Stage.evaluations > 0, *same)
+    )
+    flown, seconds = reader.execute(totals).one()
+    if not flown or not seconds:
+        return None
+    scenario = campaign.scenario
+    return float(evaluations * (scenario.horizon / scenario.step) * seconds / flown)
+
+
+def _component(document: Any, role: str) -> sa.ColumnElement[str]:
+    column: sa.ColumnElement[str] = document["scenario"][role]["component"].as_string()
+    return column
+
+
+def _component_of(campaign: Campaign, role: str) -> str:
+    part = getattr(campaign.scenario, role)
+    return str(part.component)

@@ -1,0 +1,19 @@
+"""Alembic's environment: runs on the connection that it is given, so that the caller's lock covers it.
+
+SQLite cannot alter most of a table; batch mode rebuilds it instead (Alembic, "Running Batch Migrations for SQLite").
+"""
+
+from __future__ import annotations
+
+from alembic import context
+
+from backend.db.tables import Base
+
+connection = context.config.attributes["connection"]
+context.configure(
+    connection=connection,
+    target_metadata=Base.metadata,
+    render_as_batch=connection.dialect.name == "sqlite",
+    compare_type=True,
+)
+context.run_migrations()

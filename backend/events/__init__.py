@@ -1,0 +1,1 @@
+"""Progress as server-sent events, from one poller for all listeners."""

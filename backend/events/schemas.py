@@ -1,0 +1,22 @@
+"""What the stream of events carries beside run summaries and stages. Start reading at `NewImprovements`."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict
+
+
+class NewImprovements(BaseModel):
+    """Evaluations of one stage that became its best so far; equal columns, to be appended to those known by index.
+
+    The first event after connecting has them all, a later one those since the event before.
+    """
+
+    model_config = ConfigDict(extra="forbid")
+
+    index: list[int]
+    seconds: list[float]
+    cost: list[float]
+    evaluations: int
+    """How many evaluations the stage has flown in all."""
+    elapsed: float
+    """Working time of the stage at the last of them [s]."""

@@ -1,0 +1,1 @@
+"""Is the service up: the one open endpoint."""

@@ -1,0 +1,100 @@
+"""The OpenAPI document; `python -m backend.openapi [FILE]` writes it for the front end's client generator.
+
+FastAPI derives it from the endpoints. Added here: the schemas that endpoints name only by reference (problem documents,
+the campaign itself, event payloads). Start reading at `install`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from pydantic import BaseModel
+from pydantic.json_schema import JsonSchemaMode, models_json_schema
+
+from backend.errors import ProblemDocument
+from backend.events.schemas import NewImprovements
+from backend.runs.schemas import RunSubmit
+from campaigns import Campaign
+
+_REF = "#/components/schemas/{model}"
+_CAMPAIGN = {"$ref": _REF.format(model="Campaign")}
+_MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
+    (ProblemDocument, "serialization"),
+    (NewImprovements, "serialization"),
+    (Campaign, "serialization"),
+    (RunSubmit, "validation"),
+)
+_CAMPAIGN_BODY = {
+    "type": "object",
+    "required": ["campaign"],
+    "properties": {
+        "campaign": {"type": "object", "additionalProperties": True, "description": "A campaign's document."}
+    },
+}
+_HOLDING = (("RunDetail", "campaign"), ("LibraryCampaign", "document"), ("Checked", "document"))
+"""Where a plain mapping in an answer is a campaign."""
+
+TAGS = [
+    {"name": "service", "description": "Health"},
+    {"name": "session", "description": "Who is signed in"},
+    {"name": "catalog", "description": "Components, methods, the library of campaigns"},
+    {"name": "runs", "description": "Submitting, listing, watching, cancelling"},
+    {"name": "results", "description": "Evaluations, findings, traces"},
+    {"name": "events", "description": "Progress as it happens"},
+]
+SECURITY = {
+    "session": {"type": "apiKey", "in": "cookie", "name": "clearance_PORT", "description": "Set by the login link."},
+    "token": {"type": "http", "scheme": "bearer", "description": "From `clearance token create NAME`."},
+}
+
+
+def install(app: FastAPI) -> None:
+    """Have the application answer with the complete document."""
+
+    def document() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = _document(app)
+        return app.openapi_schema
+
+    app.openapi = document  # type: ignore[method-assign]
+
+
+def _document(app: FastAPI) -> dict[str, Any]:
+    found = get_openapi(title=app.title, version=app.version, summary=app.summary, routes=app.routes, tags=TAGS)
+    components = found["components"]
+    _, extra = models_json_schema(_MODELS, ref_template=_REF)
+    schemas = components["schemas"]
+    for name, schema in extra["$defs"].items():
+        schemas.setdefault(name, schema)
+    schemas["CampaignBody"] = _CAMPAIGN_BODY
+    for name, key in _HOLDING:
+        nullable = "anyOf" in schemas[name]["properties"][key]
+        schemas[name]["properties"][key] = {"anyOf": [_CAMPAIGN, {"type": "null"}]} if nullable else _CAMPAIGN
+    components["schemas"] = dict(sorted(schemas.items()))
+    components["securitySchemes"] = SECURITY
+    found["security"] = [{name: []} for name in SECURITY]
+    found["paths"]["/api/v1/health"]["get"]["security"] = []
+    return found
+
+
+def text() -> str:
+    """The document as it is kept beside the front end."""
+    from backend.app import create
+    from backend.settings import Settings
+
+    with tempfile.TemporaryDirectory() as folder:
+        app = create(Settings(data=Path(folder)))
+        return json.dumps(app.openapi(), indent=2, ensure_ascii=False) + "\n"
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        Path(sys.argv[1]).write_text(text(), encoding="utf-8")
+    else:
+        sys.stdout.write(text())

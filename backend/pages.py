@@ -1,0 +1,81 @@
+"""The pages: the built single-page application with deep links, and the few plain pages the service writes itself.
+
+Hashed assets are kept by browsers for a year, the page that names them is asked for each time (RFC 9111).
+Start reading at `serve`.
+"""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+
+from fastapi import FastAPI, Request
+from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
+from starlette.datastructures import Headers
+from starlette.exceptions import HTTPException
+
+ASSET = "public, max-age=31536000, immutable"
+_STYLE = (
+    "body{font:15px/24px system-ui,sans-serif;max-width:34em;margin:15vh auto;padding:0 24px;"
+    "color:#15202b;background:#fff}"
+    "h1{font-size:20px}code{font:13px ui-monospace,monospace;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
+    "@media(prefers-color-scheme:dark){body{color:#e7ecf2;background:#0d1115}code{background:#1a2027}}"
+)
+
+
+def serve(app: FastAPI, folder: Path) -> None:
+    """Answer every address that is not the API's from the built front end; to be called after all other routes."""
+
+    @app.get("/", include_in_schema=False)
+    def start() -> Response:
+        return RedirectResponse("/runs", 307)
+
+    @app.api_route("/{path:path}", methods=["GET", "HEAD"], include_in_schema=False)
+    def page(path: str, request: Request) -> Response:
+        if path.startswith("api/"):
+            raise HTTPException(404)
+        file = _inside(folder, path)
+        if file is not None:
+            return FileResponse(file, headers={"Cache-Control": ASSET if path.startswith("assets/") else "no-cache"})
+        if path.startswith("assets/") or not wants_page(request.headers):
+            raise HTTPException(404)
+        index = folder / "index.html"
+        if not index.is_file():
+            return plain(
+                "The pages are not built", "<p>Run <code>make install</code>, then start the service again.</p>", 503
+            )
+        return FileResponse(index, headers={"Cache-Control": "no-cache"})
+
+
+def _inside(folder: Path, path: str) -> Path | None:
+    """The file of that path, if it is one of the folder's."""
+    if "\0" in path:
+        return None
+    root = folder.resolve()
+    file = (root / path).resolve()
+    return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
+
+
+def wants_page(headers: Headers) -> bool:
+    """Whether the request was made by a person's browser going somewhere, not by a program or a script."""
+    return "text/html" in headers.get("accept", "")
+
+
+def plain(title: str, body: str, status: int) -> HTMLResponse:
+    """A page of a few words; `body` is HTML."""
+    text = (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)} · Clearance</title>'
+        f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>'
+        f"<body><h1>{html.escape(title)}</h1>{body}</body></html>"
+    )
+    return HTMLResponse(text, status)
+
+
+def sign_in(status: int, why: str = "Sign in to Clearance") -> HTMLResponse:
+    """What to do without a session, or with a login link that is not good."""
+    body = (
+        "<p>Open the login link that the service printed when it started: look at the output of "
+        "<code>clearance serve</code> or <code>make run</code>, or at the container's log.</p>"
+        "<p>Each link is good once. For a new one run <code>clearance login-link</code>.</p>"
+    )
+    return plain(why, body, status)

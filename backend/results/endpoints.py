@@ -1,0 +1,48 @@
+"""A run's evaluations, findings and traces. Start reading at `get_evaluations`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from backend.deps import Reader
+from backend.results import evaluations, service
+from backend.results.schemas import Evaluations, FindingDetail, TraceData, TraceInfo
+from backend.runs.service import number
+
+router = APIRouter(tags=["results"])
+
+
+@router.get("/runs/{run}/evaluations")
+def get_evaluations(
+    run: str,
+    reader: Reader,
+    max_points: Annotated[int, Query(ge=2, le=100_000, description="At most so many evaluations of a stage.")] = 2000,
+    position: Annotated[int | None, Query(ge=0, le=1000, description="Only the stage at this position.")] = None,
+) -> Evaluations:
+    """The evaluations of a run, thinned for charts, with every improvement of the best kept."""
+    return evaluations.read(reader, number(run), max_points, position)
+
+
+@router.get("/runs/{run}/findings")
+def list_findings(run: str, reader: Reader) -> list[FindingDetail]:
+    """The distinct worst cases of a run, the worst first."""
+    return service.findings(reader, number(run))
+
+
+@router.get("/runs/{run}/traces")
+def list_traces(run: str, reader: Reader) -> list[TraceInfo]:
+    """The stored flights of a run: the nominal one and one for each finding."""
+    return service.traces(reader, number(run))
+
+
+@router.get("/runs/{run}/traces/{name}")
+def get_trace(
+    run: str,
+    name: str,
+    reader: Reader,
+    max_points: Annotated[int, Query(ge=10, le=100_000, description="At most so many rows.")] = 1000,
+) -> TraceData:
+    """One flight as columns, thinned, with the rows around the closest approach kept."""
+    return service.trace(reader, number(run), name, max_points)

@@ -1,0 +1,102 @@
+"""Evaluations out of their column chunks, thinned for charts. Start reading at `read`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, cast
+
+import numpy as np
+import sqlalchemy as sa
+from numpy.typing import NDArray
+
+from backend.catalog.service import bounds, published
+from backend.db.records import Columns, join
+from backend.db.store import as_columns
+from backend.db.tables import EvaluationChunk, Stage
+from backend.results import thin
+from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
+from backend.runs.service import campaign
+
+STATUS = ("ok", "failed", "timeout", "excluded")
+MOST_FAILURES = 200
+
+Bounds = Mapping[str, tuple[float, float, float]]
+
+
+def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
+    """Every stage's evaluations, at most `most` of each, and the first failures with their reasons; 404 for no run."""
+    asked = campaign(reader, run_id)
+    limits = bounds(asked, published(reader))
+    paths = list(asked.uncertain)
+    query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.failed, Stage.excluded)
+    query = query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
+    if position is not None:
+        query = query.where(Stage.position == position)
+    found = Evaluations(stages=[], failures=[])
+    for stage in reader.execute(query).all():
+        columns = _columns(reader, run_id, stage.position)
+        if columns is not None:
+            found.stages.append(_series(stage, columns, most, paths, limits))
+            found.failures += _failures(stage.position, columns, paths, limits)[: MOST_FAILURES - len(found.failures)]
+    return found
+
+
+def _columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:
+    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
+    rows = reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
+    return join([as_columns(row) for row in rows])
+
+
+def _series(stage: Any, columns: Columns, most: int, paths: list[str], limits: Bounds) -> EvaluationSeries:
+    costs = np.where(columns.status == 0, columns.costs[:, 0], np.nan)
+    better = thin.improvements(costs)
+    chosen = thin.with_kept(len(costs), most, better)
+    return EvaluationSeries(
+        position=stage.position,
+        kind=stage.kind,
+        method=stage.method,
+        total=stage.evaluations,
+        failed=stage.failed,
+        excluded=stage.excluded,
+        index=chosen.tolist(),
+        seconds=columns.seconds[chosen].tolist(),
+        cost=[None if math.isnan(cost) else cost for cost in costs[chosen].tolist()],
+        status=[cast(Any, STATUS[code]) for code in columns.status[chosen].tolist()],
+        parameters=in_units(columns.points[chosen], paths, limits),
+        improvements=improved(costs, columns.seconds, better),
+    )
+
+
+def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> dict[str, list[float]]:
+    """Points of the unit cube as {path: values} in the parameters' units."""
+    found = {}
+    for column, path in enumerate(paths):
+        if path in limits and column < points.shape[1]:
+            _, low, high = limits[path]
+            found[path] = (low + (high - low) * points[:, column]).tolist()
+    return found
+
+
+def improved(costs: thin.Floats, seconds: thin.Floats, better: thin.Indices) -> dict[str, list[float]]:
+    """The best so far as a step line: its steps, and its end at the last evaluation."""
+    last = len(costs) - 1
+    index, best = better.tolist(), costs[better].tolist()
+    if index and index[-1] != last:
+        index, best = [*index, last], [*best, best[-1]]
+    return {"index": index, "seconds": seconds[index].tolist() if index else [], "cost": best}
+
+
+def _failures(position: int, columns: Columns, paths: list[str], limits: Bounds) -> list[EvaluationFailure]:
+    found = np.flatnonzero(columns.status != 0)[:MOST_FAILURES]
+    values = in_units(columns.points[found], paths, limits)
+    return [
+        EvaluationFailure(
+            position=position,
+            index=index,
+            status=cast(Any, STATUS[columns.status[index]]),
+            reason=columns.reasons.get(index, ""),
+            parameters={path: column[row] for path, column in values.items()},
+        )
+        for row, index in enumerate(found.tolist())
+    ]

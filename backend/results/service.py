@@ -1,0 +1,82 @@
+"""Findings and traces as stored. Start reading at `findings`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+from numpy.typing import NDArray
+
+from backend.catalog.service import bounds, published
+from backend.db.tables import Finding, Trace
+from backend.errors import not_found
+from backend.results import thin
+from backend.results.schemas import FindingDetail, TraceColumn, TraceData, TraceInfo
+from backend.runs.service import campaign, require
+
+
+def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
+    """The findings of a run, the worst first; 404 for no run."""
+    limits = bounds(campaign(reader, run_id), published(reader))
+    rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
+    ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
+    return [_finding(row, limits) for row in ordered]
+
+
+def _finding(row: Any, limits: dict[str, tuple[float, float, float]]) -> FindingDetail:
+    nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
+    columns = ("label", "cost", "margin", "parameters", "methods", "at_bounds", "validation")
+    values = {column: getattr(row, column) for column in columns}
+    return FindingDetail.model_validate(values | {"nominal": nominal, "low": low, "high": high})
+
+
+def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
+    """What flights are stored, the nominal one first; 404 for no run."""
+    require(reader, run_id)
+    rows = reader.execute(sa.select(Trace.name, Trace.rows, Trace.columns, Trace.meta).where(Trace.run_id == run_id))
+    ordered = sorted(rows, key=lambda row: (row.name != "nominal", len(row.name), row.name))
+    return [TraceInfo.model_validate(dict(row._mapping)) for row in ordered]
+
+
+def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData:
+    """One flight, thinned to `most` rows; 404 for no run or no such flight."""
+    require(reader, run_id)
+    row = stored(reader, run_id, name)
+    if row is None:
+        raise not_found("stored flight of this run called", name)
+    data = table(row)
+    chosen = thin.around(len(data), most, closest_row(row.meta, row.columns, data))
+    return TraceData(
+        name=row.name,
+        rows=row.rows,
+        columns=[TraceColumn.model_validate(column) for column in row.columns],
+        meta=row.meta,
+        data={column["name"]: _numbers(data[chosen, k]) for k, column in enumerate(row.columns)},
+    )
+
+
+def stored(reader: sa.Connection, run_id: int, name: str) -> Any:
+    """The row of a flight, or None."""
+    return reader.execute(sa.select(Trace).where(Trace.run_id == run_id, Trace.name == name)).one_or_none()
+
+
+def table(row: Any) -> NDArray[np.float64]:
+    """A flight's data, (rows, columns)."""
+    return np.frombuffer(row.data, dtype="<f8").reshape(row.rows, len(row.columns))
+
+
+def closest_row(meta: dict[str, Any], columns: list[dict[str, Any]], data: NDArray[np.float64]) -> int:
+    """The row at the closest approach, by its time as stored, else by the lowest separation, else the first."""
+    groups = [column["group"] for column in columns]
+    time = (meta.get("closest") or {}).get("time")
+    if time is not None and "time" in groups:
+        return int(np.abs(data[:, groups.index("time")] - time).argmin())
+    if "separation" in groups and not np.isnan(data[:, groups.index("separation")]).all():
+        return int(np.nanargmin(data[:, groups.index("separation")]))
+    return 0
+
+
+def _numbers(column: NDArray[np.float64]) -> list[float | None]:
+    return [value if math.isfinite(value) else None for value in column.tolist()]

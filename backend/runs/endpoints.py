@@ -1,0 +1,97 @@
+"""POST and GET /runs, one run, its stages, cancelling. Start reading at `submit_run`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Query, Request, Response, status
+from fastapi.concurrency import run_in_threadpool
+from pydantic import ValidationError
+
+from backend import bodies
+from backend.auth import CurrentVisitor
+from backend.deps import Engine, Reader
+from backend.runs import listing, service
+from backend.runs.schemas import RunDetail, RunPage, RunState, RunSubmit, RunSummary, StageDetail, VerdictWord
+from campaigns import CampaignError, Problem
+
+router = APIRouter(tags=["runs"])
+
+SUBMIT_BODY = {
+    "required": True,
+    "content": {
+        "application/json": {"schema": {"$ref": "#/components/schemas/RunSubmit"}},
+        "application/yaml": {"schema": {"type": "string"}},
+    },
+}
+Key = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=128,
+        description="Any text: a repeated request under the same key gives the run that the first one queued.",
+    ),
+]
+
+
+@router.post("/runs", status_code=status.HTTP_201_CREATED, openapi_extra={"requestBody": SUBMIT_BODY})
+async def submit_run(
+    request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, key: Key = None
+) -> RunSummary:
+    """Queue a run of a campaign, given as JSON or as YAML."""
+    yaml = bodies.is_yaml(request)
+    body = await request.body()
+    run = await run_in_threadpool(lambda: service.submit(engine, _submission(body, yaml), visitor, key))
+    response.headers["Location"] = f"{request.url.path}/{run.id}"
+    return run
+
+
+def _submission(body: bytes, yaml: bool) -> service.Submission:
+    try:
+        return service.from_yaml(body) if yaml else service.from_json(body, _described(body))
+    except CampaignError as error:
+        raise bodies.invalid(error) from None
+
+
+def _described(body: bytes) -> RunSubmit:
+    try:
+        return RunSubmit.model_validate(bodies.document(body))
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_context=False)
+        problems = [Problem(".".join(map(str, e["loc"])), str(e["input"])[:120], e["msg"]) for e in found]
+        raise bodies.invalid(CampaignError("request", problems)) from None
+
+
+@router.get("/runs")
+def list_runs(
+    reader: Reader,
+    q: Annotated[str, Query(max_length=200, description="Words in the name, campaign, tags, owner or number.")] = "",
+    state: Annotated[list[RunState] | None, Query()] = None,
+    verdict: Annotated[list[VerdictWord] | None, Query()] = None,
+    tag: Annotated[list[str] | None, Query()] = None,
+    sort: listing.Sort = "-created",
+    cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the page before.")] = None,
+    limit: Annotated[int, Query(ge=1, le=200)] = 50,
+) -> RunPage:
+    """The runs, a page at a time; repeated filters are alternatives."""
+    filters = listing.Filters(q, state or (), verdict or (), tag or ())
+    return listing.page(reader, filters, sort, cursor, limit)
+
+
+@router.get("/runs/{run}")
+def get_run(run: str, reader: Reader) -> RunDetail:
+    """One run with its campaign, its stages as they stand, and the parts of its verdict."""
+    return service.detail(reader, service.number(run))
+
+
+@router.post("/runs/{run}/cancel")
+def cancel_run(run: str, engine: Engine) -> RunSummary:
+    """Cancel a run: queued ones at once, running ones within a second; one that has ended stays as it is."""
+    return service.cancel(engine, service.number(run))
+
+
+@router.get("/runs/{run}/stages")
+def list_stages(run: str, reader: Reader) -> list[StageDetail]:
+    """The stages of a run with their results."""
+    return service.stages(reader, service.number(run))

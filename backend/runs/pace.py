@@ -1,0 +1,31 @@
+"""How fast a run goes and how long it may still take. Start reading at `estimate`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from backend.runs.schemas import StageProgress
+
+FEWEST = 8
+"""With fewer evaluations than this no speed is told."""
+
+
+def estimate(stages: Sequence[StageProgress]) -> tuple[float | None, float | None]:
+    """Evaluations per second of the running stage, and the time left [s] if every stage uses its whole budget.
+
+    A stage that has hardly begun is taken to be as fast as the run was so far; one that ends by its own rule is over
+    sooner.
+    """
+    running = next((s for s in stages if s.state == "running"), None)
+    if running is None:
+        return None, None
+    speed = _speed([running]) or _speed([s for s in stages if s.kind != "nominal"])
+    if speed is None:
+        return None, None
+    left = sum(max(0, s.planned - s.evaluations) for s in stages if s.state != "done")
+    return speed, left / speed
+
+
+def _speed(stages: Sequence[StageProgress]) -> float | None:
+    evaluations, seconds = sum(s.evaluations for s in stages), sum(s.seconds for s in stages)
+    return evaluations / seconds if evaluations >= FEWEST and seconds > 0 else None

@@ -1,0 +1,170 @@
+"""Runs: submitting, reading one, cancelling. The list is in `backend.runs.listing`. Start reading at `submit`."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from dataclasses import dataclass
+
+import sqlalchemy as sa
+
+from backend import bodies
+from backend.catalog.service import required
+from backend.db import queue
+from backend.db.access import Visitor
+from backend.db.engine import now, read
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import IdempotencyKey, Run, Stage
+from backend.errors import RefusedError, not_found
+from backend.runs import listing, pace
+from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
+from campaigns import Campaign, CampaignError, check
+from campaigns.load import load_document
+from campaigns.plan import plan
+
+_ID = re.compile(r"R-(\d{1,15})")
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A campaign to run, read but not yet held against the catalogue."""
+
+    campaign: Campaign
+    name: str
+    tags: list[str]
+    priority: int
+    digest: str
+    """Of the request's body, to tell a repeated request from another one under the same key."""
+
+
+def number(run: str) -> int:
+    """The number of a run from its name, R-0001; 404 for anything else."""
+    match = _ID.fullmatch(run)
+    if match is None:
+        raise not_found("run", run)
+    return int(match[1])
+
+
+def from_yaml(body: bytes) -> Submission:
+    """A submission whose body is the campaign itself."""
+    return _submission(bodies.yaml_campaign(body), RunSubmit(campaign={}), body)
+
+
+def from_json(body: bytes, given: RunSubmit) -> Submission:
+    """A submission as the API describes it."""
+    return _submission(load_document(given.campaign, "request"), given, body)
+
+
+def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission:
+    tags = campaign.tags if given.tags is None else list(dict.fromkeys(given.tags))
+    digest = hashlib.sha256(body).hexdigest()
+    return Submission(campaign, given.name or campaign.name, tags, given.priority, digest)
+
+
+def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSummary:
+    """Queue a run, or give the one queued before under the same key; what is refused leaves no row."""
+    with read(engine) as reader:
+        problems = check(submission.campaign, required(reader))
+    if problems:
+        raise bodies.invalid(CampaignError("request", problems))
+    with engine.begin() as writer:
+        run_id = None if key is None else _repeated(writer, submission, visitor, key)
+        if run_id is None:
+            run_id = _queue(writer, submission, visitor)
+            if key is not None:
+                _remember(writer, submission, visitor, key, run_id)
+    with read(engine) as reader:
+        return summary(reader, run_id)
+
+
+def _queue(writer: sa.Connection, submission: Submission, visitor: Visitor) -> int:
+    return queue.submit(
+        writer,
+        submission.campaign,
+        name=submission.name,
+        tags=submission.tags,
+        owner=visitor.user,
+        priority=submission.priority,
+        planned=sum(stage.planned for stage in plan(submission.campaign)),
+    )
+
+
+def _repeated(writer: sa.Connection, submission: Submission, visitor: Visitor, key: str) -> int | None:
+    mine = (IdempotencyKey.key == key, IdempotencyKey.user == visitor.user)
+    row = writer.execute(sa.select(IdempotencyKey.body, IdempotencyKey.run_id).where(*mine)).one_or_none()
+    if row is None:
+        return None
+    if row.body != submission.digest:
+        detail = (
+            f"the Idempotency-Key {key!r} was used for another request, which queued {listing.name(row.run_id)}: "
+            "send the same body again, or another key"
+        )
+        raise RefusedError(422, "idempotency-key-reused", detail)
+    return int(row.run_id)
+
+
+def _remember(writer: sa.Connection, submission: Submission, visitor: Visitor, key: str, run_id: int) -> None:
+    values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id}
+    writer.execute(sa.insert(IdempotencyKey).values(**values, created=now(writer)))
+
+
+def cancel(engine: sa.Engine, run_id: int) -> RunSummary:
+    """Cancel a run; one that has ended stays as it is."""
+    with engine.begin() as writer:
+        queue.request_cancel(writer, run_id)
+    with read(engine) as reader:
+        return summary(reader, run_id)
+
+
+def summary(reader: sa.Connection, run_id: int) -> RunSummary:
+    """One run as the list shows it, or 404."""
+    found = listing.summaries(reader, Run.id == run_id)
+    if not found:
+        raise not_found("run", listing.name(run_id))
+    return found[0]
+
+
+def detail(reader: sa.Connection, run_id: int) -> RunDetail:
+    """One run with its campaign, stages and the time it may still take."""
+    base = summary(reader, run_id)
+    document, parts = reader.execute(
+        sa.select(CampaignRow.document, Run.summary)
+        .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+        .where(Run.id == run_id)
+    ).one()
+    stages = progress(reader, run_id)
+    rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
+    return RunDetail(
+        **base.model_dump(), campaign=document, stages=stages, summary=parts, rate=rate, remaining=remaining
+    )
+
+
+def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:
+    """The stages of a run as they stand, without their results."""
+    columns = (getattr(Stage, name) for name in StageProgress.model_fields)
+    rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
+    return [StageProgress.model_validate(dict(row._mapping)) for row in rows]
+
+
+def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
+    """The stages of a run with their results, or 404."""
+    require(reader, run_id)
+    columns = (getattr(Stage, name) for name in StageDetail.model_fields)
+    rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
+    return [StageDetail.model_validate(dict(row._mapping)) for row in rows]
+
+
+def require(reader: sa.Connection, run_id: int) -> None:
+    """404 unless there is such a run."""
+    if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
+        raise not_found("run", listing.name(run_id))
+
+
+def campaign(reader: sa.Connection, run_id: int) -> Campaign:
+    """The campaign of a run, or 404."""
+    query = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest)
+    document = reader.scalar(query.where(Run.id == run_id))
+    if document is None:
+        raise not_found("run", listing.name(run_id))
+    return Campaign.model_validate(json.loads(document) if isinstance(document, str) else document)

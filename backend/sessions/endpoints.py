@@ -1,0 +1,57 @@
+"""The login link opens a session; GET and DELETE /session show and end it. Start reading at `login`."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request, Response, status
+from fastapi.responses import RedirectResponse
+
+from backend import pages
+from backend.auth import CurrentVisitor
+from backend.db import access
+from backend.deps import Engine
+from backend.sessions.schemas import SessionInfo
+
+USER = "local"
+"""Whoever came by the login link; there are no accounts yet."""
+
+router = APIRouter(tags=["session"])
+login = APIRouter(include_in_schema=False)
+
+
+@login.get("/login")
+def open_session(request: Request, engine: Engine, code: str = "") -> Response:
+    """Use a login link up and go to the runs."""
+    if not code:
+        return pages.sign_in(200)
+    with engine.begin() as connection:
+        secret = access.open_session(connection, code, USER)
+    if secret is None:
+        return pages.sign_in(403, "This login link is not good (any more)")
+    response = RedirectResponse("/runs", status.HTTP_303_SEE_OTHER)
+    response.set_cookie(
+        request.app.state.settings.cookie,
+        secret,
+        max_age=int(access.SESSION_LIFETIME),
+        httponly=True,
+        samesite="lax",
+        secure=request.url.scheme == "https",
+    )
+    return response
+
+
+@router.get("/session")
+def get_session(visitor: CurrentVisitor) -> SessionInfo:
+    """Who is signed in."""
+    return SessionInfo(user=visitor.user, via=visitor.via)
+
+
+@router.delete("/session", status_code=status.HTTP_204_NO_CONTENT)
+def end_session(request: Request, engine: Engine) -> Response:
+    """Sign this browser out; an API token stays good."""
+    cookie = request.app.state.settings.cookie
+    if cookie in request.cookies:
+        with engine.begin() as connection:
+            access.close_session(connection, request.cookies[cookie])
+    response = Response(status_code=status.HTTP_204_NO_CONTENT)
+    response.delete_cookie(cookie, httponly=True, samesite="lax")
+    return response

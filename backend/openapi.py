@@ -30,6 +30,8 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
 )
+_PARTIAL = frozenset({"RunSubmit", "CampaignBody", "ProblemDocument"})
+"""All others are answers, and answers have every field."""
 _CAMPAIGN_BODY = {
     "type": "object",
     "required": ["campaign"],
@@ -76,6 +78,8 @@ def _document(app: FastAPI) -> dict[str, Any]:
     for name, key in _HOLDING:
         nullable = "anyOf" in schemas[name]["properties"][key]
         schemas[name]["properties"][key] = {"anyOf": [_CAMPAIGN, {"type": "null"}]} if nullable else _CAMPAIGN
+    for name in schemas.keys() - _PARTIAL:
+        schemas[name]["required"] = list(schemas[name].get("properties", {}))
     components["schemas"] = dict(sorted(schemas.items()))
     components["securitySchemes"] = SECURITY
     found["security"] = [{name: []} for name in SECURITY]

@@ -1,0 +1,85 @@
+// Every request the pages make, over the generated client: typed answers, `Refusal` for everything else.
+import * as sdk from '../client'
+import type {
+  Catalogue,
+  Checked,
+  Evaluations,
+  FindingDetail,
+  LibraryCampaign,
+  ListRunsData,
+  RunDetail,
+  RunPage,
+  RunSummary,
+  SessionInfo,
+  StageDetail,
+  TraceData,
+  TraceInfo,
+} from '../client'
+import { client } from '../client/client.gen'
+import type { Campaign } from './campaign'
+import { refusalOf } from './problems'
+
+client.setConfig({ baseUrl: '' })
+
+interface Answer<T> {
+  data?: T
+  error?: unknown
+  response?: Response
+}
+
+async function answer<T>(request: Promise<Answer<T>>): Promise<T> {
+  const { data, error, response } = await request
+  if (!response?.ok) throw refusalOf(error, response)
+  return data as T
+}
+
+export type RunFilter = Pick<NonNullable<ListRunsData['query']>, 'q' | 'state' | 'verdict' | 'tag' | 'sort'>
+
+export const getSession = (): Promise<SessionInfo> => answer(sdk.getSession())
+export const endSession = (): Promise<unknown> => answer(sdk.endSession())
+export const getCatalogue = (): Promise<Catalogue> => answer(sdk.listComponents())
+export const getLibrary = (): Promise<LibraryCampaign[]> => answer(sdk.listCampaigns())
+
+export const listRuns = (filter: RunFilter, cursor: string | null, limit = 50): Promise<RunPage> =>
+  answer(sdk.listRuns({ query: { ...filter, limit, ...(cursor ? { cursor } : {}) } }))
+
+export const getRun = (run: string): Promise<RunDetail> => answer(sdk.getRun({ path: { run } }))
+export const cancelRun = (run: string): Promise<RunSummary> => answer(sdk.cancelRun({ path: { run } }))
+export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
+export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk.listFindings({ path: { run } }))
+export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))
+
+export const getEvaluations = (run: string): Promise<Evaluations> =>
+  answer(sdk.listEvaluations({ path: { run }, query: { max_points: 2000 } }))
+
+export const getTrace = (run: string, name: string): Promise<TraceData> =>
+  answer(sdk.getTrace({ path: { run, name }, query: { max_points: 1500 } }))
+
+/** What a campaign means and what is wrong with it: given as the form's document or as YAML text. */
+export const checkCampaign = (given: Campaign | string, signal?: AbortSignal): Promise<Checked> =>
+  answer(
+    client.post<Checked>({
+      url: '/api/v1/campaigns/check',
+      body: typeof given === 'string' ? given : JSON.stringify({ campaign: given }),
+      bodySerializer: null,
+      headers: { 'Content-Type': typeof given === 'string' ? 'application/yaml' : 'application/json' },
+      signal,
+    }) as Promise<Answer<Checked>>,
+  )
+
+export interface Submission {
+  campaign: Campaign
+  name: string
+  tags: string[]
+}
+
+/** Starts a run; the same key never starts a second one. */
+export const submitRun = (submission: Submission, key: string): Promise<RunSummary> =>
+  answer(
+    client.post<RunSummary>({
+      url: '/api/v1/runs',
+      body: JSON.stringify(submission),
+      bodySerializer: null,
+      headers: { 'Content-Type': 'application/json', 'Idempotency-Key': key },
+    }) as Promise<Answer<RunSummary>>,
+  )

@@ -1,0 +1,94 @@
+// The campaign document as the form edits it, and where a parameter's path stands in it. Start reading at `place`.
+
+export type Json = string | number | boolean | null | Json[] | { [key: string]: Json }
+/** A field may hold what was typed although it is no number; the service then says so beside it. */
+export type Raw = number | string
+
+export interface Part {
+  component: string
+  parameters?: Record<string, Raw>
+}
+
+export interface Uncertain {
+  low?: Raw | null
+  high?: Raw | null
+  plus_minus?: Raw | null
+  unit?: string | null
+  distribution?: { kind: string; mean?: Raw; deviation?: Raw; mode?: Raw }
+}
+
+export interface SearchStage {
+  method: string
+  evaluations: Raw
+  options?: Record<string, Json>
+  starts?: Record<string, number>[]
+}
+
+export interface Published {
+  label: string
+  value: number
+  at?: Record<string, number>
+  source?: string
+}
+
+export interface Campaign {
+  version?: number
+  name: string
+  summary?: string
+  notes?: string
+  tags?: string[]
+  scenario: {
+    vehicle: Part
+    controller: Part
+    avoider: Part
+    start?: Record<string, Raw>
+    goal: Record<string, Raw>
+    obstacles?: Part[]
+    guidance?: { period?: Raw }
+    horizon: Raw
+    step: Raw
+  }
+  uncertain: Record<string, Uncertain>
+  criterion: { component: string; parameters?: Record<string, Raw>; threshold: Raw }
+  stages: {
+    sensitivity?: { points: Raw } | null
+    search: SearchStage[]
+    validate?: { tolerance?: Raw; neighbours?: Raw; reach?: Raw }
+  }
+  agreement?: Raw
+  target_probability?: Raw | null
+  confidence?: Raw
+  seed?: Raw
+  published?: Published[]
+}
+
+export const asCampaign = (document: unknown): Campaign => document as Campaign
+
+/** Where a parameter's nominal value stands in the document: `vehicle.m` -> scenario, vehicle, parameters, m. */
+export function place(path: string): (string | number)[] {
+  const [head = '', ...rest] = path.split('.')
+  if (head === 'obstacles') return ['scenario', 'obstacles', Number(rest[0]), 'parameters', rest.slice(1).join('.')]
+  const name = rest.join('.')
+  if (head === 'criterion') return ['criterion', 'parameters', name]
+  if (head === 'start' || head === 'goal') return ['scenario', head, name]
+  return ['scenario', head, 'parameters', name]
+}
+
+/** The name by which the service calls that place in its problems. */
+export const fieldOf = (path: string): string => place(path).join('.')
+
+/** What stands at a place of a document. */
+export function read(document: unknown, at: readonly (string | number)[]): unknown {
+  return at.reduce<unknown>((value, key) => (value as Record<string | number, unknown> | null | undefined)?.[key], document)
+}
+
+/** A copy of a document with one place changed; `undefined` removes it. What is missing on the way is made. */
+export function write<T>(document: T, at: readonly (string | number)[], value: unknown): T {
+  const [key, ...rest] = at
+  if (key === undefined) return value as T
+  const copy = (Array.isArray(document) ? [...document] : { ...document }) as Record<string | number, unknown>
+  if (rest.length > 0) copy[key] = write(copy[key] ?? {}, rest, value)
+  else if (value === undefined) delete copy[key]
+  else copy[key] = value
+  return copy as T
+}

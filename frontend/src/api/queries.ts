@@ -1,0 +1,71 @@
+// What the pages keep of the service's answers, by key, and how fresh. The event stream writes into the same cache.
+import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
+import type { RunSummary } from '../client'
+import * as calls from './calls'
+import { Refusal } from './problems'
+import { signedOut } from './session'
+
+const refused = (error: unknown, ...status: number[]): boolean =>
+  error instanceof Refusal && status.includes(error.status)
+
+export const queryClient = new QueryClient({
+  queryCache: new QueryCache({
+    onError: (error) => {
+      if (refused(error, 401)) signedOut()
+    },
+  }),
+  defaultOptions: {
+    queries: {
+      staleTime: 15_000,
+      retry: (count, error) => count < 2 && !refused(error, 400, 401, 403, 404, 422),
+    },
+  },
+})
+
+export const isLive = (run: Pick<RunSummary, 'state'>): boolean =>
+  run.state === 'queued' || run.state === 'running' || run.state === 'cancelling'
+
+export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: calls.getSession, staleTime: 60_000 })
+
+export const catalogueQuery = queryOptions({
+  queryKey: ['catalogue'],
+  queryFn: calls.getCatalogue,
+  staleTime: 300_000,
+  // A worker publishes the catalogue when it starts: until then the service answers 503.
+  retry: (count, error) => refused(error, 503) || count < 2,
+  retryDelay: 1500,
+})
+
+export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: calls.getLibrary, staleTime: 300_000 })
+
+export const runsQuery = (filter: calls.RunFilter) =>
+  infiniteQueryOptions({
+    queryKey: ['runs', filter],
+    queryFn: ({ pageParam }) => calls.listRuns(filter, pageParam),
+    initialPageParam: null as string | null,
+    getNextPageParam: (page) => page.next_cursor,
+    placeholderData: (before) => before,
+  })
+
+/** A live run is asked for every two seconds besides the stream: its rate and time left come from nowhere else. */
+export const runQuery = (id: string) =>
+  queryOptions({
+    queryKey: ['run', id],
+    queryFn: () => calls.getRun(id),
+    refetchInterval: (query) => (query.state.data && isLive(query.state.data) ? 2000 : false),
+  })
+
+export const stagesQuery = (id: string) =>
+  queryOptions({ queryKey: ['stages', id], queryFn: () => calls.getStages(id) })
+
+export const evaluationsQuery = (id: string) =>
+  queryOptions({ queryKey: ['evaluations', id], queryFn: () => calls.getEvaluations(id) })
+
+export const findingsQuery = (id: string) =>
+  queryOptions({ queryKey: ['findings', id], queryFn: () => calls.getFindings(id) })
+
+export const tracesQuery = (id: string) =>
+  queryOptions({ queryKey: ['traces', id], queryFn: () => calls.getTraces(id) })
+
+export const traceQuery = (id: string, name: string) =>
+  queryOptions({ queryKey: ['trace', id, name], queryFn: () => calls.getTrace(id, name), staleTime: 300_000 })

@@ -1,0 +1,129 @@
+// The shapes of stage results and of a verdict's parts, which the API passes on as plain JSON.
+// Written by `worker/stages`; read here through `resultOf` and `summaryOf` only.
+import type { RunDetail, StageDetail } from '../client'
+
+export type Values = Record<string, number>
+
+export interface NominalResult {
+  cost: number | null
+  margin: number | null
+  status: string
+  reason: string
+  parameters: Values
+}
+
+export interface SensitivityCurve {
+  path: string
+  values: number[]
+  costs: (number | null)[]
+  status: string[]
+}
+
+export interface SensitivityResult {
+  points: number
+  curves: SensitivityCurve[]
+}
+
+export interface Minimum {
+  start: Values | null
+  parameters: Values
+  cost: number
+  evaluations: number
+  text: string
+}
+
+export interface Sample {
+  samples: number
+  violations: number
+  confidence: number
+  upper_bound: number
+  lowest: number | null
+  mean: number | null
+  deviation: number | null
+  histogram: { edges: number[]; counts: number[] } | null
+  text: string
+}
+
+export interface SearchResult {
+  method: string
+  title: string
+  kind: 'global' | 'local' | 'random'
+  best: { cost: number; margin: number; parameters: Values; index: number } | null
+  evaluations: number
+  failed: number
+  excluded: number
+  seconds: number
+  stop: { kind: 'rule' | 'budget'; text: string } | null
+  minima: Minimum[]
+  sample: Sample | null
+}
+
+export interface ValidationCase {
+  name: string
+  step: number
+  cost: number | null
+  half_step: { step: number; cost: number | null; difference: number | null }
+  integrator: { name: string; cost: number | null; difference: number | null }
+  allowed: number
+  ok: boolean
+  neighbours: { flown: number; failed: number; lowest: number | null; lower_by: number | null } | null
+}
+
+export interface ValidateResult {
+  ok: boolean
+  text: string
+  tolerance: number
+  cases: ValidationCase[]
+}
+
+interface ResultByKind {
+  nominal: NominalResult
+  sensitivity: SensitivityResult
+  search: SearchResult
+  validate: ValidateResult
+}
+
+/** The result of a stage of that kind; null while it has none. */
+export function resultOf<K extends keyof ResultByKind>(
+  stage: StageDetail | undefined | null,
+  kind: K,
+): ResultByKind[K] | null {
+  if (!stage || stage.kind !== kind || !stage.result) return null
+  return stage.result as unknown as ResultByKind[K]
+}
+
+export interface Check {
+  name: string
+  ok: boolean
+  text: string
+}
+
+export interface Provenance {
+  digest?: string
+  seed?: number
+  clearance?: string
+  python?: string
+  packages?: Record<string, string>
+  cpu?: string
+  lanes?: number
+  step?: number
+  integrator?: string
+}
+
+export interface Statistics {
+  samples: number
+  violations: number
+  confidence: number
+  upper_bound: number
+  text: string
+}
+
+export interface VerdictParts {
+  sentence?: string
+  scope?: string
+  checks?: Check[]
+  statistics?: Statistics | null
+  provenance?: Provenance
+}
+
+export const summaryOf = (run: RunDetail): VerdictParts => run.summary as unknown as VerdictParts

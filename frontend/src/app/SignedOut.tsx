@@ -1,0 +1,27 @@
+// Shown when the service does not know this browser: how to get in.
+import { useEffect } from 'react'
+import { BrandMark } from './Brand'
+
+export function SignedOut() {
+  useEffect(() => {
+    document.title = 'Sign in · Clearance'
+  }, [])
+  return (
+    <main className="signin">
+      <div className="card">
+        <BrandMark />
+        <h1>Sign in with the login link</h1>
+        <p>
+          Clearance prints a login link when it starts. Open that link in this browser; it works once and keeps you
+          signed in.
+        </p>
+        <p>
+          To get a new one, run this on the machine where Clearance runs, or look at the log of{' '}
+          <code>clearance serve</code>:
+        </p>
+        <pre className="mono">clearance login-link</pre>
+        <p className="small mut">Programs use an API token instead, made with clearance token create NAME.</p>
+      </div>
+    </main>
+  )
+}

@@ -1,0 +1,40 @@
+// What a page shows instead of itself when it cannot be shown: waiting, refused, not found, broken.
+import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
+import { Refusal } from '../api/problems'
+
+export function Loading({ what }: { what: string }) {
+  return (
+    <div className="loading" role="status">
+      <span className="row">
+        <IconLoader className="i spin" aria-hidden /> Loading {what}
+      </span>
+    </div>
+  )
+}
+
+export function Trouble({ error, retry }: { error: unknown; retry?: () => void }) {
+  const title = error instanceof Refusal ? error.title : 'This page could not be shown'
+  const detail = error instanceof Error ? error.message : String(error)
+  return (
+    <div className="card centre" role="alert">
+      <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
+      <h1>{title}</h1>
+      <p className="wrap-any">{detail}</p>
+      <div className="acts">
+        {retry && (
+          <button type="button" className="btn p" onClick={retry}>
+            Try again
+          </button>
+        )}
+        <Link to="/runs" className="btn">
+          All runs
+        </Link>
+      </div>
+    </div>
+  )
+}
+
+export function NotFound() {
+  return <Trouble error={new Refusal(404, 'There is no such page', 'The address may be mistyped.')} />
+}

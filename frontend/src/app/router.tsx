@@ -1,0 +1,55 @@
+// The addresses of the pages; all that a page can be set to stands in its address.
+import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
+import { readSearch } from '../runs/search'
+import { Shell } from './Shell'
+import { Loading, NotFound, Trouble } from './Trouble'
+
+const root = createRootRoute({ component: Shell, notFoundComponent: NotFound })
+
+const start = createRoute({
+  getParentRoute: () => root,
+  path: '/',
+  beforeLoad: () => {
+    throw redirect({ to: '/runs' })
+  },
+})
+
+const runs = createRoute({
+  getParentRoute: () => root,
+  path: '/runs',
+  validateSearch: readSearch,
+  component: lazyRouteComponent(() => import('../runs/RunsPage'), 'RunsPage'),
+})
+
+const word = (value: unknown): string | undefined => (typeof value === 'string' && value ? value : undefined)
+
+const launch = createRoute({
+  getParentRoute: () => root,
+  path: '/launch',
+  validateSearch: (search: Record<string, unknown>) => ({
+    case: word(search.case),
+    from: word(search.from),
+    tab: search.tab === 'yaml' ? ('yaml' as const) : undefined,
+  }),
+  component: lazyRouteComponent(() => import('../launch/LaunchPage'), 'LaunchPage'),
+})
+
+const run = createRoute({
+  getParentRoute: () => root,
+  path: '/runs/$id',
+  component: lazyRouteComponent(() => import('../run/RunPage'), 'RunPage'),
+})
+
+export const router = createRouter({
+  routeTree: root.addChildren([start, runs, launch, run]),
+  defaultPreload: 'intent',
+  scrollRestoration: true,
+  defaultPendingComponent: () => <Loading what="page" />,
+  defaultErrorComponent: ({ error, reset }) => <Trouble error={error} retry={reset} />,
+})
+
+declare module '@tanstack/react-router' {
+  interface Register {
+    router: typeof router
+  }
+}

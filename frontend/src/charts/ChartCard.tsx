@@ -1,0 +1,94 @@
+// A card around a chart: legend in the heading, the numbers as a table or a CSV file one click away.
+import { IconDownload, IconTable } from '@tabler/icons-react'
+import { type ReactNode, useState } from 'react'
+import { plain } from '../format/numbers'
+import { Card } from '../ui/Card'
+import { save } from '../ui/files'
+import { type DataTable, toCsv } from './csv'
+
+const MOST_ROWS = 400
+
+interface ChartCardProps {
+  title: ReactNode
+  note?: ReactNode
+  right?: ReactNode
+  footer?: ReactNode
+  className?: string
+  id?: string
+  /** Made only when asked for. */
+  data: () => DataTable
+  run: string
+  children: ReactNode
+}
+
+export function ChartCard({ data, run, right, children, footer, ...card }: ChartCardProps) {
+  const [table, setTable] = useState<DataTable | null>(null)
+  const download = () => {
+    const made = data()
+    save(`${run}-${made.name}.csv`, toCsv(made), 'text/csv')
+  }
+  const buttons = (
+    <>
+      {right}
+      <span className="row" style={{ gap: 4 }}>
+        <button
+          type="button"
+          className="iconbtn bd"
+          aria-pressed={table !== null}
+          aria-label={table ? 'Hide data' : 'Show data'}
+          title={table ? 'Hide data' : 'Show data'}
+          onClick={() => setTable(table ? null : data())}
+        >
+          <IconTable className="i s" aria-hidden />
+        </button>
+        <button type="button" className="iconbtn bd" aria-label="Download CSV" title="Download CSV" onClick={download}>
+          <IconDownload className="i s" aria-hidden />
+        </button>
+      </span>
+    </>
+  )
+  return (
+    <Card {...card} right={buttons} footer={table ? undefined : footer}>
+      {children}
+      {table && <Rows table={table} />}
+    </Card>
+  )
+}
+
+function Rows({ table }: { table: DataTable }) {
+  const rows = table.rows.slice(0, MOST_ROWS)
+  return (
+    <>
+      {table.rows.length > MOST_ROWS && (
+        <p className="small mut">
+          The first {MOST_ROWS} of {table.rows.length} rows; the CSV file has all of them.
+        </p>
+      )}
+      <div className="datagrid" tabIndex={0} role="region" aria-label="Data of the chart">
+        <table>
+          <thead>
+            <tr>
+              {table.columns.map((column) => (
+                <th key={column} className="num">
+                  {column}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map((row, i) => (
+              // biome-ignore lint/suspicious/noArrayIndexKey: rows have no other identity and never move
+              <tr key={i}>
+                {row.map((value, j) => (
+                  <td key={table.columns[j]} className="num">
+                    {typeof value === 'number' ? plain(value, 8) : (value ?? '')}
+                  </td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </>
+  )
+}

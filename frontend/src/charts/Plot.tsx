@@ -1,0 +1,117 @@
+// A line chart: uPlot under React, with axis titles, crosshair and values; redrawn when theme, size or data change.
+import { useEffect, useLayoutEffect, useRef, useState } from 'react'
+import uPlot from 'uplot'
+import 'uplot/dist/uPlot.min.css'
+import { useTheme } from '../theme/useTheme'
+import { optionsFor } from './options'
+import type { PlotSpec } from './spec'
+
+const NOTHING: ReadonlySet<string> = new Set()
+
+interface Cursor {
+  at: number
+  left: number
+  top: number
+  flip: boolean
+}
+
+interface PlotProps {
+  spec: PlotSpec
+  hidden?: ReadonlySet<string>
+}
+
+export function Plot({ spec, hidden = NOTHING }: PlotProps) {
+  const theme = useTheme()
+  const holder = useRef<HTMLDivElement>(null)
+  const plot = useRef<uPlot | null>(null)
+  const latest = useRef({ spec, hidden })
+  const [cursor, setCursor] = useState<Cursor | null>(null)
+  latest.current = { spec, hidden }
+
+  // uPlot is built anew only when its structure changes; data and sizes go into the standing one.
+  const structure = [
+    theme,
+    spec.xLog,
+    spec.yLog,
+    spec.height,
+    ...spec.lines.map((line) => `${line.key} ${line.colour} ${hidden.has(line.key)}`),
+  ].join('|')
+
+  // biome-ignore lint/correctness/useExhaustiveDependencies: rebuilt by structure, everything else is read through `latest`
+  useLayoutEffect(() => {
+    const element = holder.current
+    if (!element) return
+    const read = () => latest.current.spec
+    const built = new uPlot(
+      optionsFor(
+        read,
+        () => latest.current.hidden,
+        Math.max(element.clientWidth, 60),
+        (u) => setCursor(cursorOf(u, read())),
+      ),
+      dataOf(read()),
+      element,
+    )
+    plot.current = built
+    const observer = new ResizeObserver(([entry]) => {
+      const width = Math.floor(entry?.contentRect.width ?? 0)
+      if (width > 40 && width !== built.width) built.setSize({ width, height: read().height })
+    })
+    observer.observe(element)
+    void document.fonts.ready.then(() => plot.current === built && built.redraw(false, true))
+    return () => {
+      observer.disconnect()
+      built.destroy()
+      plot.current = null
+    }
+  }, [structure])
+
+  useEffect(() => {
+    plot.current?.setData(dataOf(spec), true)
+  }, [spec])
+
+  return (
+    <figure>
+      {spec.yTitle && <div className="ytitle">{spec.yTitle}</div>}
+      <div className="plot" role="img" aria-label={spec.label} ref={holder}>
+        {cursor && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
+      </div>
+      <figcaption className="xtitle">{spec.xTitle}</figcaption>
+    </figure>
+  )
+}
+
+function dataOf(spec: PlotSpec): uPlot.AlignedData {
+  return [[...spec.x], ...spec.lines.map((line) => [...line.y])]
+}
+
+function cursorOf(u: uPlot, spec: PlotSpec): Cursor | null {
+  const { idx, left, top } = u.cursor
+  if (idx === null || idx === undefined || left === undefined || left < 0) return null
+  const x = spec.x[idx]
+  if (x === undefined) return null
+  const at = u.valToPos(x, 'x') + u.over.offsetLeft
+  return { at: idx, left: at, top: (top ?? 0) + u.over.offsetTop, flip: at > u.width / 2 }
+}
+
+function Tip({ cursor, spec, hidden }: { cursor: Cursor; spec: PlotSpec; hidden: ReadonlySet<string> }) {
+  const lines = spec.lines.filter((line) => !hidden.has(line.key) && typeof line.y[cursor.at] === 'number')
+  if (lines.length === 0) return null
+  const place = cursor.flip ? { right: `calc(100% - ${cursor.left - 12}px)` } : { left: cursor.left + 12 }
+  return (
+    <div className="tip" style={{ ...place, top: Math.max(0, cursor.top - 30) }}>
+      <div className="b">{spec.xText(spec.x[cursor.at] as number)}</div>
+      <dl>
+        {lines.map((line) => (
+          <div key={line.key} style={{ display: 'contents' }}>
+            <dt>
+              <span className="sw" style={{ width: 10, borderTop: `2px solid var(${line.colour})` }} />
+              {line.label}
+            </dt>
+            <dd>{spec.yText(line.y[cursor.at] as number)}</dd>
+          </div>
+        ))}
+      </dl>
+    </div>
+  )
+}

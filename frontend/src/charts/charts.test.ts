@@ -1,0 +1,43 @@
+// Ticks, ranges, joining of curves, and files.
+import { describe, expect, it } from 'vitest'
+import { toCsv } from './csv'
+import { linesOn, stepsOn, union } from './series'
+import { linearTicks, logTicks, padded, tickDecimals } from './ticks'
+
+describe('ticks', () => {
+  it('are round and within the range', () => {
+    expect(linearTicks(0, 15, 5)).toEqual([0, 5, 10, 15])
+    expect(linearTicks(0.9417, 0.9436, 4)).toEqual([0.942, 0.9425, 0.943, 0.9435])
+    expect(linearTicks(-2, 2, 4)).toEqual([-2, -1, 0, 1, 2])
+  })
+  it('are powers of ten on a logarithmic axis', () => {
+    expect(logTicks(1, 2000)).toEqual([1, 10, 100, 1000])
+    expect(logTicks(1, 30)).toEqual([1, 2, 5, 10, 20])
+  })
+  it('are told apart by their decimals', () => {
+    expect(tickDecimals([0.942, 0.9425, 0.943])).toBe(4)
+    expect(tickDecimals([0, 2.5, 5])).toBe(1)
+    expect(tickDecimals([0, 10, 20])).toBe(0)
+  })
+  it('lie in a range that is never empty', () => {
+    expect(padded([5, 5])[0]).toBeLessThan(5)
+    expect(padded([])).toEqual([0, 1])
+    expect(padded([1, 100], true)[0]).toBeLessThan(1)
+  })
+})
+
+describe('curves on common abscissae', () => {
+  const a = { x: [1, 5, 9], y: [10, 8, 7] }
+  const b = { x: [2, 4], y: [9, 6] }
+  it('union', () => expect(union([a, b])).toEqual([1, 2, 4, 5, 9]))
+  it('steps hold and end', () => {
+    expect(stepsOn([1, 2, 4, 5, 9], a)).toEqual([10, 10, 10, 8, 7])
+    expect(stepsOn([1, 2, 4, 5, 9], b)).toEqual([null, 9, 6, null, null])
+  })
+  it('lines interpolate', () => expect(linesOn([0, 1, 3, 9, 10], a)).toEqual([null, 10, 9, 7, null]))
+})
+
+it('CSV quotes what needs it and keeps every digit', () => {
+  const table = { name: 't', columns: ['a, b', 'c'], rows: [['say "x"', 0.1 + 0.2], [null, -1]] }
+  expect(toCsv(table)).toBe('"a, b",c\r\n"say ""x""",0.30000000000000004\r\n,-1\r\n')
+})

@@ -1,0 +1,122 @@
+// What is drawn on top of uPlot's lines: the criterion with its forbidden side, named points, markers at line ends.
+import type uPlot from 'uplot'
+import { isOpen, OUTLINE, type Shape } from '../ui/methods'
+import type { PlotSpec, Point } from './spec'
+
+/** The value of a CSS variable, for canvases. */
+export function colour(name: string): string {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim()
+}
+
+/** The forbidden side of the criterion, under everything. */
+export function drawTint(u: uPlot, spec: PlotSpec): void {
+  if (!spec.criterion?.tint) return
+  const { ctx, bbox } = u
+  const y = clamp(u.valToPos(spec.criterion.value, 'y', true), bbox.top, bbox.top + bbox.height)
+  ctx.save()
+  ctx.globalAlpha = 0.055
+  ctx.fillStyle = colour('--bad-solid')
+  ctx.fillRect(bbox.left, y, bbox.width, bbox.top + bbox.height - y)
+  ctx.restore()
+}
+
+export function drawCriterion(u: uPlot, spec: PlotSpec): void {
+  const criterion = spec.criterion
+  if (!criterion) return
+  const { ctx, bbox } = u
+  const y = u.valToPos(criterion.value, 'y', true)
+  if (y < bbox.top - 1 || y > bbox.top + bbox.height + 1) return
+  const ratio = devicePixelRatio
+  ctx.save()
+  ctx.strokeStyle = colour('--c-crit')
+  ctx.lineWidth = 1.25 * ratio
+  ctx.setLineDash([5 * ratio, 4 * ratio])
+  ctx.beginPath()
+  ctx.moveTo(bbox.left, y)
+  ctx.lineTo(bbox.left + bbox.width, y)
+  ctx.stroke()
+  ctx.restore()
+  if (criterion.label) text(u, criterion.label, bbox.left + 6 * ratio, y - 7 * ratio, '--ink', 'left')
+}
+
+export function drawPoints(u: uPlot, points: readonly Point[]): void {
+  const ratio = devicePixelRatio
+  for (const point of points) {
+    const x = u.valToPos(point.x, 'x', true)
+    const y = u.valToPos(point.y, 'y', true)
+    const { ctx, bbox } = u
+    ctx.save()
+    ctx.beginPath()
+    ctx.arc(x, y, 3.8 * ratio, 0, 2 * Math.PI)
+    ctx.fillStyle = colour(point.colour)
+    ctx.strokeStyle = colour('--surface')
+    ctx.lineWidth = 1.6 * ratio
+    ctx.fill()
+    ctx.stroke()
+    ctx.restore()
+    if (!point.label) continue
+    const half = measure(u, point.label) / 2
+    const at = clamp(x, bbox.left + half + 2, bbox.left + bbox.width - half - 2)
+    const below = point.place !== 'above'
+    text(u, point.label, at, y + (below ? 16 : -10) * ratio, point.colour === '--c-worst' ? '--bad' : '--ink-2', 'center')
+  }
+}
+
+export function drawEnds(u: uPlot, spec: PlotSpec): void {
+  spec.lines.forEach((line, i) => {
+    if (!line.end || !u.series[i + 1]?.show) return
+    let last = line.y.length - 1
+    while (last >= 0 && line.y[last] === null) last--
+    const value = line.y[last]
+    if (value === null || value === undefined) return
+    marker(u, line.end, line.colour, u.valToPos(spec.x[last] as number, 'x', true), u.valToPos(value, 'y', true))
+  })
+}
+
+function marker(u: uPlot, shape: Shape, name: string, x: number, y: number): void {
+  const { ctx } = u
+  const scale = devicePixelRatio * 0.95
+  const path = new Path2D(OUTLINE[shape])
+  ctx.save()
+  ctx.translate(x - 5 * scale, y - 5 * scale)
+  ctx.scale(scale, scale)
+  ctx.lineWidth = isOpen(shape) ? 4 : 1.5
+  ctx.strokeStyle = colour('--surface')
+  ctx.stroke(path)
+  if (isOpen(shape)) {
+    ctx.lineWidth = 1.9
+    ctx.strokeStyle = colour(name)
+    ctx.stroke(path)
+  } else {
+    ctx.fillStyle = colour(name)
+    ctx.fill(path)
+  }
+  ctx.restore()
+}
+
+export const font = (weight = 400): string => `${weight} ${11 * devicePixelRatio}px "Inter Variable", system-ui, sans-serif`
+
+function measure(u: uPlot, words: string): number {
+  u.ctx.save()
+  u.ctx.font = font(500)
+  const width = u.ctx.measureText(words).width
+  u.ctx.restore()
+  return width
+}
+
+function text(u: uPlot, words: string, x: number, y: number, ink: string, align: CanvasTextAlign): void {
+  const { ctx } = u
+  ctx.save()
+  ctx.font = font(500)
+  ctx.textAlign = align
+  ctx.textBaseline = 'middle'
+  ctx.lineJoin = 'round'
+  ctx.lineWidth = 3 * devicePixelRatio
+  ctx.strokeStyle = colour('--surface')
+  ctx.strokeText(words, x, y)
+  ctx.fillStyle = colour(ink)
+  ctx.fillText(words, x, y)
+  ctx.restore()
+}
+
+const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high)

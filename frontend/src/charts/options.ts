@@ -1,0 +1,89 @@
+// From a `PlotSpec` to uPlot's options. The spec is read through a getter, so that new data needs no new plot.
+import uPlot from 'uplot'
+import { fixed, plain } from '../format/numbers'
+import { colour, drawCriterion, drawEnds, drawPoints, drawTint, font } from './draw'
+import type { PlotSpec } from './spec'
+import { linearTicks, logTicks, padded, tickDecimals } from './ticks'
+
+const stepped = uPlot.paths.stepped?.({ align: 1 })
+
+/** The range of y: what is visible, and the criterion. */
+export function rangeOf(spec: PlotSpec, hidden: ReadonlySet<string>): [number, number] {
+  if (spec.yRange) return spec.yRange
+  const values: number[] = []
+  for (const line of spec.lines) if (!hidden.has(line.key)) for (const y of line.y) if (y !== null) values.push(y)
+  if (spec.criterion) values.push(spec.criterion.value)
+  return padded(values, spec.yLog)
+}
+
+function domainOf(spec: PlotSpec): [number, number] {
+  if (spec.xRange) return spec.xRange
+  const low = spec.x[0] ?? (spec.xLog ? 1 : 0)
+  const high = spec.x[spec.x.length - 1] ?? low
+  return high > low ? [low, high] : [low, spec.xLog ? low * 10 : low + 1]
+}
+
+export function optionsFor(
+  read: () => PlotSpec,
+  hidden: () => ReadonlySet<string>,
+  width: number,
+  onCursor: (u: uPlot) => void,
+): uPlot.Options {
+  const spec = read()
+  const points = () => (read().points ?? []).filter((point) => !point.line || !hidden().has(point.line))
+  return {
+    width,
+    height: spec.height,
+    padding: [8, 14, 0, 0],
+    legend: { show: false },
+    cursor: { y: false, drag: { x: false, y: false }, points: { size: 7, width: 1.5 } },
+    scales: {
+      x: { time: false, distr: spec.xLog ? 3 : 1, range: () => domainOf(read()) },
+      y: { distr: spec.yLog ? 3 : 1, range: () => rangeOf(read(), hidden()) },
+    },
+    axes: [axis(read, 'x'), axis(read, 'y')],
+    series: [
+      {},
+      ...spec.lines.map((line) => ({
+        stroke: () => colour(line.colour),
+        width: line.width ?? 1.6,
+        show: !hidden().has(line.key),
+        paths: line.stepped ? stepped : undefined,
+        points: { show: false },
+      })),
+    ],
+    hooks: {
+      drawAxes: [(u) => drawTint(u, read())],
+      draw: [
+        (u) => drawCriterion(u, read()),
+        (u) => drawEnds(u, read()),
+        (u) => drawPoints(u, points()),
+      ],
+      setCursor: [onCursor],
+    },
+  }
+}
+
+function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
+  const log = () => (side === 'x' ? read().xLog : read().yLog)
+  return {
+    font: font().replace(/[\d.]+px/, '11px'),
+    stroke: () => colour('--ink-3'),
+    gap: 6,
+    size: side === 'x' ? 26 : (_, values) => read().left ?? 14 + 6.4 * Math.max(2, ...(values ?? []).map((v) => v.length)),
+    grid: { show: side === 'y' || log(), stroke: () => colour('--c-grid'), width: 1 },
+    ticks: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1, size: 4 },
+    border: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1 },
+    splits: (u, _, low, high) => {
+      const spec = read()
+      if (side === 'x' && spec.xTicks) return [...spec.xTicks]
+      if (log()) return logTicks(low, high)
+      return linearTicks(low, high, side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44)))
+    },
+    filter: (_, splits) => splits,
+    values: (_, splits) => {
+      const decimals = tickDecimals(splits)
+      return splits.map((tick) => (log() || (side === 'x' && read().xTicks) ? plain(tick) : fixed(tick, decimals)))
+    },
+  }
+}

@@ -1,0 +1,39 @@
+// Putting curves with their own abscissae on common ones, as uPlot needs them. Start reading at `stepsOn`.
+
+export interface Curve {
+  x: readonly number[]
+  y: readonly (number | null)[]
+}
+
+/** All abscissae, ascending, each once. */
+export function union(curves: readonly Curve[]): number[] {
+  const all = new Set<number>()
+  for (const curve of curves) for (const x of curve.x) all.add(x)
+  return [...all].sort((a, b) => a - b)
+}
+
+/** A step curve on common abscissae: the last value holds; nothing before its first point and after its last. */
+export function stepsOn(xs: readonly number[], curve: Curve): (number | null)[] {
+  const end = curve.x[curve.x.length - 1] ?? Number.NEGATIVE_INFINITY
+  let at = -1
+  return xs.map((x) => {
+    while (at + 1 < curve.x.length && (curve.x[at + 1] as number) <= x) at++
+    return at < 0 || x > end ? null : (curve.y[at] ?? null)
+  })
+}
+
+/** A smooth curve on common abscissae, by straight lines between its points; nothing outside them. */
+export function linesOn(xs: readonly number[], curve: Curve): (number | null)[] {
+  let at = 0
+  return xs.map((x) => {
+    while (at + 1 < curve.x.length && (curve.x[at + 1] as number) < x) at++
+    const x0 = curve.x[at]
+    const x1 = curve.x[at + 1]
+    if (x0 === undefined || x < x0) return null
+    if (x1 === undefined) return x === x0 ? (curve.y[at] ?? null) : null
+    const y0 = curve.y[at]
+    const y1 = curve.y[at + 1]
+    if (y0 === null || y0 === undefined || y1 === null || y1 === undefined) return null
+    return y0 + ((y1 - y0) * (x - x0)) / (x1 - x0)
+  })
+}

@@ -1,0 +1,51 @@
+// What a line chart shows, as data; `Plot` draws it.
+import type { ReactNode } from 'react'
+import type { Shape } from '../ui/methods'
+
+export interface Line {
+  key: string
+  /** Plain text: for the tooltip. */
+  label: string
+  /** CSS variable of the colour. */
+  colour: string
+  y: readonly (number | null)[]
+  stepped?: boolean
+  width?: number
+  /** Drawn at the last point. */
+  end?: Shape
+}
+
+/** A point worth naming, drawn on top. */
+export interface Point {
+  x: number
+  y: number
+  colour: string
+  label?: string
+  /** Where the label stands; below by default. */
+  place?: 'above' | 'below'
+  line?: string
+}
+
+export interface PlotSpec {
+  /** Read out by screen readers: what the chart shows. */
+  label: string
+  x: readonly number[]
+  lines: readonly Line[]
+  points?: readonly Point[]
+  xTitle: ReactNode
+  yTitle?: ReactNode
+  xLog?: boolean
+  yLog?: boolean
+  xRange?: [number, number]
+  yRange?: [number, number]
+  /** Ticks of x where the usual ones will not do. */
+  xTicks?: readonly number[]
+  criterion?: { value: number; label?: string; tint?: boolean }
+  height: number
+  /** The head of the tooltip. */
+  xText: (x: number) => string
+  yText: (y: number) => string
+  yTicks?: number
+  /** Keeps the left edge of plots that stand below each other in line [px]. */
+  left?: number
+}

@@ -1,0 +1,53 @@
+// The empty list: what Clearance does, and what to do first.
+import { IconFileText } from '@tabler/icons-react'
+import { useQuery } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
+import { asCampaign } from '../api/campaign'
+import { libraryQuery } from '../api/queries'
+import { PlanView } from '../launch/PlanView'
+
+export function NoRuns() {
+  const { data } = useQuery(libraryQuery)
+  const first = data?.[0]
+  return (
+    <div className="card">
+      <div className="centre" style={{ paddingBottom: 36 }}>
+        {first && (
+          <figure>
+            <div className="emptypic">
+              <PlanView campaign={asCampaign(first.document)} height={168} />
+            </div>
+            <figcaption className="micro mut">{asCampaign(first.document).name}, seen from above</figcaption>
+          </figure>
+        )}
+        <h2 style={{ fontSize: 17, marginTop: 8 }}>No runs yet</h2>
+        <p>
+          A run searches the bounded uncertain parameters for the smallest separation, samples them independently, and
+          flies the worst case again before it says anything.
+        </p>
+        <div className="acts" style={{ marginTop: 8 }}>
+          <Link to="/launch" className="btn p">
+            Choose a case study
+          </Link>
+          <Link to="/launch" search={{ tab: 'yaml' }} className="btn">
+            <IconFileText className="i s" aria-hidden /> Paste or drop a campaign file
+          </Link>
+        </div>
+      </div>
+      <ol className="firststeps">
+        <li>
+          <h3>Choose a case</h3>
+          <p>Case studies ship with Clearance. Your own vehicle, controller or avoider is one Python file.</p>
+        </li>
+        <li>
+          <h3>Bound the parameters</h3>
+          <p>Give each uncertain parameter a nominal value, limits and a distribution.</p>
+        </li>
+        <li>
+          <h3>Read the verdict</h3>
+          <p>Cleared, violated or inconclusive, with the worst case, its flight and how hard it was looked for.</p>
+        </li>
+      </ol>
+    </div>
+  )
+}

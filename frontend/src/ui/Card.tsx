@@ -1,0 +1,102 @@
+// A card with its heading, and the small parts that cards are made of.
+import type { ReactNode } from 'react'
+
+interface CardProps {
+  title: ReactNode
+  note?: ReactNode
+  right?: ReactNode
+  footer?: ReactNode
+  flush?: boolean
+  className?: string
+  id?: string
+  children: ReactNode
+}
+
+export function Card({ title, note, right, footer, flush, className = '', id, children }: CardProps) {
+  return (
+    <section className={`card ${className}`} id={id}>
+      <div className="h">
+        <h2>{title}</h2>
+        <span className="d">{note}</span>
+        {right && <div className="r">{right}</div>}
+      </div>
+      <div className={flush ? 'bd flush' : 'bd'}>{children}</div>
+      {footer && <div className="ft">{footer}</div>}
+    </section>
+  )
+}
+
+interface StatProps {
+  name: ReactNode
+  value: ReactNode
+  unit?: ReactNode
+  note?: ReactNode
+  bad?: boolean
+  testId?: string
+}
+
+export function Stat({ name, value, unit, note, bad, testId }: StatProps) {
+  return (
+    <div className="stat">
+      <div className="k">{name}</div>
+      <div className={bad ? 'n bad-t' : 'n'}>
+        <span data-testid={testId}>{value}</span>
+        {unit && <small>{unit}</small>}
+      </div>
+      <div className="x">{note}</div>
+    </div>
+  )
+}
+
+interface SegProps<T extends string> {
+  label: string
+  options: readonly { value: T; label: ReactNode }[]
+  value: T
+  onChange: (value: T) => void
+  tall?: boolean
+}
+
+export function Seg<T extends string>({ label, options, value, onChange, tall }: SegProps<T>) {
+  return (
+    <div className={tall ? 'seg tall' : 'seg'} role="group" aria-label={label}>
+      {options.map((option) => (
+        <button
+          key={option.value}
+          type="button"
+          aria-pressed={option.value === value}
+          onClick={() => onChange(option.value)}
+        >
+          {option.label}
+        </button>
+      ))}
+    </div>
+  )
+}
+
+export function Progress({ share, colour, label }: { share: number; colour?: string; label?: string }) {
+  const width = Math.min(100, Math.max(0, share * 100))
+  return (
+    <div
+      className="pbar"
+      role="progressbar"
+      aria-label={label ?? 'Progress'}
+      aria-valuemin={0}
+      aria-valuemax={100}
+      aria-valuenow={Math.round(width)}
+    >
+      <i style={{ width: `${width}%`, background: colour }} />
+    </div>
+  )
+}
+
+export function Tags({ tags }: { tags: readonly string[] }) {
+  return (
+    <span className="nw">
+      {tags.map((tag) => (
+        <span key={tag} className="tag">
+          {tag}
+        </span>
+      ))}
+    </span>
+  )
+}

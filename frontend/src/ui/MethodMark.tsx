@@ -1,0 +1,27 @@
+// A method's marker and name.
+import { isOpen, methodLook, OUTLINE } from './methods'
+
+export function Mark({ method }: { method: string | null }) {
+  const { colour, shape } = methodLook(method)
+  const stroke = `var(${colour})`
+  return (
+    <svg className="mk" viewBox="0 0 10 10" aria-hidden="true">
+      <path
+        d={OUTLINE[shape]}
+        fill={isOpen(shape) ? 'none' : stroke}
+        stroke={isOpen(shape) ? stroke : 'none'}
+        strokeWidth={1.9}
+      />
+    </svg>
+  )
+}
+
+export function MethodName({ method, title, short }: { method: string | null; title?: string; short?: boolean }) {
+  const look = methodLook(method)
+  return (
+    <span className="meth" title={short ? (title ?? look.title) : undefined}>
+      <Mark method={method} />
+      {short ? look.short : (title ?? look.title)}
+    </span>
+  )
+}

@@ -1,0 +1,47 @@
+// Verdict and state as icon, word and colour together, so that none of the three is needed alone.
+import {
+  IconAlertTriangle,
+  IconBan,
+  IconCircleCheck,
+  IconCircleX,
+  IconClock,
+  IconHelpCircle,
+  IconLoader,
+} from '@tabler/icons-react'
+import type { RunSummary } from '../client'
+
+export type Outcome = 'cleared' | 'violated' | 'inconclusive' | Exclude<RunSummary['state'], 'done'>
+
+const LOOK = {
+  cleared: { tone: 'ok', word: 'Cleared', Icon: IconCircleCheck },
+  violated: { tone: 'bad', word: 'Violated', Icon: IconCircleX },
+  inconclusive: { tone: 'unk', word: 'Inconclusive', Icon: IconHelpCircle },
+  queued: { tone: 'que', word: 'Queued', Icon: IconClock },
+  running: { tone: 'run', word: 'Running', Icon: IconLoader },
+  cancelling: { tone: 'run', word: 'Cancelling', Icon: IconLoader },
+  cancelled: { tone: 'err', word: 'Cancelled', Icon: IconBan },
+  failed: { tone: 'err', word: 'Failed', Icon: IconAlertTriangle },
+} as const
+
+/** What a run has come to: its verdict once there is one, else its state. */
+export function outcomeOf(run: Pick<RunSummary, 'state' | 'verdict'>): Outcome {
+  return run.verdict ?? (run.state === 'done' ? 'inconclusive' : run.state)
+}
+
+export const lookOf = (outcome: Outcome) => LOOK[outcome]
+
+export function OutcomeIcon({ outcome, className = 'i' }: { outcome: Outcome; className?: string }) {
+  const { Icon } = LOOK[outcome]
+  const busy = outcome === 'running' || outcome === 'cancelling'
+  return <Icon className={busy ? `${className} spin` : className} aria-hidden="true" />
+}
+
+export function VerdictBadge({ outcome }: { outcome: Outcome }) {
+  const { tone, word } = LOOK[outcome]
+  return (
+    <span className={`vd ${tone}`}>
+      <OutcomeIcon outcome={outcome} />
+      {word}
+    </span>
+  )
+}

@@ -1,0 +1,39 @@
+// Two small drawings for tables: where a value lies within its bounds, and how large a margin is.
+
+interface WithinProps {
+  low: number
+  high: number
+  nominal: number
+  value: number | null
+  width?: number
+}
+
+/** Bounds as a line with end ticks, the nominal value as a tick, the value as a dot. */
+export function WithinBounds({ low, high, nominal, value, width = 104 }: WithinProps) {
+  const x = (v: number) => 5 + ((width - 10) * (Math.min(Math.max(v, low), high) - low)) / (high - low || 1)
+  return (
+    <svg width={width} height={14} viewBox={`0 0 ${width} 14`} aria-hidden="true">
+      <path d={`M5 7H${width - 5}M5 3.5v7M${width - 5} 3.5v7`} stroke="var(--line-2)" strokeWidth={1.5} />
+      <path d={`M${x(nominal)} 2v10`} stroke="var(--c-nom)" strokeWidth={2} />
+      {value !== null && <circle cx={x(value)} cy={7} r={4} fill="var(--c-worst)" />}
+    </svg>
+  )
+}
+
+/** A margin as a share of the criterion, to the right where it is kept, to the left where it is not; spans 30 %. */
+export function MarginBar({ margin, threshold }: { margin: number; threshold: number }) {
+  const share = Math.max(-1, Math.min(1, margin / (0.3 * Math.abs(threshold) || 1)))
+  const length = Math.max(1.5, Math.abs(share) * 24)
+  return (
+    <svg width={50} height={12} viewBox="0 0 50 12" aria-hidden="true">
+      <path d="M25 0v12" stroke="var(--line-2)" strokeWidth={1} />
+      <rect
+        x={share < 0 ? 25 - length : 25}
+        y={2.5}
+        width={length}
+        height={7}
+        fill={share < 0 ? 'var(--bad-solid)' : 'var(--ok-solid)'}
+      />
+    </svg>
+  )
+}

@@ -1,0 +1,35 @@
+// Taking things out of the page: copy to the clipboard, save as a file.
+import { IconCheck, IconCopy } from '@tabler/icons-react'
+import { type ReactNode, useEffect, useState } from 'react'
+
+/** Offers text as a file to save. */
+export function save(name: string, text: string, type = 'text/plain'): void {
+  const url = URL.createObjectURL(new Blob([text], { type: `${type};charset=utf-8` }))
+  const link = document.createElement('a')
+  link.href = url
+  link.download = name
+  link.click()
+  URL.revokeObjectURL(url)
+}
+
+interface CopyProps {
+  text: () => string
+  children: ReactNode
+}
+
+/** A button that copies and says so. */
+export function CopyButton({ text, children }: CopyProps) {
+  const [done, setDone] = useState(false)
+  useEffect(() => {
+    if (!done) return
+    const timer = setTimeout(() => setDone(false), 1600)
+    return () => clearTimeout(timer)
+  }, [done])
+  const copy = () => void navigator.clipboard.writeText(text()).then(() => setDone(true))
+  return (
+    <button type="button" className="btn s" onClick={copy}>
+      {done ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />}
+      <span aria-live="polite">{done ? 'Copied' : children}</span>
+    </button>
+  )
+}

@@ -1,0 +1,28 @@
+// Single keys of a page. They never fire while something is being typed or a dialog is open.
+import { useEffect, useRef } from 'react'
+
+const typing = (target: EventTarget | null): boolean =>
+  target instanceof HTMLElement &&
+  (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) || target.closest('[role=dialog]') !== null)
+
+/** `keys` maps a key, or Ctrl+key, to what it does; Ctrl combinations also fire while typing. */
+export function useHotkeys(keys: Record<string, () => void>): void {
+  const latest = useRef(keys)
+  useEffect(() => {
+    latest.current = keys
+  })
+  useEffect(() => {
+    const pressed = (event: KeyboardEvent) => {
+      if (event.altKey || event.defaultPrevented) return
+      const control = event.ctrlKey || event.metaKey
+      if (!control && typing(event.target)) return
+      const act = latest.current[control ? `Ctrl+${event.key}` : event.key]
+      if (act) {
+        event.preventDefault()
+        act()
+      }
+    }
+    document.addEventListener('keydown', pressed)
+    return () => document.removeEventListener('keydown', pressed)
+  }, [])
+}

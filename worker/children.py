@@ -1,4 +1,4 @@
-"""A supervisor's side of its child process: one line of JSON each way, with a deadline, and a wait that signals end.
+"""A supervisor's side of its child process: one line of JSON each way, with a deadline.
 
 Start reading at `Child.receive`.
 """
@@ -7,43 +7,18 @@ from __future__ import annotations
 
 import json
 import os
-import select
 import signal
 import subprocess
 import sys
 import time
-from typing import Any, Self
+from typing import Any
 
 from worker import lifeline
+from worker.lifeline import Wakeup
 
 
 class ChildEndedError(RuntimeError):
     """The child has ended; the message says how, to follow "the worker process"."""
-
-
-class Wakeup:
-    """A pipe that a signal's arrival makes readable, so that no wait outlasts it."""
-
-    def __init__(self) -> None:
-        self._reader, self._writer = os.pipe()
-        os.set_blocking(self._reader, False)
-        os.set_blocking(self._writer, False)
-
-    def __enter__(self) -> Self:
-        self._before = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        signal.set_wakeup_fd(self._before)
-        os.close(self._reader)
-        os.close(self._writer)
-
-    def wait(self, seconds: float, *others: int) -> bool:
-        """Wait for one of the file descriptors, a signal or the time [s]; true when one of `others` can be read."""
-        ready, _, _ = select.select([self._reader, *others], [], [], max(0.0, seconds))
-        if self._reader in ready:
-            os.read(self._reader, 4096)
-        return any(other in ready for other in others)
 
 
 class Child:

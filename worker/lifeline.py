@@ -1,4 +1,4 @@
-"""Starts processes that cannot outlive the one that started them, even when it is killed with SIGKILL.
+"""Starts processes that cannot outlive the one that started them, even when it is killed with SIGKILL; and waits.
 
 Source: prctl(2), PR_SET_PDEATHSIG (Linux). The signal is sent when the *thread* that started the process ends, so start
 them from the main thread. Start reading at `start`.
@@ -9,11 +9,13 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import select
 import signal
 import subprocess
 import sys
 from collections.abc import Sequence
-from typing import Any
+from types import FrameType
+from typing import Any, Self
 
 _PR_SET_PDEATHSIG = 1
 _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
@@ -33,6 +35,41 @@ def start(command: Sequence[str], *, when_orphaned: signal.Signals, **options: A
                 os._exit(1)
 
     return subprocess.Popen(command, process_group=0, preexec_fn=die_with_parent, **options)
+
+
+class Wakeup:
+    """While entered, takes SIGTERM, SIGINT and SIGHUP, keeps the first, and ends every wait when a signal comes."""
+
+    def __init__(self) -> None:
+        self.signal: int | None = None
+        """The first of them that came."""
+
+    def __enter__(self) -> Self:
+        self._reader, self._writer = os.pipe()
+        os.set_blocking(self._reader, False)
+        os.set_blocking(self._writer, False)
+        self._wakeup_before = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
+        handlers = dict.fromkeys((signal.SIGTERM, signal.SIGINT, signal.SIGHUP), self._stop)
+        # A child's end is a signal too; a handler that does nothing lets it end a wait.
+        self._before = {n: signal.signal(n, h) for n, h in {**handlers, signal.SIGCHLD: lambda *_: None}.items()}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(self._wakeup_before)
+        os.close(self._reader)
+        os.close(self._writer)
+
+    def _stop(self, number: int, _frame: FrameType | None) -> None:
+        self.signal = self.signal or number
+
+    def wait(self, seconds: float, *others: int) -> bool:
+        """Wait for one of the file descriptors, a signal or the time [s]; true when one of `others` can be read."""
+        ready, _, _ = select.select([self._reader, *others], [], [], max(0.0, seconds))
+        if self._reader in ready:
+            os.read(self._reader, 4096)
+        return any(other in ready for other in others)
 
 
 def kill_group(process: subprocess.Popen[bytes]) -> int:

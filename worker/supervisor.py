@@ -8,20 +8,18 @@ from __future__ import annotations
 
 import logging
 import os
-import signal
 import socket
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import FrameType
 
 import sqlalchemy as sa
 
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
-from worker.children import Child, ChildEndedError, Wakeup
+from worker.children import Child, ChildEndedError
+from worker.lifeline import Wakeup
 
 log = logging.getLogger("clearance.worker")
 
@@ -62,29 +60,28 @@ class Supervisor:
         self.engine = connect(url)
         self.queue = Queue(self.engine, lease)
         self.child: Child | None = None
-        self.stopped_by: int | None = None
         self._wakeup = Wakeup()
         self._next_beat = 0.0
         self._failures = 0
 
     def run(self) -> int:
         """Work until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
-        with self._signals():
+        with self._wakeup:
             try:
                 self._patiently(lambda: self._tell(workers.arrive))
-                while self.stopped_by is None:
+                while self._wakeup.signal is None:
                     self._patiently(self._turn)
             finally:
                 self._drop_child()
                 self._patiently(lambda: self._tell(workers.leave))
                 self.engine.dispose()
-        return self.stopped_by or 0
+        return self._wakeup.signal or 0
 
     def _turn(self) -> None:
         """Take one run from its claim to its end, or wait a little."""
         self._beat_idle()
         child = self._ready_child()
-        if child is None or self.stopped_by is not None:
+        if child is None or self._wakeup.signal is not None:
             return
         claim = self.queue.claim(self.name)
         if claim is None:
@@ -103,7 +100,7 @@ class Supervisor:
                 answer = child.receive(WATCH)
                 if answer is not None:
                     return Ending(answer["outcome"], answer["text"])
-                if self.stopped_by is not None:
+                if self._wakeup.signal is not None:
                     self._drop_child()
                     return Ending("stopped")
                 if self._asked_to_cancel(claim):
@@ -150,7 +147,7 @@ class Supervisor:
         }
         if ending.outcome not in settle:
             return
-        deadline = time.monotonic() + (SETTLE if self.stopped_by is None else 1.0)
+        deadline = time.monotonic() + (SETTLE if self._wakeup.signal is None else 1.0)
         while True:
             try:
                 settle[ending.outcome]()
@@ -172,7 +169,7 @@ class Supervisor:
         child = self.child = Child({"database": self.url, "runner": self.runner}, self._wakeup)
         deadline = time.monotonic() + START
         try:
-            while self.stopped_by is None and time.monotonic() < deadline:
+            while self._wakeup.signal is None and time.monotonic() < deadline:
                 if child.receive(WATCH) is not None:
                     self._failures = 0
                     return child
@@ -181,7 +178,7 @@ class Supervisor:
         except ChildEndedError as ended:
             how = str(ended)
         self._drop_child()
-        if self.stopped_by is None:
+        if self._wakeup.signal is None:
             self._failures += 1
             pause = min(30.0, 0.5 * 2**self._failures)
             log.error("the worker process %s before it was ready; trying again in %g s", how, pause)
@@ -207,15 +204,3 @@ class Supervisor:
         except sa.exc.OperationalError as error:
             log.warning("the database does not answer: %s", error.orig)
             self._wakeup.wait(1.0)
-
-    @contextmanager
-    def _signals(self) -> Iterator[None]:
-        def stop(number: int, _frame: FrameType | None) -> None:
-            self.stopped_by = number
-
-        watched = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
-        before = {number: signal.signal(number, stop) for number in watched}
-        with self._wakeup:
-            yield
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -1,0 +1,86 @@
+"""The command `clearance`: one file a command, found by presence.
+
+A file `some_name.py` here holds the function `some_name` (the command `some-name`), or `app`, a group of commands. Its
+heavy imports stand inside the function, so that `clearance --help` answers at once. Start reading at `main`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+import sys
+import traceback
+from collections.abc import Sequence
+
+import typer
+
+from backend.db.access import AccessError
+from campaigns import CampaignError
+
+CLEARED, VIOLATED, INCONCLUSIVE, WRONG_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 4, 130
+"""Exit codes: the verdicts, wrong input or usage, a failure of Clearance itself, interrupted."""
+
+
+class WrongInputError(Exception):
+    """What was given cannot be used; the message is a sentence for the user. Ends the command with `WRONG_INPUT`."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit."""
+    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run one command; returns its exit code. Commands end with `typer.Exit(code)` or an error named here."""
+    try:
+        code = build()(list(arguments), prog_name="clearance", standalone_mode=False)
+    except (typer.TyperException, CampaignError, AccessError, WrongInputError) as error:
+        _explain(error)
+        return WRONG_INPUT
+    except (KeyboardInterrupt, typer.Abort):
+        typer.echo("interrupted", err=True)
+        return INTERRUPTED
+    except Exception:
+        traceback.print_exc()
+        typer.echo("Clearance itself failed; this is not a statement about your campaign.", err=True)
+        return INTERNAL
+    return code if isinstance(code, int) else 0
+
+
+def build() -> typer.Typer:
+    """The commands of this folder as one application."""
+    app = typer.Typer(
+        help="Finds the worst case of an obstacle-avoidance system before the world does.",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(_group)
+    for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
+        if not module.name.startswith("_"):
+            _add(app, module.name)
+    return app
+
+
+def _add(app: typer.Typer, name: str) -> None:
+    module = importlib.import_module(f"{__name__}.{name}")
+    command = name.replace("_", "-")
+    if hasattr(module, "app"):
+        app.add_typer(module.app, name=command)
+    else:
+        app.command(command)(getattr(module, name))
+
+
+def _group() -> None:
+    """Finds the worst case of an obstacle-avoidance system before the world does."""
+
+
+def _explain(error: Exception) -> None:
+    if isinstance(error, CampaignError):
+        typer.echo(f"{error.source} cannot be used:", err=True)
+        for problem in error.problems:
+            typer.echo(f"  {problem}", err=True)
+    elif hasattr(error, "show"):  # the command line library's own errors know the usage that they offend against
+        error.show()
+    else:
+        typer.echo(f"Error: {error}", err=True)

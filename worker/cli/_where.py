@@ -1,0 +1,54 @@
+"""The options that say where the data is, shared by the commands. Start reading at `opened`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import sqlalchemy as sa
+import typer
+
+from backend.db.engine import connect, default_url, migrate
+from worker.cli import WrongInputError
+
+Data = Annotated[Path, typer.Option(help="Folder of the database.", envvar="CLEARANCE_DATA", file_okay=False)]
+Database = Annotated[
+    str,
+    typer.Option(
+        help="sqlite:///FILE or postgresql://...; the default is clearance.sqlite3 in the data folder.",
+        envvar="CLEARANCE_DATABASE",
+        show_default=False,
+    ),
+]
+
+DATA = Path("data")
+
+
+def url_of(data: Path, database: str) -> str:
+    """The database's URL by the two options; raises `WrongInputError` for what is none."""
+    url = database or default_url(data)
+    try:
+        connect(url).dispose()
+    except (ValueError, sa.exc.ArgumentError) as error:
+        raise WrongInputError(f"{error}") from None
+    except OSError as error:
+        raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
+    return url
+
+
+@contextmanager
+def opened(data: Path, database: str, *, create: bool = False) -> Iterator[sa.Connection]:
+    """A write transaction on the database; unless it is to be created, a missing one is `WrongInputError`."""
+    file = data / "clearance.sqlite3"
+    if not (database or create or file.exists()):
+        raise WrongInputError(f"there is no database at {file}; --data names the folder that `clearance serve` uses")
+    url = url_of(data, database)
+    migrate(url)
+    engine = connect(url)
+    try:
+        with engine.begin() as connection:
+            yield connection
+    finally:
+        engine.dispose()

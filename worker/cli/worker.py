@@ -1,0 +1,29 @@
+"""`clearance worker`: claims runs from the queue and works on them until it is stopped. See `worker.supervisor`."""
+
+from __future__ import annotations
+
+import logging
+import signal
+from typing import Annotated
+
+import typer
+
+from worker.cli._where import DATA, Data, Database, url_of
+
+
+def worker(
+    data: Data = DATA,
+    database: Database = "",
+    name: Annotated[str, typer.Option(help="Shown beside its runs; the default is machine:process.")] = "",
+    runner: Annotated[str, typer.Option(hidden=True)] = "worker.runner:execute",
+    lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,
+) -> None:
+    """Work on runs from the queue. Start as many as there are cores; Ctrl-C gives the run back to the queue."""
+    from backend.db.engine import migrate
+    from worker.supervisor import Supervisor, default_name
+
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
+    url = url_of(data, database)
+    migrate(url)
+    stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease).run()
+    raise typer.Exit(130 if stopped_by == signal.SIGINT else 0)

@@ -10,6 +10,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from backend.db.engine import default_url
+
 PREFIX = "CLEARANCE_"
 
 
@@ -58,7 +60,7 @@ class Settings(BaseModel):
     @property
     def database_url(self) -> str:
         """The database, with the default filled in."""
-        return self.database or f"sqlite:///{self.data.absolute() / 'clearance.sqlite3'}"
+        return self.database or default_url(self.data)
 
     @property
     def cookie(self) -> str:

@@ -86,6 +86,13 @@ class RunStore:
 
         self._write(work)
 
+    def found(self) -> list[Finding]:
+        """The findings stored so far, the worst first."""
+        of = sa.select(FindingRow.__table__).where(FindingRow.run_id == self._run).order_by(FindingRow.cost)
+        with read(self.engine) as connection:
+            rows = connection.execute(of).mappings().all()
+        return [Finding(**{key: value for key, value in row.items() if key != "run_id"}) for row in rows]
+
     def conclude(self, conclusion: Conclusion) -> None:
         """Store the verdict; the run is done."""
         values = {

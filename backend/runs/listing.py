@@ -31,7 +31,7 @@ _SORTS: dict[str, sa.ColumnElement[Any]] = {
     "created": sa.type_coerce(Run.id, sa.Integer),  # runs are numbered as they are created
     "started": sa.type_coerce(Run.started, sa.Double),
     "finished": sa.type_coerce(Run.finished, sa.Double),
-    "name": sa.func.lower(Run.name),
+    "name": sa.type_coerce(sa.func.lower(Run.name), sa.String),
     "state": sa.type_coerce(Run.state, sa.String),
     "verdict": sa.type_coerce(Run.verdict, sa.String),
     "margin": Run.worst_cost - Run.threshold,

@@ -1,0 +1,1 @@
+"""The service over HTTP: a real server on a free port, a real database."""

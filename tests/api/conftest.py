@@ -1,0 +1,69 @@
+"""A service for each test, with its own database copied from one that was migrated once. Start reading at `service`."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+
+from backend.db.engine import default_url, migrate
+from backend.settings import Settings
+from tests.api.server import Service
+
+
+@pytest.fixture(scope="session")
+def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with an empty database of the newest form."""
+    folder = tmp_path_factory.mktemp("migrated")
+    migrate(default_url(folder))
+    return folder
+
+
+@contextmanager
+def running(migrated: Path, folder: Path) -> Iterator[Service]:
+    """A service without a catalogue and without pages."""
+    shutil.copytree(migrated, folder / "data")
+    service = Service(Settings(data=folder / "data", pages=folder / "dist"))
+    service.start()
+    yield service
+    service.stop()
+
+
+@pytest.fixture
+def bare(migrated: Path, tmp_path: Path) -> Iterator[Service]:
+    """A service of the test's own, as it is before any worker came."""
+    with running(migrated, tmp_path) as service:
+        yield service
+
+
+@pytest.fixture
+def service(bare: Service) -> Service:
+    """A service with a catalogue."""
+    bare.publish()
+    return bare
+
+
+@pytest.fixture
+def client(service: Service) -> Iterator[httpx.Client]:
+    """A browser that has opened the login link."""
+    with service.signed_in() as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def still(migrated: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service with a catalogue, shared by the tests that leave nothing in it."""
+    with running(migrated, tmp_path_factory.mktemp("still")) as service:
+        service.publish()
+        yield service
+
+
+@pytest.fixture(scope="module")
+def guest(still: Service) -> Iterator[httpx.Client]:
+    """A browser that has opened the shared service's login link."""
+    with still.signed_in() as client:
+        yield client

@@ -1,0 +1,92 @@
+"""The service in a thread of its own, on a free port, as a visitor meets it. Start reading at `Service`."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import httpx
+import sqlalchemy as sa
+
+from backend.__main__ import Server, server_config
+from backend.app import create
+from backend.db.access import create_login_code, create_token
+from backend.db.tables import Base, CatalogueDocument
+from backend.settings import Settings
+from tests.api.catalogue import CATALOGUE
+
+
+def until(condition: Callable[[], Any], seconds: float = 10.0) -> Any:
+    """Wait for a condition, and fail when it does not come true in time; returns its value."""
+    deadline = time.monotonic() + seconds
+    while not (value := condition()):
+        assert time.monotonic() < deadline, f"waited {seconds} s in vain"
+        threading.Event().wait(0.01)
+    return value
+
+
+class Service:
+    """A running service: its address, its database, and visitors to it."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.app = create(settings)
+        self.settings = settings
+        self._socket = socket.create_server((settings.host, 0))
+        self.port = self._socket.getsockname()[1]
+        self.url = f"http://127.0.0.1:{self.port}"
+        self.server = Server(server_config(self.app))
+        self._thread = threading.Thread(target=lambda: asyncio.run(self.server.serve([self._socket])))
+
+    @property
+    def engine(self) -> sa.Engine:
+        engine = self.app.state.engine
+        assert isinstance(engine, sa.Engine)
+        return engine
+
+    def start(self) -> None:
+        self._thread.start()
+        until(lambda: self.server.started)
+
+    def stop(self) -> None:
+        self.server.should_exit = True
+        self._thread.join(10)
+        assert not self._thread.is_alive()
+
+    def publish(self) -> None:
+        """Have a catalogue, as a worker would publish it."""
+        with self.engine.begin() as connection:
+            values = {"id": 1, "document": CATALOGUE.model_dump(mode="json"), "published": time.time()}
+            connection.execute(sa.insert(CatalogueDocument).values(**values))
+
+    def login_code(self, lifetime: float = 60.0) -> str:
+        with self.engine.begin() as connection:
+            return create_login_code(connection, lifetime)
+
+    def token(self, name: str = "ci") -> str:
+        with self.engine.begin() as connection:
+            return create_token(connection, name)
+
+    @contextmanager
+    def visitor(self, **headers: str) -> Iterator[httpx.Client]:
+        """Someone who has not signed in."""
+        with httpx.Client(base_url=self.url, headers=headers, trust_env=False, timeout=20) as client:
+            yield client
+
+    @contextmanager
+    def signed_in(self) -> Iterator[httpx.Client]:
+        """A browser that has opened the login link."""
+        with self.visitor() as client:
+            assert client.get("/login", params={"code": self.login_code()}).status_code == 303
+            yield client
+
+    def rows(self) -> dict[str, int]:
+        """How many rows each table has."""
+        with self.engine.connect() as connection:
+            count = sa.func.count
+            tables = Base.metadata.sorted_tables
+            return {t.name: connection.scalar(sa.select(count()).select_from(t)) or 0 for t in tables}

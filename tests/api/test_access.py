@@ -1,0 +1,174 @@
+"""Who may come in: login links, sessions, tokens, origins."""
+
+from __future__ import annotations
+
+import time
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.access import hashed, revoke_token
+from backend.db.tables import LoginLink, Session, Token
+from tests.api.catalogue import campaign
+from tests.api.server import Service
+
+CLOSED = [
+    "/api/v1/runs",
+    "/api/v1/components",
+    "/api/v1/session",
+    "/api/v1/events",
+    "/api/v1/openapi.json",
+    "/api/v1/x",
+]
+
+
+def problem(response: httpx.Response, status: int) -> dict[str, object]:
+    """The problem document that the answer must be."""
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document = response.json()
+    assert document["status"] == status
+    assert document["type"].startswith("urn:clearance:problem:")
+    assert document["title"]
+    assert document["detail"]
+    assert document["instance"] == response.request.url.path
+    return dict(document)
+
+
+def test_health_is_open_and_says_nothing_else(still: Service) -> None:
+    with still.visitor() as stranger:
+        answer = stranger.get("/api/v1/health")
+    assert (answer.status_code, answer.json()) == (200, {"status": "ok"})
+
+
+@pytest.mark.parametrize("path", CLOSED)
+def test_everything_else_is_closed(still: Service, path: str) -> None:
+    with still.visitor() as stranger:
+        answer = stranger.get(path)
+    assert "login link" in str(problem(answer, 401)["detail"])
+    assert answer.headers["www-authenticate"].startswith("Bearer")
+
+
+@pytest.mark.parametrize("path", ["/", "/runs", "/runs/R-0001", "/view/R-0001/"])
+def test_a_stranger_asking_for_a_page_is_told_how_to_sign_in(still: Service, path: str) -> None:
+    with still.visitor(accept="text/html") as stranger:
+        answer = stranger.get(path)
+    assert answer.status_code == 401
+    assert "clearance login-link" in answer.text
+
+
+def test_a_login_link_is_good_once(service: Service) -> None:
+    code = service.login_code()
+    with service.visitor() as first:
+        answer = first.get("/login", params={"code": code})
+        assert (answer.status_code, answer.headers["location"]) == (303, "/runs")
+        cookie = answer.headers["set-cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=lax" in cookie
+        assert first.get("/api/v1/session").json() == {"user": "local", "via": "link"}
+    with service.visitor() as second:
+        answer = second.get("/login", params={"code": code})
+        assert answer.status_code == 403
+        assert "clearance login-link" in answer.text
+        assert "set-cookie" not in answer.headers
+        problem(second.get("/api/v1/session"), 401)
+
+
+@pytest.mark.parametrize("code", ["wrong", "x" * 5000, "é\0"])
+def test_a_wrong_login_link_is_refused_and_stores_nothing(still: Service, code: str) -> None:
+    before = still.rows()
+    with still.visitor() as stranger:
+        assert stranger.get("/login", params={"code": code}).status_code == 403
+        assert stranger.get("/api/v1/health").status_code == 200
+    assert still.rows() == before
+
+
+def test_a_login_link_without_a_code_says_where_it_is(still: Service) -> None:
+    with still.visitor() as stranger:
+        assert "clearance serve" in stranger.get("/login").text
+
+
+def test_an_expired_login_link_is_refused(still: Service) -> None:
+    code = still.login_code(lifetime=-1.0)
+    with still.visitor() as stranger:
+        assert stranger.get("/login", params={"code": code}).status_code == 403
+
+
+def test_only_hashes_are_stored(service: Service) -> None:
+    code, token = service.login_code(), service.token()
+    with service.visitor() as visitor:
+        visitor.get("/login", params={"code": code})
+        secret = visitor.cookies[service.settings.cookie]
+    with service.engine.connect() as connection:
+        assert connection.scalar(sa.select(LoginLink.hash)) == hashed(code)
+        assert connection.scalar(sa.select(Token.hash)) == hashed(token)
+        assert connection.scalar(sa.select(Session.hash)) == hashed(secret)
+
+
+def test_a_session_ends_when_it_expires(service: Service, client: httpx.Client) -> None:
+    with service.engine.begin() as connection:
+        connection.execute(sa.update(Session).values(expires=time.time() - 1))
+    problem(client.get("/api/v1/session"), 401)
+
+
+def test_signing_out_ends_the_session_for_good(service: Service, client: httpx.Client) -> None:
+    secret = client.cookies[service.settings.cookie]
+    assert client.delete("/api/v1/session").status_code == 204
+    assert service.settings.cookie not in client.cookies
+    with service.visitor(cookie=f"{service.settings.cookie}={secret}") as thief:
+        problem(thief.get("/api/v1/session"), 401)
+
+
+def test_a_token_signs_in_and_its_use_is_noted(service: Service) -> None:
+    token = service.token("ci")
+    with service.visitor(authorization=f"Bearer {token}") as program:
+        assert program.get("/api/v1/session").json() == {"user": "ci", "via": "token"}
+    with service.engine.connect() as connection:
+        assert connection.scalar(sa.select(Token.last_used)) == pytest.approx(time.time(), abs=10)
+
+
+def test_a_revoked_token_is_refused(service: Service) -> None:
+    token = service.token("ci")
+    with service.engine.begin() as connection:
+        revoke_token(connection, "ci")
+    with service.visitor(authorization=f"Bearer {token}") as program:
+        problem(program.get("/api/v1/session"), 401)
+
+
+@pytest.mark.parametrize("header", ["Bearer", "Bearer wrong", "Basic YTpi", "nonsense"])
+def test_a_wrong_authorization_is_refused_even_beside_a_good_cookie(
+    still: Service, guest: httpx.Client, header: str
+) -> None:
+    problem(guest.get("/api/v1/session", headers={"authorization": header}), 401)
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1", ""])
+def test_a_write_from_a_foreign_origin_is_refused_and_stores_nothing(
+    still: Service, guest: httpx.Client, origin: str
+) -> None:
+    before = still.rows()
+    answer = guest.post("/api/v1/runs", json={"campaign": campaign()}, headers={"origin": origin})
+    assert "own pages" in str(problem(answer, 403)["detail"])
+    assert still.rows() == before
+    assert guest.get("/api/v1/health").status_code == 200
+
+
+def test_a_write_from_our_own_page_is_taken(service: Service, client: httpx.Client) -> None:
+    answer = client.post("/api/v1/runs", json={"campaign": campaign()}, headers={"origin": service.url})
+    assert answer.status_code == 201
+
+
+def test_reading_needs_no_origin(still: Service, guest: httpx.Client) -> None:
+    assert guest.get("/api/v1/runs", headers={"origin": "http://evil.example"}).status_code == 200
+
+
+def test_every_answer_has_a_strict_policy(still: Service, guest: httpx.Client) -> None:
+    for path in ("/api/v1/health", "/api/v1/runs", "/login", "/api/v1/nothing", "/runs"):
+        answer = guest.get(path)
+        policy = answer.headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "script-src 'self';" in policy
+        assert "unsafe-eval" not in policy
+        assert answer.headers["x-content-type-options"] == "nosniff"
+    assert guest.get("/api/v1/runs").headers["cache-control"] == "no-store"

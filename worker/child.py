@@ -51,7 +51,7 @@ def serve(engine: sa.Engine, execute: Execute, requests: TextIO, answers: TextIO
 
 def perform(execute: Execute, engine: sa.Engine, claim: Claim) -> dict[str, str]:
     """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (the campaign), `failed` (this attempt)."""
-    from worker.runner import CampaignUnusable
+    from worker.problem import CampaignUnusable
 
     try:
         campaign = load_document(claim.document, f"run {claim.run_id}")

@@ -35,6 +35,9 @@ GRACE = 2.0
 START = 300.0
 """How long a child may take to start [s]."""
 
+MOST_FAILURES = 3
+"""How many times in a row a child may fail to start before the worker ends, so that whoever started it is told."""
+
 SETTLE = 60.0
 """How long the end of an attempt is written again while the database is away [s]; then its lease runs out anyway."""
 
@@ -140,7 +143,7 @@ class Supervisor:
         queue = self.queue
         settle: dict[str, Callable[[], None]] = {
             "died": lambda: queue.retry(claim, ending.text),
-            "failed": lambda: queue.retry(claim, ending.text, delay=2.0),
+            "failed": lambda: queue.retry(claim, ending.text),
             "unusable": lambda: queue.fail(claim, ending.text),
             "cancelled": lambda: queue.cancelled(claim),
             "stopped": lambda: queue.give_back(claim),
@@ -180,9 +183,10 @@ class Supervisor:
         self._drop_child()
         if self._wakeup.signal is None:
             self._failures += 1
-            pause = min(30.0, 0.5 * 2**self._failures)
-            log.error("the worker process %s before it was ready; trying again in %g s", how, pause)
-            self._wakeup.wait(pause)
+            if self._failures >= MOST_FAILURES:
+                raise RuntimeError(f"the worker process {how} before it was ready, {self._failures} times in a row")
+            log.error("the worker process %s before it was ready; it is started again", how)
+            self._wakeup.wait(0.5 * 2**self._failures)
         return None
 
     def _drop_child(self) -> None:

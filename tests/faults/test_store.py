@@ -97,6 +97,8 @@ def test_finish_stores_result_findings_and_traces_together(store: RunStore) -> N
     first, second = rows(store, Finding, Finding.label)
     assert first.cost == 0.25
     assert (second.parameters, second.point) == (finding().parameters, finding().point)
+    assert [f.label for f in store.found()] == ["F1", "F2"]
+    assert store.found()[1] == finding("F2")
     flight = next(t for t in rows(store, Trace) if t.name == "F1")
     assert flight.data == trace().data.tobytes()
     assert (flight.rows, flight.columns, flight.meta) == (4, trace().columns, {"threshold": 0.5})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +11,9 @@ from backend.db import access
 from worker.cli._where import DATA, Data, Database, opened
 
 STANDARD = "http://127.0.0.1:8000"
+
+LINK_FILE = "login-link"
+"""Where in the data folder the service leaves its newest login link."""
 
 
 def login_link(
@@ -29,21 +31,12 @@ def login_link(
     """Print a fresh login link, good once and for 12 hours."""
     with opened(data, database) as connection:
         code = access.create_login_code(connection)
-    typer.echo(link(url or _serving(data) or STANDARD, code))
-
-
-def link(url: str, code: str) -> str:
-    """The address that logs a browser in."""
-    return f"{url.rstrip('/')}/login?code={code}"
-
-
-def serving_file(data: Path) -> Path:
-    """Where a running `clearance serve` says what its address is."""
-    return data / "serve.json"
+    typer.echo(f"{(url or _serving(data) or STANDARD).rstrip('/')}/login?code={code}")
 
 
 def _serving(data: Path) -> str:
+    """Where the service of this data folder said that it is; empty when it never said so."""
     try:
-        return str(json.loads(serving_file(data).read_text())["url"])
-    except (OSError, ValueError, KeyError):
+        return (data / LINK_FILE).read_text().partition("/login?")[0]
+    except OSError:
         return ""

@@ -23,6 +23,7 @@ def worker(
     from worker.supervisor import Supervisor, default_name
 
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
+    logging.getLogger("alembic").setLevel(logging.WARNING)
     url = url_of(data, database)
     migrate(url)
     stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease).run()

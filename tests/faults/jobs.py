@@ -1,0 +1,107 @@
+"""What a child runs in the fault tests in place of the physics: crashes, hangs, refusals. Each is a runner.
+
+Start reading at `steps`; campaigns choose by their name what happens.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+from backend.db.records import Conclusion, StagePlan
+from campaigns import Campaign, Problem
+from tests.faults.cases import columns
+from worker.problem import CampaignUnusable
+from worker.store import Store
+
+SEARCH = 400
+CHUNK = 20
+
+
+def execute(campaign: Campaign, store: Store) -> Conclusion | None:
+    """Two stages; in the second, once half is flown, what the campaign's name says: `crash ...`."""
+    records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
+    if records[0].state != "done":
+        store.begin(0)
+        store.append(0, 0, columns(0, 1))
+        store.finish(0, {"cost": 0.9}, 0.01)
+    store.begin(1)
+    held = store.evaluations(1)
+    flown = 0 if held is None else len(held.status)
+    for first in range(flown, SEARCH, CHUNK):
+        store.append(1, first, columns(first, CHUNK))
+        if first >= SEARCH // 2:
+            happen(campaign)
+    store.finish(1, {"method": "direct"}, 1.0)
+    conclusion = Conclusion("inconclusive", "A test.", 0.9, 0.8, "direct", {})
+    store.conclude(conclusion)
+    return conclusion
+
+
+def happen(campaign: Campaign) -> None:
+    """The accident of that name; `summary` is a file that says that it has happened once already."""
+    word, once = campaign.name.split()[0], Path(campaign.summary) if campaign.summary else None
+    if once is not None:
+        if once.exists():
+            return
+        once.touch()
+    ACCIDENTS[word]()
+
+
+def hang() -> None:
+    """Wait for something that never comes."""
+    threading.Event().wait()
+
+
+def hold() -> None:
+    """Wait for ever inside a C function that does not let go of the interpreter."""
+    ctypes.PyDLL(None).pause()
+
+
+def spawn_and_hang() -> None:
+    """Start a process, as an external simulator is started, and hang."""
+    child = subprocess.Popen([sys.executable, "-c", "import signal; signal.pause()"])
+    print(f"started {child.pid}", flush=True)
+    hang()
+
+
+def refuse() -> None:
+    """As the runner does with a campaign that cannot be run."""
+    raise CampaignUnusable([Problem("scenario.vehicle", "unicycle", "it has no wings; choose another one")])
+
+
+def fail() -> None:
+    """An error that looks like one of the supervisor's own pipe."""
+    raise BrokenPipeError(32, "no pipe")
+
+
+def leave() -> None:
+    """End the process from inside."""
+    sys.exit("enough")
+
+
+def talk() -> None:
+    """Print what could be taken for an answer, and read what could be a claim."""
+    print('{"outcome": "done", "text": ""}', flush=True)
+    assert sys.stdin.read() == ""
+
+
+ACCIDENTS: dict[str, Any] = {
+    "none": lambda: None,
+    "segfault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
+    "kill": lambda: os.kill(os.getpid(), signal.SIGKILL),
+    "exit": lambda: os._exit(7),
+    "hang": hang,
+    "hold": hold,
+    "spawn": spawn_and_hang,
+    "refuse": refuse,
+    "fail": fail,
+    "leave": leave,
+    "talk": talk,
+}

@@ -1,0 +1,126 @@
+"""Real processes for the fault tests: started in a session of their own, watched through /proc, never left behind.
+
+Start reading at `Started`.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+REPOSITORY = Path(__file__).parents[2]
+CLEARANCE = [sys.executable, "-m", "worker.cli"]
+
+
+class Started:
+    """A command under way; what it prints is kept in a file."""
+
+    def __init__(self, command: list[str], output: IO[bytes], **environment: str) -> None:
+        self.output = Path(output.name)
+        self.process = subprocess.Popen(
+            command,
+            cwd=REPOSITORY,
+            env={**os.environ, "PYTHONPATH": str(REPOSITORY), "PYTHONUNBUFFERED": "1", **environment},
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+    @property
+    def pid(self) -> int:
+        return self.process.pid
+
+    def text(self) -> str:
+        """What it printed so far."""
+        return self.output.read_text(errors="replace")
+
+    def family(self) -> list[int]:
+        """It and all that it started, directly or not, as long as they are alive."""
+        return [pid for pid in [self.pid, *descendants(self.pid)] if alive(pid)]
+
+    def child(self) -> int:
+        """The process of a worker that does the work."""
+        [child] = [p for p in descendants(self.pid) if "worker.child" in command_of(p)]
+        return child
+
+
+@contextmanager
+def started(command: list[str], folder: Path, name: str = "output", **environment: str) -> Iterator[Started]:
+    """The command while the block lasts; killed with all its family at the end."""
+    with (folder / f"{name}.log").open("wb") as output:
+        running = Started(command, output, **environment)
+        try:
+            yield running
+        finally:
+            kill(*running.family())
+            running.process.wait()
+
+
+@contextmanager
+def worker(url: str, folder: Path, name: str, *options: str) -> Iterator[Started]:
+    """A worker on the database."""
+    command = [*CLEARANCE, "worker", "--name", name, *options]
+    with started(command, folder, name, CLEARANCE_DATABASE=url) as running:
+        yield running
+
+
+def until(condition: Callable[[], object], what: str, seconds: float = 60.0) -> float:
+    """Wait for the condition; returns how long it took [s], fails after `seconds`."""
+    begun = time.monotonic()
+    while not condition():
+        assert time.monotonic() - begun < seconds, f"{what}: not within {seconds:g} s"
+        time.sleep(0.01)
+    return time.monotonic() - begun
+
+
+def kill(*pids: int, number: signal.Signals = signal.SIGKILL) -> None:
+    """Send each the signal, if it is still there."""
+    for pid in pids:
+        try:
+            os.kill(pid, number)
+        except ProcessLookupError:
+            continue
+
+
+def alive(pid: int) -> bool:
+    """Whether the process exists and is no zombie."""
+    fields = _stat(pid)
+    return fields is not None and fields[0] != "Z"
+
+
+def command_of(pid: int) -> str:
+    """Its command line; empty once it is gone."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode()
+    except OSError:
+        return ""
+
+
+def descendants(pid: int) -> list[int]:
+    """All that a process started, directly or not."""
+    parents: dict[int, int] = {}
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit() and (fields := _stat(int(entry.name))) is not None:
+            parents[int(entry.name)] = int(fields[1])
+    found: list[int] = []
+    front = [pid]
+    while front:
+        front = [p for p, parent in parents.items() if parent in front]
+        found += front
+    return found
+
+
+def _stat(pid: int) -> list[str] | None:
+    """State, parent, ... of a process, as /proc says."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return None

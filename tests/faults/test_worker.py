@@ -1,0 +1,244 @@
+"""A worker whose child crashes, hangs, refuses or is killed: real processes, accidents in place of the physics."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import connect, migrate, read
+from backend.db.queue import Claim, request_cancel, submit
+from backend.db.store import RunStore
+from backend.db.tables import CatalogueDocument, Run, Stage
+from backend.db.tables import Worker as WorkerRow
+from tests.faults.cases import campaign, columns
+from tests.faults.jobs import SEARCH
+from tests.faults.processes import Started, alive, descendants, kill, until, worker
+
+OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
+
+
+class Bench:
+    """A database and a worker on it."""
+
+    def __init__(self, url: str, folder: Path) -> None:
+        self.url, self.folder, self.engine = url, folder, connect(url)
+        self.worker: Started
+
+    def submit(self, accident: str, once: Path | None = None) -> int:
+        asked = campaign(name=f"{accident} {once or ''}"[:120], summary=str(once or ""))
+        with self.engine.begin() as connection:
+            return submit(connection, asked, name=accident, tags=[], owner="", planned=0)
+
+    def run(self, run_id: int) -> Any:
+        with read(self.engine) as connection:
+            return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
+
+    def ended(self, run_id: int) -> Any:
+        until(lambda: self.run(run_id).state in ("done", "failed", "cancelled"), f"run {run_id} ends")
+        return self.run(run_id)
+
+    def half_flown(self, run_id: int) -> None:
+        until(lambda: self.run(run_id).evaluations > SEARCH // 2, f"run {run_id} is half flown")
+
+    def whole(self, run_id: int) -> None:
+        """Every evaluation of the search is there, once, in order and to the bit."""
+        claim = Claim(run_id, 0, 0, 0, "", {})
+        held, expected = RunStore(self.engine, claim).evaluations(1), columns(0, SEARCH)
+        assert held is not None
+        assert [a.tobytes() for a in held[:4]] == [a.tobytes() for a in expected[:4]]
+        assert held.reasons == expected.reasons
+        assert self.run(run_id).evaluations == SEARCH + 1
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    """A worker that all tests of this file share: it has to survive them all."""
+    folder = tmp_path_factory.mktemp("worker")
+    url = f"sqlite:///{folder}/clearance.sqlite3"
+    migrate(url)
+    bench = Bench(url, folder)
+    with worker(url, folder, "shared", *OPTIONS) as bench.worker:
+        yield bench
+        print(bench.worker.text())
+    bench.engine.dispose()
+
+
+@pytest.fixture
+def bench(home: Bench) -> Iterator[Bench]:
+    """The shared worker, which must be alive before and after."""
+    assert home.worker.process.poll() is None, home.worker.text()
+    yield home
+    assert home.worker.process.poll() is None, home.worker.text()
+
+
+def test_the_worker_says_that_it_is_there_and_what_it_offers(bench: Bench) -> None:
+    assert bench.ended(bench.submit("none")).state == "done"
+    with read(bench.engine) as connection:
+        row = connection.execute(sa.select(WorkerRow)).one()
+        document = connection.execute(sa.select(CatalogueDocument)).one().document
+    assert (row.name, row.pid) == ("shared", bench.worker.pid)
+    assert "direct" in [method["name"] for method in document["methods"]]
+
+
+@pytest.mark.parametrize("accident", ["segfault", "kill", "exit", "leave", "fail"])
+def test_after_one_accident_the_run_goes_on_where_it_was(bench: Bench, tmp_path: Path, accident: str) -> None:
+    run_id = bench.submit(accident, tmp_path / "once")
+    ended = bench.ended(run_id)
+    assert (ended.state, ended.verdict, ended.attempts, ended.error) == ("done", "inconclusive", 1, None)
+    assert ended.fence == 2
+    bench.whole(run_id)
+    with read(bench.engine) as connection:
+        stages = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position)).all()
+    assert [s.evaluations for s in stages] == [1, SEARCH]
+    assert stages[0].finished < stages[1].started
+
+
+@pytest.mark.parametrize(
+    ("accident", "how"),
+    [
+        ("segfault", "the worker process ended with signal 11 (SIGSEGV)"),
+        ("exit", "the worker process ended with exit code 7"),
+        ("fail", "the runner raised BrokenPipeError: [Errno 32] no pipe"),
+    ],
+)
+def test_a_poisonous_run_is_given_up_after_three_attempts(bench: Bench, accident: str, how: str) -> None:
+    ended = bench.ended(bench.submit(accident))
+    assert ended.state == "failed"
+    assert ended.error == f"Given up after 3 attempts in the search stage (direct); the last one: {how}."
+    assert (ended.fence, ended.attempts, ended.verdict) == (3, 3, None)
+
+
+def test_a_campaign_that_cannot_be_run_fails_at_once(bench: Bench) -> None:
+    ended = bench.ended(bench.submit("refuse"))
+    assert (ended.state, ended.attempts) == ("failed", 1)
+    assert ended.error == (
+        "the campaign cannot be run here: scenario.vehicle: it has no wings; choose another one (given: unicycle)"
+    )
+
+
+def test_an_error_in_the_physics_leaves_the_child_warm(bench: Bench) -> None:
+    bench.ended(bench.submit("none"))
+    child = bench.worker.child()
+    bench.ended(bench.submit("refuse"))
+    bench.ended(bench.submit("none"))
+    assert bench.worker.child() == child
+
+
+def test_what_the_physics_prints_and_reads_never_reaches_the_supervisor(bench: Bench) -> None:
+    run_id = bench.submit("talk")
+    assert bench.ended(run_id).state == "done"
+    bench.whole(run_id)
+
+
+@pytest.mark.parametrize("accident", ["hang", "hold", "spawn"])
+def test_cancel_takes_less_than_a_second_and_leaves_no_process(bench: Bench, accident: str) -> None:
+    run_id = bench.submit(accident)
+    bench.half_flown(run_id)
+    child = bench.worker.child()
+    if accident == "spawn":
+        until(lambda: descendants(child), "the child has started a process")
+    family = [child, *descendants(child)]
+    with bench.engine.begin() as connection:
+        assert request_cancel(connection, run_id) == "cancelling"
+    assert until(lambda: bench.run(run_id).state == "cancelled", "cancelled") < 1.0
+    assert not [pid for pid in family if alive(pid)]
+    assert bench.run(run_id).verdict is None
+    assert bench.ended(bench.submit("none")).state == "done"
+
+
+def test_a_child_that_holds_the_interpreter_keeps_its_lease(bench: Bench) -> None:
+    run_id = bench.submit("hold")
+    bench.half_flown(run_id)
+    beats = {bench.run(run_id).lease_until}
+
+    def beaten() -> bool:
+        beats.add(bench.run(run_id).lease_until)
+        return max(beats) > min(beats) + 2.5  # longer than the lease
+
+    until(beaten, "the lease is prolonged")
+    assert (bench.run(run_id).state, bench.run(run_id).fence) == ("running", 1)
+    with bench.engine.begin() as connection:
+        request_cancel(connection, run_id)
+    bench.ended(run_id)
+
+
+def test_a_locked_database_is_waited_for(bench: Bench) -> None:
+    connection = bench.engine.connect()
+    run_id = bench.submit("none")
+    until(lambda: bench.run(run_id).state == "running", "running")
+    connection.begin()
+    frozen = bench.run(run_id)
+    try:  # longer than the lease, so that the beats fail to arrive too
+        until(lambda: bench.run(run_id).lease_until < time.time() - 1.0, "the lease has run out")
+        assert bench.run(run_id).evaluations == frozen.evaluations
+    finally:
+        connection.rollback()
+        connection.close()
+    ended = bench.ended(run_id)
+    assert (ended.state, ended.attempts, ended.fence) == ("done", 1, 1)
+    bench.whole(run_id)
+
+
+def test_killing_the_supervisor_leaves_no_child_and_another_worker_goes_on(bench: Bench, tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    migrate(url)
+    own = Bench(url, tmp_path)
+    run_id = own.submit("hang", tmp_path / "once")
+    with worker(url, tmp_path, "first", *OPTIONS) as first:
+        own.half_flown(run_id)
+        child = first.child()
+        kill(first.pid)
+        until(lambda: not alive(child), "the child is gone", 2.0)
+    with worker(url, tmp_path, "second", *OPTIONS):
+        ended = own.ended(run_id)
+    assert (ended.state, ended.worker, ended.fence) == ("done", "second", 2)
+    own.whole(run_id)
+    own.engine.dispose()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_stopped_worker_gives_its_run_back(bench: Bench, tmp_path: Path, number: signal.Signals) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    migrate(url)
+    own = Bench(url, tmp_path)
+    run_id = own.submit("hold")
+    with worker(url, tmp_path, "first", *OPTIONS) as first:
+        own.half_flown(run_id)
+        family = first.family()
+        assert len(family) == 2
+        kill(first.pid, number=number)
+        assert until(lambda: not [pid for pid in family if alive(pid)], "all gone") < 2.0
+        assert first.process.wait() == (130 if number == signal.SIGINT else 0)
+    run = own.run(run_id)
+    assert (run.state, run.attempts, run.error) == ("queued", 0, None)
+    with read(own.engine) as connection:
+        assert connection.scalar(sa.select(sa.func.count()).select_from(WorkerRow)) == 0
+    own.engine.dispose()
+
+
+def test_a_worker_frozen_beyond_its_lease_can_write_nothing(bench: Bench, tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    migrate(url)
+    own = Bench(url, tmp_path)
+    run_id = own.submit("hang", tmp_path / "once")
+    with worker(url, tmp_path, "frozen", *OPTIONS) as frozen, worker(url, tmp_path, "second", *OPTIONS) as second:
+        own.half_flown(run_id)
+        holder, other = (frozen, "second") if own.run(run_id).worker == "frozen" else (second, "frozen")
+        family = holder.family()
+        kill(*family, number=signal.SIGSTOP)
+        ended = own.ended(run_id)
+        assert (ended.state, ended.worker, ended.fence) == ("done", other, 2)
+        kill(*family, number=signal.SIGCONT)
+        until(lambda: "lost" in holder.text(), "the frozen worker notices")
+        assert own.run(run_id) == ended
+        own.whole(run_id)
+        again = own.submit("none")
+        assert own.ended(again).state == "done"
+        assert holder.process.poll() is None
+    own.engine.dispose()

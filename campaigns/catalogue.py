@@ -42,6 +42,8 @@ class ComponentEntry(Entry):
     starts: list[ParameterEntry] = []
     goals: list[ParameterEntry] = []
     """What the goal of an avoider is given by."""
+    fits: list[str] = []
+    """The vehicles a controller flies; empty for everything else."""
     unit: str = ""
     """The unit of a criterion's value."""
     quantity: str = ""

@@ -7,7 +7,8 @@ Start reading at `check`.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
@@ -62,6 +63,7 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         if role == "avoider":
             yield from _given("scenario.goal", entry.goals, campaign.scenario.goal)
     yield from _dimensions(campaign, catalogue)
+    yield from _fits(campaign, catalogue)
     known = parameters(campaign, catalogue)
     for path, uncertain in campaign.uncertain.items():
         yield from _uncertain(path, uncertain, known)
@@ -82,6 +84,20 @@ def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
                 entry.name,
                 f"lives in {entry.dimension} dimensions, the {first.role} {first.name!r} in {first.dimension}",
             )
+
+
+def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    scenario = campaign.scenario
+    controller = catalogue.component("controller", scenario.controller.component)
+    if controller is not None and scenario.vehicle.component not in controller.fits:
+        flown = ", ".join(controller.fits)
+        yield Problem(
+            "scenario.controller.component",
+            controller.name,
+            f"this controller flies {flown}, not {scenario.vehicle.component}",
+        )
+    if not scenario.obstacles:
+        yield Problem("scenario.obstacles", "[]", "give at least one obstacle: the criterion reads distances to them")
 
 
 def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:
@@ -182,12 +198,13 @@ def _misfit(value: Any, rule: Mapping[str, Any]) -> str | None:
         return f"expected a value of type {kind}"
     if "enum" in rule and value not in rule["enum"]:
         return f"expected one of {', '.join(map(str, rule['enum']))}"
-    for word, outside, text in (
-        ("minimum", lambda v, b: v < b, "at least"),
-        ("maximum", lambda v, b: v > b, "at most"),
-        ("exclusiveMinimum", lambda v, b: v <= b, "above"),
-        ("exclusiveMaximum", lambda v, b: v >= b, "below"),
-    ):
+    limits: tuple[tuple[str, Callable[[Any, Any], bool], str], ...] = (
+        ("minimum", operator.lt, "at least"),
+        ("maximum", operator.gt, "at most"),
+        ("exclusiveMinimum", operator.le, "above"),
+        ("exclusiveMaximum", operator.ge, "below"),
+    )
+    for word, outside, text in limits:
         if word in rule and (value != value or outside(value, rule[word])):
             return f"expected {text} {rule[word]}"
     return None

@@ -11,12 +11,12 @@ from campaigns.spec import Campaign
 
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
-FLIGHTS_PER_CASE = 2
-"""A validated case is flown at the step and at half the step; the other integrator's flight is no evaluation."""
-
 
 class Planned(NamedTuple):
-    """One stage to come; `planned` evaluations are its budget or, for validate, an estimate with one finding."""
+    """One stage to come; `planned` evaluations are its budget or, for validate, the neighbours of one finding.
+
+    Flights at half the step and with the other integrator are checks of an evaluation, not evaluations.
+    """
 
     kind: StageKind
     method: str | None
@@ -30,6 +30,5 @@ def plan(campaign: Campaign) -> list[Planned]:
     if sensitivity is not None:
         stages.append(Planned("sensitivity", None, sensitivity.points * len(campaign.uncertain)))
     stages.extend(Planned("search", search.method, search.evaluations) for search in campaign.stages.search)
-    cases = 2  # the nominal flight and the worst finding
-    stages.append(Planned("validate", None, cases * FLIGHTS_PER_CASE + campaign.stages.validate_.neighbours))
+    stages.append(Planned("validate", None, campaign.stages.validate_.neighbours))
     return stages

@@ -99,7 +99,8 @@ class Scenario(Strict):
             raise ValueError(f"the step of {self.step:g} s is longer than the horizon of {self.horizon:g} s")
         if steps > MAX_STEPS:
             raise ValueError(
-                f"horizon / step = {steps:.3g} steps, at most {MAX_STEPS:,} are allowed: lengthen the step or shorten the horizon"
+                f"horizon / step = {steps:.3g} steps, at most {MAX_STEPS:,} are allowed: "
+                "lengthen the step or shorten the horizon"
             )
         if abs(steps - round(steps)) > 1e-6 * steps:
             raise ValueError(f"the horizon of {self.horizon:g} s is not a whole number of steps of {self.step:g} s")
@@ -188,8 +189,10 @@ class Uncertain(Strict):
         if self.low is not None and self.high is not None:
             return self.low, self.high
         amount, relative = self._share()
-        reach = amount * abs(nominal) if relative else amount
-        return nominal - reach, nominal + reach
+        if not relative:
+            return nominal - amount, nominal + amount
+        ends = nominal * (1.0 - amount), nominal * (1.0 + amount)
+        return min(ends), max(ends)
 
 
 class Criterion(Strict):

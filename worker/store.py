@@ -63,6 +63,9 @@ class Store(Protocol):
     ) -> None:
         """Store a stage's result and what it found, and mark it done: all or nothing."""
 
+    def found(self) -> list[Finding]:
+        """The findings stored so far, the worst first."""
+
     def conclude(self, conclusion: Conclusion) -> None:
         """Store the verdict; the run is done."""
 
@@ -106,6 +109,9 @@ class MemoryStore:
         self.stages[position] = StageRecord(self.stages[position].plan, "done", seconds, result)
         self.findings.extend(findings)
         self.traces.update({t.name: t for t in traces})
+
+    def found(self) -> list[Finding]:
+        return sorted(self.findings, key=lambda f: f.cost)
 
     def conclude(self, conclusion: Conclusion) -> None:
         self.conclusion = conclusion

@@ -27,10 +27,10 @@ class WrongInputError(Exception):
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit."""
-    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+    sys.exit(invoke(sys.argv[1:] if arguments is None else arguments))
 
 
-def run(arguments: Sequence[str]) -> int:
+def invoke(arguments: Sequence[str]) -> int:
     """Run one command; returns its exit code. Commands end with `typer.Exit(code)` or an error named here."""
     try:
         code = build()(list(arguments), prog_name="clearance", standalone_mode=False)

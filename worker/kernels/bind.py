@@ -1,0 +1,160 @@
+"""Fills the slots of a template and compiles it, cached on disk across processes; or fills them in plain Python.
+
+A slot is a global name of the template: filling rebinds the function's globals, no closure is made, so numba's disk
+cache is hit by every later process. The digest in the bound function's name covers every function and constant
+reachable from it, by value: an edit to a helper three imports away recompiles. Start reading at `bind`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba import config
+from numba.core.dispatcher import Dispatcher
+from numba.core.extending import _Intrinsic
+
+from worker.kernels.maths import FLAGS, kernel
+
+Function = Callable[..., Any]
+
+
+def cache_folder() -> Path:
+    """Where compiled loops are kept: CLEARANCE_KERNEL_CACHE, else the user's cache folder."""
+    given = os.environ.get("CLEARANCE_KERNEL_CACHE")
+    base = os.environ.get("XDG_CACHE_HOME")
+    return Path(given) if given else (Path(base) if base else Path.home() / ".cache") / "clearance" / "kernels"
+
+
+if not os.environ.get("NUMBA_CACHE_DIR"):
+    config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+
+
+def bind(template: Function, slots: dict[str, Any]) -> Any:
+    """The template as a kernel, with its slots filled; to be used in further slots."""
+    return kernel(filled(template, slots))
+
+
+def compile_loop(bound: Function, name: str) -> Any:
+    """A filled template as a compiled function, kept on disk under its digest; it releases the GIL."""
+    bound.__qualname__ = f"{name}_{digest(bound)}"
+    return numba.njit(cache=True, nogil=True, **FLAGS)(bound)
+
+
+def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:
+    """A copy of a plain function with some of its globals replaced."""
+    source = _python(template)
+    unknown = [name for name in slots if name not in source.__globals__]
+    if unknown:
+        raise ValueError(f"{source.__qualname__} has no slots named {', '.join(unknown)}")
+    copy = types.FunctionType(source.__code__, {**source.__globals__, **slots}, source.__name__, source.__defaults__)
+    copy.__qualname__ = source.__qualname__
+    copy.__module__ = source.__module__
+    return copy
+
+
+def plain(function: Function) -> Any:
+    """The same function in plain Python, and every kernel it reaches too: for debuggers, coverage and DOP853."""
+    return _plain(function, {})
+
+
+def digest(function: Function) -> str:
+    """16 hexadecimal digits over bytecode and constants of everything reachable from the function, by value."""
+    sink = hashlib.sha256(f"{numba.__version__} {sys.version} {sorted(FLAGS['fastmath'])}".encode())
+    _walk(function, sink.update, {})
+    return sink.hexdigest()[:16]
+
+
+def _python(function: Any) -> types.FunctionType:
+    return function.py_func if isinstance(function, Dispatcher) else function  # type: ignore[no-any-return]
+
+
+def _plain(function: Any, done: dict[int, Any]) -> Any:
+    source = _python(function)
+    if id(source) in done:
+        return done[id(source)]
+    if not _ours(source):
+        return function
+    scope = dict(source.__globals__)
+    copy = types.FunctionType(source.__code__, scope, source.__name__, source.__defaults__, source.__closure__)
+    done[id(source)] = copy
+    for name in source.__code__.co_names:
+        value = scope.get(name)
+        if isinstance(value, (Dispatcher, types.FunctionType)):
+            scope[name] = _plain(value, done)
+    return copy
+
+
+def _ours(function: types.FunctionType) -> bool:
+    """Numpy's and the standard library's functions are known by their versions and stay as they are."""
+    return getattr(function, "__module__", "").partition(".")[0] not in ("numpy", "math", "numba", "builtins")
+
+
+def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[int, int]) -> None:
+    """Feed everything a compiled function depends on; `seen` gives a repeated object the number of its first visit."""
+    if isinstance(value, _Intrinsic):
+        value = value._defn
+    value = _python(value)
+    if isinstance(value, (bool, int, float, complex, str, bytes, type(None))):
+        feed(f"{type(value).__name__}:{value!r};".encode())
+        return
+    if id(value) in seen:
+        feed(f"again:{seen[id(value)]};".encode())
+        return
+    seen[id(value)] = len(seen)
+    if isinstance(value, types.FunctionType):
+        feed(b"function;")
+        _walk_code(value.__code__, feed, seen)
+        for name in sorted(_names(value.__code__)):
+            if name in value.__globals__:
+                feed(f"{name}=".encode())
+                _walk_global(value.__globals__[name], _names(value.__code__), feed, seen)
+        for cell in value.__closure__ or ():
+            _walk(cell.cell_contents, feed, seen)
+        _walk(value.__defaults__, feed, seen)
+    elif isinstance(value, types.CodeType):
+        _walk_code(value, feed, seen)
+    elif isinstance(value, (tuple, list, frozenset, set)):
+        items = sorted(value, key=repr) if isinstance(value, (set, frozenset)) else value
+        feed(f"{type(value).__name__}{len(value)}(".encode())
+        for item in items:
+            _walk(item, feed, seen)
+        feed(b");")
+    elif isinstance(value, type):
+        feed(f"class:{value.__module__}.{value.__qualname__}:{getattr(value, '_fields', ())!r};".encode())
+    else:
+        feed(f"{type(value).__module__}.{type(value).__qualname__}:{getattr(value, '__name__', '')};".encode())
+
+
+def _walk_global(value: Any, names: set[str], feed: Callable[[bytes], None], seen: dict[int, int]) -> None:
+    """A global; of a module of ours, whatever the function's code may name in it."""
+    if isinstance(value, types.ModuleType):
+        feed(f"module:{value.__name__};".encode())
+        if value.__name__.partition(".")[0] in ("numpy", "math", "numba"):
+            return
+        for name in sorted(names & vars(value).keys()):
+            feed(f"{name}=".encode())
+            _walk(vars(value)[name], feed, seen)
+    else:
+        _walk(value, feed, seen)
+
+
+def _names(code: types.CodeType) -> set[str]:
+    found = set(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            found |= _names(constant)
+    return found
+
+
+def _walk_code(code: types.CodeType, feed: Callable[[bytes], None], seen: dict[int, int]) -> None:
+    feed(code.co_code)
+    feed(repr((code.co_names, code.co_varnames, code.co_freevars, code.co_argcount)).encode())
+    for constant in code.co_consts:
+        _walk(constant, feed, seen)

@@ -1,0 +1,181 @@
+"""What a component is: typed parameters with unit, limits and text, and the kernels that fill the loop's slots.
+
+One file declares one component as its module attribute `component`; the file's docstring is its documentation.
+Start reading at `Parameter` and `Vehicle`; CONTRIBUTING in the README shows a whole file.
+"""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Kernel = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a component: unit, one line of text, the limits within which it has a meaning.
+
+    `name` is how a campaign names it where that is not the field's own name, as `position.x` for `position_x`.
+    """
+
+    unit: str
+    text: str
+    low: float = -1e9
+    high: float = 1e9
+    symbol: str = ""
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A parameter as its component declares it: field of the NamedTuple, name in a campaign; default None: required."""
+
+    field: str
+    name: str
+    symbol: str
+    unit: str
+    text: str
+    low: float
+    high: float
+    default: float | None
+
+
+def declared(fields: type) -> tuple[Declared, ...]:
+    """The parameters of a NamedTuple whose fields are `Annotated[float, Parameter(...)]`, in order."""
+    hints = typing.get_type_hints(fields, include_extras=True)
+    defaults = getattr(fields, "_field_defaults", {})
+    found = []
+    for field, hint in hints.items():
+        meta = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Parameter)), None)
+        if meta is None:
+            raise TypeError(f"{fields.__name__}.{field} is declared without Parameter(unit, text, ...)")
+        default = defaults.get(field)
+        if not meta.low < meta.high or (default is not None and not meta.low <= default <= meta.high):
+            raise TypeError(f"{fields.__name__}.{field}: limits {meta.low} to {meta.high}, default {default}")
+        found.append(
+            Declared(
+                field, meta.name or field, meta.symbol or field, meta.unit, meta.text, meta.low, meta.high, default
+            )
+        )
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A column of a trace: what it shows, its symbol and unit."""
+
+    name: str
+    symbol: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Limit:
+    """An edge of a vehicle's envelope; `text` completes "the flight left the model's envelope: ..."."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """A vehicle. Its kernels, x being its state and p its parameters:
+
+    begin(start, p) -> x; derivative(t, x, u, p) -> dx; position(x, p), velocity(x, p) in the world frame [m], [m/s];
+    pose(x, p) -> (x, y, z, roll, pitch, yaw) [m], [rad]; outside(x, p) -> 0.0 inside the envelope, else the number of
+    the limit exceeded, from 1.0.
+    """
+
+    name: str
+    title: str
+    dimension: Literal[2, 3]
+    parameters: type
+    start: type
+    states: tuple[Signal, ...]
+    inputs: tuple[Signal, ...]
+    limits: tuple[Limit, ...]
+    begin: Kernel
+    derivative: Kernel
+    position: Kernel
+    velocity: Kernel
+    pose: Kernel
+    outside: Kernel
+    role: Literal["vehicle"] = "vehicle"
+
+
+@dataclass(frozen=True)
+class Controller:
+    """A controller of the vehicles it fits. Its kernels, c being its own state:
+
+    prepare(x, demand, p) -> c; command(t, x, c, demand, p) -> (u, dc); references(x, demand, p) -> what it aims at.
+    `command` holds one kernel per kind of demand it accepts: it owns the mapping from the demand to its references.
+    """
+
+    name: str
+    title: str
+    fits: tuple[str, ...]
+    parameters: type
+    states: int
+    signals: tuple[Signal, ...]
+    prepare: dict[str, Kernel]
+    command: dict[str, Kernel]
+    references: dict[str, Kernel]
+    role: Literal["controller"] = "controller"
+
+
+@dataclass(frozen=True)
+class Avoider:
+    """An avoidance algorithm. Its kernels, m being its memory between samples:
+
+    steer(t, position, velocity, goal, bodies, m, p) -> (demand, m); remember(p) -> m at the start.
+    The demand is a world-frame force or velocity of the given dimension.
+    """
+
+    name: str
+    title: str
+    dimension: Literal[2, 3]
+    demand: Literal["force", "velocity"]
+    parameters: type
+    goal: type
+    memory: int
+    steer: Kernel
+    remember: Kernel
+    role: Literal["avoider"] = "avoider"
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """An obstacle or intruder. body(t, p) -> glue.Body (plane) or glue.Body3 (space)."""
+
+    name: str
+    title: str
+    dimension: Literal[2, 3]
+    parameters: type
+    body: Kernel
+    role: Literal["obstacle"] = "obstacle"
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """What must stay above a threshold. Its kernels:
+
+    sample(t, position, velocity, x, u, body, p) -> (channel,) for one obstacle; the lowest values over the flight,
+    refined between steps, of all channels give value(lowest, p); excluded(first, p) tells whether the first reading
+    bars the flight. The first parameter is always `threshold`.
+    """
+
+    name: str
+    title: str
+    dimension: Literal[2, 3]
+    quantity: str
+    unit: str
+    parameters: type
+    sample: Kernel
+    value: Kernel
+    excluded: Kernel
+    role: Literal["criterion"] = "criterion"
+
+
+Component = Vehicle | Controller | Avoider | Obstacle | Criterion

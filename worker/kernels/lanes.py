@@ -1,0 +1,94 @@
+"""Loads and stores one lane of a (rows, LANES) block that lies in one flat buffer, as a tuple of floats.
+
+Offsets are constants at compile time and there is one buffer only, so LLVM proves that lanes do not alias and
+vectorises the lane loop. `plain_ops` is the same in Python, for flights without a compiler.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+
+class LaneOps(NamedTuple):
+    """load(buffer, base, lane) -> tuple; store(buffer, base, lane, tuple); advance(x, h, dx) -> x + h dx."""
+
+    load: Any
+    store: Any
+    advance: Any
+
+
+@cache
+def lane_ops(rows: int, lanes: int) -> LaneOps:
+    """The compiled operations for tuples of `rows` floats at a width of `lanes`."""
+
+    @intrinsic
+    def load(context, buffer, base, lane):  # type: ignore[no-untyped-def]
+        signature = types.UniTuple(types.float64, rows)(buffer, base, lane)  # type: ignore[no-untyped-call]
+
+        def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+            first = builder.add(arguments[1], arguments[2])
+            values = [
+                builder.load(builder.gep(data, [builder.add(first, ir.Constant(first.type, k * lanes))]))
+                for k in range(rows)
+            ]
+            return context.make_tuple(builder, signature.return_type, values)
+
+        return signature, codegen
+
+    @intrinsic
+    def store(context, buffer, base, lane, values):  # type: ignore[no-untyped-def]
+        signature = types.void(buffer, base, lane, values)
+
+        def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+            first = builder.add(arguments[1], arguments[2])
+            for k in range(rows):
+                value = builder.extract_value(arguments[3], k)
+                value = context.cast(builder, value, signature.args[3][k], types.float64)
+                builder.store(value, builder.gep(data, [builder.add(first, ir.Constant(first.type, k * lanes))]))
+            return context.get_dummy_value()
+
+        return signature, codegen
+
+    @intrinsic
+    def advance(context, x, h, dx):  # type: ignore[no-untyped-def]
+        signature = types.UniTuple(types.float64, rows)(x, h, dx)  # type: ignore[no-untyped-call]
+
+        def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            x, h, dx = arguments
+            fused = ("contract",)
+            values = [
+                builder.fadd(
+                    builder.extract_value(x, k),
+                    builder.fmul(h, builder.extract_value(dx, k), flags=fused),
+                    flags=fused,
+                )
+                for k in range(rows)
+            ]
+            return context.make_tuple(builder, signature.return_type, values)
+
+        return signature, codegen
+
+    return LaneOps(load, store, advance)
+
+
+def plain_ops(rows: int, lanes: int) -> LaneOps:
+    """The same operations in plain Python."""
+
+    def load(buffer, base, lane):  # type: ignore[no-untyped-def]
+        return tuple(float(buffer[base + lane + k * lanes]) for k in range(rows))
+
+    def store(buffer, base, lane, values):  # type: ignore[no-untyped-def]
+        for k in range(rows):
+            buffer[base + lane + k * lanes] = values[k]
+
+    def advance(x, h, dx):  # type: ignore[no-untyped-def]
+        return tuple(a + h * b for a, b in zip(x, dx, strict=True))
+
+    return LaneOps(load, store, advance)

@@ -1,0 +1,152 @@
+"""The one closed loop: classical Runge-Kutta of order 4 over LANES simulations in lockstep. A template with slots.
+
+Butcher, Numerical Methods for ODEs (2016), section 322; every lane does the same arithmetic whatever the others hold,
+so an evaluation's bits never depend on its batch. Start reading at `fly`; `bind.bind` fills the slots.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from worker.kernels.maths import kernel
+
+N_X = N_P = N_G = N_Y = N_W = LANES = 0
+X = A = B = C = D = P = G = Y0 = Y1 = Y2 = LOW = STATUS = WHEN = SIZE = 0
+SAMPLED = False
+
+OK = 0.0
+NOT_FINITE = 1.0
+EXCLUDED = 2.0
+OUTSIDE = 3.0
+"""Status OUTSIDE + k: the limit k of the vehicle's envelope, counted from 0."""
+
+LARGEST = 1e12
+"""The sum of magnitudes of states and channels beyond which a flight has diverged."""
+
+
+def _slot(*_: Any) -> Any:
+    raise NotImplementedError("a slot that bind did not fill")
+
+
+load_x = load_p = load_g = load_y = store_x = store_g = store_y = advance = _slot
+initial = blank = guide = closed_loop = envelope = cost = barred = observation = _slot
+
+
+@kernel
+def magnitude(values: Any) -> float:
+    """The sum of magnitudes: one comparison with it tells whether every value is finite."""
+    total = 0.0
+    for value in values:
+        total += abs(value)
+    return total
+
+
+def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[no-untyped-def]
+    """Fly n simulations.
+
+    params (n, N_P); dt [s]; steps; every: steps per guidance sample (sampled guidance only).
+    Out: costs (n,), NaN unless ok; status (n,) as OK, NOT_FINITE, EXCLUDED, OUTSIDE + k; when (n,) the time a flight
+    ended [s]; trace (m, steps + 1, N_X + N_G): the states and held guidance of the first m flights.
+    """
+    n = params.shape[0]
+    b = np.empty(SIZE)
+    h = 0.5 * dt
+    q = dt / 6.0
+    for first in range(0, n, LANES):
+        for l in range(LANES):
+            j = min(first + l, n - 1)
+            for k in range(N_P):
+                b[P + k * LANES + l] = params[j, k]
+        for l in range(LANES):
+            p = load_p(b, P, l)
+            store_g(b, G, l, blank(p))
+            store_x(b, X, l, initial(p))
+            b[STATUS + l] = OK
+            b[WHEN + l] = 0.0
+        for k in range(N_Y * LANES):
+            b[LOW + k] = np.inf
+            b[Y1 + k] = np.inf
+            b[Y2 + k] = np.inf
+        for i in range(steps + 1):
+            t = i * dt
+            if i % every == 0:
+                for l in range(LANES):
+                    store_g(b, G, l, guide(t, load_x(b, X, l), load_g(b, G, l), load_p(b, P, l)))
+            for l in range(LANES):
+                x = load_x(b, X, l)
+                p = load_p(b, P, l)
+                dx, y = closed_loop(t, x, load_g(b, G, l), p)
+                store_x(b, A, l, dx)
+                store_y(b, Y0, l, y)
+                code = envelope(x, p)
+                code = OUTSIDE - 1.0 + code if code > 0.0 else OK
+                code = code if magnitude(x) + magnitude(y) < LARGEST else NOT_FINITE
+                so_far = b[STATUS + l]
+                b[WHEN + l] = t if so_far == OK else b[WHEN + l]
+                b[STATUS + l] = code if so_far == OK else so_far
+            if i == 0:
+                for l in range(LANES):
+                    bar = barred(load_y(b, Y0, l), load_p(b, P, l))
+                    b[STATUS + l] = EXCLUDED if (b[STATUS + l] == OK) & bar else b[STATUS + l]
+            # The minimum between steps: the vertex of the parabola through three samples.
+            for k in range(N_Y * LANES):
+                left = b[Y2 + k]
+                mid = b[Y1 + k]
+                right = b[Y0 + k]
+                bend = left - 2.0 * mid + right
+                slope = left - right
+                vertex = mid - 0.125 * slope * slope / bend
+                low = vertex if (mid <= left) & (mid <= right) & (bend > 0.0) else right
+                low = low if i >= 2 else right
+                b[LOW + k] = low if low < b[LOW + k] else b[LOW + k]
+                b[Y2 + k] = mid
+                b[Y1 + k] = right
+            if trace.shape[0] > first:
+                for l in range(min(LANES, trace.shape[0] - first)):
+                    for k in range(N_X):
+                        trace[first + l, i, k] = b[X + k * LANES + l]
+                    for k in range(N_G):
+                        trace[first + l, i, N_X + k] = b[G + k * LANES + l]
+            if i % 64 == 63:
+                flying = 0
+                for l in range(LANES):
+                    flying += b[STATUS + l] == OK
+                if flying == 0:
+                    break
+            for l in range(LANES):
+                x = advance(load_x(b, X, l), h, load_x(b, A, l))
+                dx, y = closed_loop(t + h, x, load_g(b, G, l), load_p(b, P, l))
+                store_x(b, B, l, dx)
+            for l in range(LANES):
+                x = advance(load_x(b, X, l), h, load_x(b, B, l))
+                dx, y = closed_loop(t + h, x, load_g(b, G, l), load_p(b, P, l))
+                store_x(b, C, l, dx)
+            for l in range(LANES):
+                x = advance(load_x(b, X, l), dt, load_x(b, C, l))
+                dx, y = closed_loop(t + dt, x, load_g(b, G, l), load_p(b, P, l))
+                store_x(b, D, l, dx)
+            for k in range(N_X * LANES):
+                b[X + k] += q * (b[A + k] + 2.0 * b[B + k] + 2.0 * b[C + k] + b[D + k])
+        for l in range(LANES):
+            if first + l < n:
+                result = cost(load_y(b, LOW, l), load_p(b, P, l))
+                costs[first + l] = result if b[STATUS + l] == OK else np.nan
+                status[first + l] = b[STATUS + l]
+                when[first + l] = b[WHEN + l]
+
+
+def observe(states, params, dt, seen):  # type: ignore[no-untyped-def]
+    """What a trace shows besides the states. states (rows, N_X + N_G), params (N_P,); out: seen (rows, N_W)."""
+    width = max(SIZE, (N_X + N_G + N_P) * LANES)
+    b = np.zeros(width)
+    for k in range(N_P):
+        b[(N_X + N_G + k) * LANES] = params[k]
+    p = load_p(b, (N_X + N_G) * LANES, 0)
+    for i in range(states.shape[0]):
+        for k in range(N_X + N_G):
+            b[k * LANES] = states[i, k]
+        values = observation(i * dt, load_x(b, 0, 0), load_g(b, N_X * LANES, 0), p)
+        for j, value in enumerate(values):
+            seen[i, j] = value

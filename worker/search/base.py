@@ -1,0 +1,110 @@
+"""What a search method is: a generator that yields points of the unit cube and receives their batch.
+
+The driver counts, stores, stops at the budget and keeps the best point; a method only chooses points.
+Start reading at `Method`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+OK, FAILED, TIMEOUT, EXCLUDED = 0, 1, 2, 3
+STATUS = ("ok", "failed", "timeout", "excluded")
+
+
+class Batch(NamedTuple):
+    """What the points of one request cost: costs (m, k), NaN where not ok; status (m,) uint8."""
+
+    costs: Floats
+    status: NDArray[np.uint8]
+
+    def ranked(self) -> Floats:
+        """The first criterion's costs (m,) with infinity where not ok: for comparing only, it is nobody's value."""
+        return np.where(self.status == OK, self.costs[:, 0], np.inf)
+
+
+class Minimum(NamedTuple):
+    """A local minimum a method ended at: point (n,), cost, the start it came from, evaluations spent, how it ended."""
+
+    point: Floats
+    cost: float
+    start: Floats | None
+    evaluations: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Space:
+    """What a method is given: the unit cube of `dimension`, its budget, seeded randomness, starts and distributions.
+
+    starts (s, n); quantile maps uniform numbers (m, n) to points drawn from the campaign's distributions; report
+    hands over a local minimum as soon as it is found, so that none is lost when the budget ends.
+    """
+
+    dimension: int
+    budget: int
+    random: np.random.Generator
+    starts: Floats
+    quantile: Callable[[Floats], Floats]
+    report: Callable[[Minimum], None]
+
+
+Search = Generator[Floats, Batch, str]
+"""Yields points (m, n), receives their `Batch`, returns the sentence of the rule by which it stopped."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A search method: its options' defaults are the published settings.
+
+    `kind`: global methods must agree before anything is cleared; a random one gives the independent sample.
+    `repeats`: it may ask for a point twice; the driver answers the second time from memory.
+    """
+
+    name: str
+    title: str
+    kind: Literal["global", "local", "random"]
+    how: str
+    source: str
+    evaluations: int
+    options: type
+    search: Callable[[Space, Any], Search]
+    repeats: bool = False
+
+
+def side_by_side(searches: list[Search]) -> Generator[Floats, Batch, list[str]]:
+    """Advance several searches together: one request holds the points that all of them want next.
+
+    Their order is the order given, so that the outcome depends on nothing else. Returns their sentences.
+    """
+    said = [""] * len(searches)
+    wanted: dict[int, Floats] = {}
+    for i, search in enumerate(searches):
+        _advance(i, search, None, wanted, said)
+    try:
+        while wanted:
+            order = sorted(wanted)
+            batch = yield np.concatenate([wanted[i] for i in order])
+            ends = np.cumsum([len(wanted[i]) for i in order])
+            for i, end in zip(order, ends, strict=True):
+                first = end - len(wanted[i])
+                _advance(i, searches[i], Batch(batch.costs[first:end], batch.status[first:end]), wanted, said)
+    finally:
+        for search in searches:
+            search.close()
+    return said
+
+
+def _advance(i: int, search: Search, batch: Batch | None, wanted: dict[int, Floats], said: list[str]) -> None:
+    try:
+        wanted[i] = next(search) if batch is None else search.send(batch)
+    except StopIteration as end:
+        wanted.pop(i, None)
+        said[i] = end.value or ""

@@ -1,0 +1,72 @@
+"""Turns a library that calls back for every evaluation into a generator that yields batches.
+
+The library runs in a thread of its own; it and the generator take turns, so nothing ever runs at the same time.
+Start reading at `called_back`.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Generator
+from queue import SimpleQueue
+from typing import TypeVar
+
+from worker.search.base import Batch, Floats
+
+T = TypeVar("T")
+Ask = Callable[[Floats], Batch]
+
+
+class Abandoned(Exception):
+    """Raised inside the library's thread when the driver wants no more of it."""
+
+
+class _Raised:
+    def __init__(self, error: BaseException) -> None:
+        self.error = error
+
+
+class _Returned:
+    def __init__(self, value: object) -> None:
+        self.value = value
+
+
+def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
+    """Run `run(ask)` in a thread and yield whatever points (m, n) it asks for; returns what `run` returns.
+
+    When the generator is closed, `ask` raises `Abandoned` in the thread and the thread ends before close returns.
+    """
+    requests: SimpleQueue[Floats | _Raised | _Returned] = SimpleQueue()
+    answers: SimpleQueue[Batch | None] = SimpleQueue()
+
+    def ask(points: Floats) -> Batch:
+        requests.put(points)
+        answer = answers.get()
+        if answer is None:
+            raise Abandoned
+        return answer
+
+    def work() -> None:
+        try:
+            requests.put(_Returned(run(ask)))
+        except BaseException as error:
+            requests.put(_Raised(error))
+
+    thread = threading.Thread(target=work, name="search", daemon=True)
+    thread.start()
+    waiting = False
+    try:
+        while True:
+            request = requests.get()
+            if isinstance(request, _Returned):
+                return request.value  # type: ignore[return-value]
+            if isinstance(request, _Raised):
+                raise request.error
+            waiting = True
+            batch = yield request
+            waiting = False
+            answers.put(batch)
+    finally:
+        if waiting:
+            answers.put(None)
+        thread.join()

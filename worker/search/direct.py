@@ -1,0 +1,190 @@
+"""DIRECT: divides the box into ever smaller rectangles, wherever some Lipschitz constant makes one promising.
+
+Jones, Perttunen, Stuckman, Lipschitzian optimization without the Lipschitz constant (JOTA 79, 1993), sections 4-6:
+size from centre to vertex, every tie divided, eps = 1e-4. All potentially optimal rectangles of an iteration are
+evaluated as one batch. Deterministic; converges to the global minimum of a continuous function, at no known rate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from worker.search.base import Floats, Method, Search, Space
+
+Ints = NDArray[np.int64]
+
+DEEPEST = 30
+"""Sides are divided at most this often: 3^-30 is 5e-15, where centres stop being distinct."""
+
+TIE = 1e-12
+"""Values this close, relatively, are ties: rounding alone would tell mirrored rectangles apart."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Stops at the first of: iterations, smallest size, budget."""
+
+    iterations: Annotated[int, Field(ge=1, le=1_000_000, description="Iterations at most")] = 10_000
+    epsilon: Annotated[float, Field(ge=0, le=1, description="Jones' eps: least improvement worth a division")] = 1e-4
+    smallest: Annotated[
+        float, Field(ge=0, lt=1, description="Stop when the best rectangle's half diagonal is below this")
+    ] = 0.0
+
+
+class Boxes:
+    """The rectangles: centre (n,), divisions of each side (n,), the value at the centre, whether it has none."""
+
+    def __init__(self, dimension: int, capacity: int = 1024) -> None:
+        self.count = 0
+        self.centre: Floats = np.empty((capacity, dimension))
+        self.depth: Ints = np.empty((capacity, dimension), dtype=np.int64)
+        self.level: Ints = np.empty(capacity, dtype=np.int64)
+        self.value: Floats = np.empty(capacity)
+        self.lost: NDArray[np.bool_] = np.empty(capacity, dtype=np.bool_)
+
+    def add(self, centre: Floats, depth: Ints, value: Floats) -> None:
+        """Append m rectangles."""
+        last = self.count + len(value)
+        while last > len(self.value):
+            for name in ("centre", "depth", "level", "value", "lost"):
+                held = getattr(self, name)
+                setattr(self, name, np.concatenate([held, np.empty_like(held)]))
+        self.centre[self.count : last] = centre
+        self.depth[self.count : last] = depth
+        self.level[self.count : last] = depth.sum(axis=1)
+        self.value[self.count : last] = value
+        self.lost[self.count : last] = ~np.isfinite(value)
+        self.count = last
+
+
+def sizes(levels: Ints, dimension: int) -> Floats:
+    """Half diagonals of rectangles by their level, the number of divisions summed over the sides.
+
+    Sides of one rectangle differ by at most one division, so the level alone tells every side.
+    """
+    whole, extra = np.divmod(levels, dimension)
+    return 0.5 * np.sqrt((dimension - extra) * 9.0**-whole + extra * 9.0 ** -(whole + 1.0))
+
+
+def promising(boxes: Boxes, epsilon: float) -> Ints:
+    """Indices of the potentially optimal rectangles (definition 4.1), the smallest first, every tie included."""
+    n = boxes.count
+    dimension = boxes.centre.shape[1]
+    level, value = boxes.level[:n], boxes.value[:n]
+    lowest = np.full(int(level.max()) + 1, np.inf)
+    np.minimum.at(lowest, level, value)
+    present = np.flatnonzero(np.isfinite(lowest))[::-1]
+    present = present[present < DEEPEST * dimension]
+    chosen = [present[i] for i in _hull(sizes(present, dimension), lowest[present], epsilon)]
+    found = [np.flatnonzero((level == c) & (value <= lowest[c] + TIE * abs(lowest[c]))) for c in chosen]
+    return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+
+
+def _hull(size: Floats, lowest: Floats, epsilon: float) -> list[int]:
+    """Which points (size, lowest), sizes increasing, lie on the lower right convex hull and pass the eps test."""
+    if len(size) == 0:
+        return []
+    best = float(lowest.min())
+    bottom = int(np.flatnonzero(lowest == best)[-1])
+    hull: list[int] = []
+    for i in range(bottom, len(size)):
+        while len(hull) >= 2 and _slope(size, lowest, hull[-1], i) < _slope(size, lowest, hull[-2], hull[-1]):
+            hull.pop()
+        hull.append(i)
+    target = best - epsilon * abs(best)
+    kept = [i for i, larger in pairwise(hull) if lowest[i] - _slope(size, lowest, i, larger) * size[i] <= target]
+    return [*kept, hull[-1]]
+
+
+def _slope(size: Floats, lowest: Floats, a: int, b: int) -> float:
+    return float((lowest[b] - lowest[a]) / (size[b] - size[a]))
+
+
+def search(space: Space, options: Options) -> Search:
+    """One iteration is one request: the new centres of every potentially optimal rectangle."""
+    n = space.dimension
+    boxes = Boxes(n)
+    centre = np.full((1, n), 0.5)
+    batch = yield centre
+    boxes.add(centre, np.zeros((1, n), dtype=np.int64), batch.ranked())
+    for done in range(1, options.iterations + 1):
+        _rescue(boxes)
+        parents = promising(boxes, options.epsilon)
+        if len(parents) == 0:
+            return f"every rectangle is as small as numbers allow after {done - 1} iterations"
+        points, owners, sides = _new_centres(boxes, parents)
+        batch = yield points
+        _divide(boxes, parents, points, owners, sides, batch.ranked())
+        if options.smallest > 0.0:
+            best = int(np.argmin(boxes.value[: boxes.count]))
+            if float(sizes(boxes.level[best : best + 1], n)[0]) < options.smallest:
+                return f"the best rectangle is smaller than {options.smallest:g} after {done} iterations"
+    return f"did the {options.iterations} iterations asked for"
+
+
+def _new_centres(boxes: Boxes, parents: Ints) -> tuple[Floats, Ints, Ints]:
+    """Two new centres per longest side of every parent: points (2 k, n); which parent and which side (k,)."""
+    depth = boxes.depth[parents]
+    owners, sides = np.nonzero(depth == depth.min(axis=1, keepdims=True))
+    step = 3.0 ** -(depth[owners, sides] + 1.0)
+    points = np.repeat(boxes.centre[parents[owners]], 2, axis=0)
+    k = np.arange(len(owners))
+    points[2 * k, sides] -= step
+    points[2 * k + 1, sides] += step
+    return points, owners, sides
+
+
+def _divide(boxes: Boxes, parents: Ints, points: Floats, owners: Ints, sides: Ints, values: Floats) -> None:
+    """Divide every parent along its longest sides, the side with the lowest new value first: it keeps most volume."""
+    order = np.lexsort((sides, np.minimum(values[0::2], values[1::2]), owners))
+    owners, sides = owners[order], sides[order]
+    first = np.flatnonzero(np.r_[True, owners[1:] != owners[:-1]])
+    rank = np.arange(len(owners)) - np.repeat(first, np.diff(np.r_[first, len(owners)]))
+    divided = np.zeros((len(owners), boxes.centre.shape[1]), dtype=np.int64)
+    divided[np.arange(len(owners)), sides] = 1
+    for r in range(1, int(rank.max()) + 1):
+        rows = np.flatnonzero(rank == r)
+        divided[rows] += divided[rows - 1]
+    depth = boxes.depth[parents[owners]] + divided
+    last = np.r_[first[1:], len(owners)] - 1
+    boxes.depth[parents[owners[last]]] = depth[last]
+    boxes.level[parents[owners[last]]] = depth[last].sum(axis=1)
+    children = np.column_stack([2 * order, 2 * order + 1]).ravel()
+    boxes.add(points[children], np.repeat(depth, 2, axis=0), values[children])
+
+
+def _rescue(boxes: Boxes) -> None:
+    """Rank the rectangles whose centre has no value, after Gablonsky (2001, section 3.4.3).
+
+    Such a rectangle takes the lowest value among the feasible centres inside it at twice its size, a touch raised: it
+    is divided in turn but never before that neighbour. Where there is none, it takes more than the highest value seen.
+    """
+    lost = boxes.lost[: boxes.count]
+    if not lost.any():
+        return
+    centre, value = boxes.centre[: boxes.count], boxes.value[: boxes.count]
+    feasible = np.flatnonzero(~lost)
+    highest = float(value[feasible].max()) if len(feasible) else 0.0
+    for i in np.flatnonzero(lost):
+        reach = 3.0 ** -boxes.depth[i].astype(np.float64)
+        near = feasible[(np.abs(centre[feasible] - centre[i]) <= reach).all(axis=1)]
+        nearest = float(value[near].min()) if len(near) else highest + max(abs(highest), 1.0)
+        value[i] = nearest + 1e-6 * abs(nearest)
+
+
+method = Method(
+    name="direct",
+    title="DIRECT",
+    kind="global",
+    how="Global, deterministic. Divides the box",
+    source="Jones, Perttunen, Stuckman 1993",
+    evaluations=2000,
+    options=Options,
+    search=search,
+)

@@ -1,0 +1,228 @@
+"""What stages share: the context of a run, and the driver between a method and whatever evaluates.
+
+The driver counts, answers repeated points from memory, stores, stops at the budget or at a cancel, keeps the best
+point, and replays what a resumed stage has stored already. Start reading at `drive`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns import Campaign
+from worker.evaluate import Evaluate
+from worker.problem import Floats, Problem
+from worker.search.base import EXCLUDED, OK, Batch, Search
+from worker.store import Columns, Store, join
+from worker.wording import count
+
+FLUSH_SECONDS = 0.2
+FLUSH_ROWS = 4096
+
+
+class Cancelled(Exception):
+    """The run was asked to stop."""
+
+
+class ReplayMismatch(RuntimeError):
+    """A resumed stage does not ask for the points it stored: the code or the machine changed under the run.
+
+    Start the campaign again as a new run.
+    """
+
+    def __init__(self, position: int, index: int) -> None:
+        super().__init__(
+            f"stage {position} was resumed, but its method no longer asks for the point stored as evaluation {index}: "
+            "the code or the machine changed in between; run the campaign again as a new run"
+        )
+
+
+@dataclass
+class Context:
+    """One run in progress: what is asked, what flies it, where results go, and what the finished stages found."""
+
+    campaign: Campaign
+    problem: Problem
+    evaluate: Evaluate
+    store: Store
+    cancelled: Callable[[], bool] = lambda: False
+    progress: Callable[[int, Tally], None] = lambda position, tally: None
+    columns: dict[int, Columns] = field(default_factory=dict)
+    results: dict[int, dict[str, Any]] = field(default_factory=dict)
+
+
+@dataclass
+class Tally:
+    """A stage's counts and best evaluation so far."""
+
+    evaluations: int = 0
+    failed: int = 0
+    excluded: int = 0
+    best: float | None = None
+    best_index: int | None = None
+    best_point: Floats | None = None
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A driven stage: tally, all its evaluations, and how it stopped: by its own rule or by the budget."""
+
+    tally: Tally
+    columns: Columns | None
+    stop: str
+    text: str
+
+
+def drive(context: Context, position: int, search: Search, budget: int, repeats: bool = False) -> Driven:
+    """Let a search choose points until its own rule, the budget or a cancel ends it; raises `Cancelled`."""
+    driver = _Driver(context, position, budget, repeats)
+    try:
+        points = next(search)
+        while True:
+            batch, spent = driver.answer(points)
+            if spent:
+                return driver.end("budget", f"used its budget of {count(budget)} evaluations")
+            points = search.send(batch)
+    except StopIteration as stopped:
+        return driver.end("rule", stopped.value)
+    finally:
+        search.close()
+        driver.flush()
+
+
+class _Driver:
+    def __init__(self, context: Context, position: int, budget: int, repeats: bool) -> None:
+        self.context, self.position, self.budget = context, position, budget
+        self.tally = Tally()
+        self.known: dict[bytes, tuple[Floats, int]] | None = {} if repeats else None
+        self.held: list[Columns] = []
+        self.unsaved: list[Columns] = []
+        self.stored = context.store.evaluations(position)
+        earlier = self.stored.seconds if self.stored is not None else np.empty(0)
+        self.offset = float(earlier[-1]) if len(earlier) else 0.0
+        self.began = self.saved = time.perf_counter()
+        self.piece = 1024
+
+    def answer(self, points: Floats) -> tuple[Batch, bool]:
+        """The batch for these points, and whether the budget ended before all were evaluated."""
+        if self.known is None:
+            return self._fresh(points)
+        new = [i for i, p in enumerate(points) if p.tobytes() not in self.known]
+        distinct = list({points[i].tobytes(): i for i in new}.values())
+        if distinct:
+            batch, spent = self._fresh(points[distinct])
+            for i, cost, status in zip(distinct, batch.costs, batch.status, strict=False):
+                self.known[points[i].tobytes()] = (cost, int(status))
+            if spent:
+                return batch, True
+        rows = [self.known[p.tobytes()] for p in points]
+        return Batch(np.array([r[0] for r in rows]), np.array([r[1] for r in rows], dtype=np.uint8)), False
+
+    def end(self, stop: str, text: str) -> Driven:
+        self.flush()
+        self.tally.seconds = self._seconds()
+        columns = join(self.held)
+        if columns is not None:
+            self.context.columns[self.position] = columns
+        return Driven(self.tally, columns, stop, text)
+
+    def flush(self) -> None:
+        columns = join(self.unsaved)
+        if columns is not None:
+            first = self.tally.evaluations - len(columns.status)
+            self.context.store.append(self.position, first, columns)
+            self.unsaved = []
+        self.saved = time.perf_counter()
+        self.context.progress(self.position, self.tally)
+
+    def _fresh(self, points: Floats) -> tuple[Batch, bool]:
+        room = self.budget - self.tally.evaluations
+        spent = len(points) >= room and len(points) > 0
+        points = points[:room]
+        costs: list[Floats] = []
+        status: list[NDArray[np.uint8]] = []
+        done = 0
+        while done < len(points):
+            if self.context.cancelled():
+                raise Cancelled
+            columns = self._stored(points[done:]) or self._flown(points[done : done + self.piece])
+            costs.append(columns.costs)
+            status.append(columns.status)
+            done += len(columns.status)
+        batch = Batch(np.concatenate(costs), np.concatenate(status)) if costs else Batch(np.empty((0, 1)), _no_status())
+        return batch, spent
+
+    def _stored(self, points: Floats) -> Columns | None:
+        """The next evaluations as they were stored by an earlier attempt, if there are any left."""
+        index = self.tally.evaluations
+        if self.stored is None or index >= len(self.stored.status):
+            return None
+        count = min(len(points), len(self.stored.status) - index)
+        rows = slice(index, index + count)
+        if not np.array_equal(self.stored.points[rows], points[:count]):
+            raise ReplayMismatch(self.position, index)
+        reasons = {i: why for i, why in self.stored.reasons.items() if index <= i < index + count}
+        stored = self.stored
+        columns = Columns(stored.points[rows], stored.costs[rows], stored.status[rows], stored.seconds[rows], reasons)
+        self._count(columns)
+        return columns
+
+    def _flown(self, points: Floats) -> Columns:
+        began = time.perf_counter()
+        batch, reasons = self.context.evaluate(points)
+        spent = max(time.perf_counter() - began, 1e-6)
+        self.piece = int(np.clip(len(points) * FLUSH_SECONDS / spent, 256, 65536))
+        first = self.tally.evaluations
+        seconds = np.full(len(points), self._seconds())
+        columns = Columns(points, batch.costs, batch.status, seconds, {first + i: why for i, why in reasons.items()})
+        self.unsaved.append(columns)
+        self._count(columns)
+        rows = sum(len(c.status) for c in self.unsaved)
+        if rows >= FLUSH_ROWS or time.perf_counter() - self.saved >= FLUSH_SECONDS:
+            self.flush()
+        return columns
+
+    def _count(self, columns: Columns) -> None:
+        tally, first = self.tally, self.tally.evaluations
+        self.held.append(columns)
+        tally.evaluations += len(columns.status)
+        tally.failed += int(np.count_nonzero((columns.status != OK) & (columns.status != EXCLUDED)))
+        tally.excluded += int(np.count_nonzero(columns.status == EXCLUDED))
+        tally.seconds = self._seconds()
+        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        row = int(np.argmin(ranked))
+        if np.isfinite(ranked[row]) and (tally.best is None or ranked[row] < tally.best):
+            tally.best, tally.best_index = float(ranked[row]), first + row
+            tally.best_point = columns.points[row].copy()
+
+    def _seconds(self) -> float:
+        return self.offset + time.perf_counter() - self.began
+
+
+def _no_status() -> NDArray[np.uint8]:
+    return np.empty(0, dtype=np.uint8)
+
+
+def once(points: Floats, text: str) -> Search:
+    """A search that asks for these points and ends."""
+    yield points
+    return text
+
+
+def all_columns(context: Context, positions: list[int]) -> list[tuple[int, Columns]]:
+    """The evaluations of these stages, from memory or from the store."""
+    found = []
+    for position in positions:
+        if position not in context.columns:
+            stored = context.store.evaluations(position)
+            if stored is None:
+                continue
+            context.columns[position] = stored
+        found.append((position, context.columns[position]))
+    return found

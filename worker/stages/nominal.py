@@ -1,0 +1,26 @@
+"""Nominal: the flight at the nominal values; everything else is compared with it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from worker.search.base import STATUS
+from worker.stages.base import Context, drive, once
+from worker.store import Trace
+from worker.trace import trace
+
+
+def run(context: Context, position: int) -> tuple[dict[str, Any], list[Trace]]:
+    """Fly the nominal case; its trace shows even a flight that failed."""
+    problem = context.problem
+    driven = drive(context, position, once(problem.nominal_point[None, :], "flew the nominal case"), 1)
+    assert driven.columns is not None
+    best = driven.tally.best
+    result: dict[str, Any] = {
+        "cost": best,
+        "margin": None if best is None else best - problem.threshold,
+        "status": STATUS[int(driven.columns.status[0])],
+        "reason": driven.columns.reasons.get(0, ""),
+        "parameters": {r.path: r.nominal for r in problem.ranges},
+    }
+    return result, [trace(problem, "nominal", {})]

@@ -1,0 +1,239 @@
+"""The verdict: what may be claimed from a run's stages, with the sentence that says why and the scope it holds for.
+
+violated: a finding at or below the threshold that the validate stage confirmed. cleared: every check holds. Anything
+else is inconclusive, with the reasons. No verdict rests on one method or on the statistical bound alone.
+Start reading at `conclude`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from campaigns import Campaign
+from worker.catalog import catalogue
+from worker.problem import Problem
+from worker.store import Conclusion, Finding
+from worker.wording import count, listed, number, signed
+
+Verdict = Literal["cleared", "violated", "inconclusive"]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One condition of "cleared": its name, whether it holds, and the sentence that says so."""
+
+    name: str
+    ok: bool
+    text: str
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the stages found: results by kind, the worst finding, and how many evaluations failed in any stage."""
+
+    nominal: dict[str, Any]
+    searches: list[dict[str, Any]]
+    validation: dict[str, Any]
+    finding: Finding | None
+    evaluations: int
+    failed: int
+    excluded: int
+    complete: bool = True
+
+
+def conclude(problem: Problem, evidence: Evidence, provenance: dict[str, Any]) -> Conclusion:
+    """The verdict over the evidence, and everything that stands behind it."""
+    campaign, finding = problem.campaign, evidence.finding
+    checks = _checks(problem, evidence)
+    verdict = _verdict(checks, evidence)
+    statistics = _statistics(evidence.searches)
+    sentence = _sentence(problem, evidence, verdict, checks, statistics)
+    scope = _scope(problem)
+    summary = {
+        "verdict": verdict,
+        "sentence": sentence,
+        "scope": scope,
+        "checks": [asdict(c) for c in checks],
+        "statistics": statistics,
+        "nominal": {"cost": evidence.nominal["cost"], "margin": evidence.nominal["margin"]},
+        "worst": None
+        if finding is None
+        else {
+            "cost": finding.cost,
+            "margin": finding.margin,
+            "parameters": finding.parameters,
+            "method": _best_method(evidence.searches),
+            "finding": finding.label,
+        },
+        "quantity": problem.parts.criterion.quantity,
+        "unit": problem.parts.criterion.unit,
+        "provenance": provenance | {"digest": campaign.digest, "seed": campaign.seed},
+    }
+    return Conclusion(
+        verdict=verdict,
+        reason=f"{sentence} {scope}",
+        nominal_cost=evidence.nominal["cost"],
+        worst_cost=None if finding is None else finding.cost,
+        worst_method=_best_method(evidence.searches),
+        summary=summary,
+    )
+
+
+def _verdict(checks: Sequence[Check], evidence: Evidence) -> Verdict:
+    finding = evidence.finding
+    if finding is not None and finding.margin <= 0 and finding.validation["ok"]:
+        return "violated"
+    return "cleared" if all(c.ok for c in checks) else "inconclusive"
+
+
+def _checks(problem: Problem, evidence: Evidence) -> list[Check]:
+    found = [
+        _nominal(problem, evidence),
+        _ended(evidence),
+        _no_violation(problem, evidence),
+        _agreement(problem.campaign, evidence),
+        _validated(evidence),
+        _none_failed(evidence),
+    ]
+    target = _target(problem.campaign, evidence)
+    return found if target is None else [*found, target]
+
+
+def _nominal(problem: Problem, evidence: Evidence) -> Check:
+    nominal, unit = evidence.nominal, problem.parts.criterion.unit
+    if nominal["status"] != "ok":
+        return Check("nominal", False, f"the nominal flight was not evaluated: {nominal['reason']}")
+    ok = nominal["margin"] > 0
+    return Check(
+        "nominal",
+        ok,
+        f"the nominal flight has {number(nominal['cost'])} {unit}, margin {signed(nominal['margin'])} {unit}",
+    )
+
+
+def _ended(evidence: Evidence) -> Check:
+    ways = ", ".join(f"{s['title']} {s['stop']['text']}" for s in evidence.searches)
+    empty = [s["title"] for s in evidence.searches if s["best"] is None]
+    if empty:
+        return Check("search", False, f"{' and '.join(empty)} evaluated no flight successfully")
+    return Check("search", evidence.complete, f"every search ended: {ways}")
+
+
+def _no_violation(problem: Problem, evidence: Evidence) -> Check:
+    finding, unit = evidence.finding, problem.parts.criterion.unit
+    if finding is None:
+        return Check("no violation", False, "no flight was evaluated")
+    if finding.margin > 0:
+        return Check("no violation", True, f"the worst flight found keeps a margin of {signed(finding.margin)} {unit}")
+    confirmed = "confirmed" if finding.validation["ok"] else "not confirmed"
+    return Check(
+        "no violation",
+        False,
+        f"{finding.label} violates the criterion by {number(-finding.margin)} {unit}; validation {confirmed} it",
+    )
+
+
+def _agreement(campaign: Campaign, evidence: Evidence) -> Check:
+    """Global methods against the worst known from anywhere, and at least two searches that reached it."""
+    finding, nominal = evidence.finding, evidence.nominal["cost"]
+    titles = [s["title"] for s in evidence.searches if s["kind"] == "global"]
+    if finding is None or nominal is None:
+        return Check("agreement", False, "there is no worst case to agree on")
+    if not titles:
+        return Check("agreement", False, "no global method searched; add one, such as DIRECT")
+    allowed = max(campaign.agreement * (nominal - finding.cost), 1e-9 * max(abs(finding.cost), 1.0))
+    aiming = [s for s in evidence.searches if s["kind"] != "random" and s["best"] is not None]
+    apart = {s["title"]: s["best"]["cost"] - finding.cost for s in aiming}
+    late = [
+        f"{t} stopped {number(apart.get(t, float('inf')))} above it"
+        for t in titles
+        if not apart.get(t, 1e300) <= allowed
+    ]
+    if late:
+        return Check("agreement", False, f"the worst case is {number(finding.cost)}, but {' and '.join(late)}")
+    reached = [title for title, above in apart.items() if above <= allowed]
+    if len(reached) < 2:
+        return Check(
+            "agreement",
+            False,
+            f"only {reached[0]} reached the worst case; a verdict needs a second method to confirm it",
+        )
+    spread = number(max(apart[t] for t in reached))
+    return Check("agreement", True, f"{listed(reached)} agree on the worst case within {spread}")
+
+
+def _validated(evidence: Evidence) -> Check:
+    return Check("validation", bool(evidence.validation["ok"]), evidence.validation["text"])
+
+
+def _none_failed(evidence: Evidence) -> Check:
+    if evidence.failed:
+        return Check(
+            "evaluations", False, f"{count(evidence.failed)} of {count(evidence.evaluations)} evaluations failed"
+        )
+    left_out = f", {count(evidence.excluded)} excluded" if evidence.excluded else ""
+    return Check("evaluations", True, f"none of {count(evidence.evaluations)} evaluations failed{left_out}")
+
+
+def _target(campaign: Campaign, evidence: Evidence) -> Check | None:
+    if campaign.target_probability is None:
+        return None
+    goal = f"{100 * campaign.target_probability:.4g} %"
+    statistics = _statistics(evidence.searches)
+    if statistics is None:
+        return Check("target", False, f"the target P(violation) of {goal} needs a random sample; add Monte Carlo")
+    ok = statistics["upper_bound"] <= campaign.target_probability
+    word = "meets" if ok else "does not meet"
+    return Check("target", ok, f"the bound of {100 * statistics['upper_bound']:.3g} % {word} the target of {goal}")
+
+
+def _statistics(searches: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
+    """The first random sample's statement: it was declared with the campaign, so the choice is not ours."""
+    sample = next((s["sample"] for s in searches if s["kind"] == "random" and s["sample"]), None)
+    if sample is None:
+        return None
+    return {k: sample[k] for k in ("samples", "violations", "confidence", "upper_bound", "text")}
+
+
+def _best_method(searches: Sequence[dict[str, Any]]) -> str | None:
+    found = [s for s in searches if s["best"] is not None]
+    return min(found, key=lambda s: s["best"]["cost"])["method"] if found else None
+
+
+def _sentence(
+    problem: Problem, evidence: Evidence, verdict: Verdict, checks: Sequence[Check], statistics: dict[str, Any] | None
+) -> str:
+    criterion, finding = problem.parts.criterion, evidence.finding
+    quantity, unit = criterion.quantity, criterion.unit
+    limit = f"{number(problem.threshold)} {unit}"
+    if finding is None:
+        return f"No flight could be evaluated: {checks[0].text}."
+    worst = (
+        f"The worst case found has {quantity} = {number(finding.cost)} {unit}, "
+        f"a margin of {signed(finding.margin)} {unit}."
+    )
+    how = f"{count(evidence.evaluations)} evaluations, searched by {listed([s['title'] for s in evidence.searches])}"
+    chance = f" {statistics['text']}." if statistics else ""
+    if verdict == "violated":
+        return f"{quantity} falls to or below {limit}. {worst} It was validated, and found in {how}.{chance}"
+    if verdict == "cleared":
+        return f"{quantity} stayed above {limit} in all {how}. {worst}{chance} A search can miss a worse case."
+    why = "; ".join(c.text for c in checks if not c.ok)
+    return f"Nothing may be claimed: {why}. {worst} It comes from {how}."
+
+
+def _scope(problem: Problem) -> str:
+    parts, scenario = problem.parts, problem.campaign.scenario
+    entries = {f"{s.prefix}.{p.name}": p.unit for s in problem.loop.sections for p in s.parameters}
+    bounds = ", ".join(
+        f"{r.path} {number(r.low)} to {number(r.high)} {entries[r.path]}".rstrip() for r in problem.ranges
+    )
+    obstacles = len(parts.obstacles)
+    return (
+        f"Scope: {parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}, "
+        f"{obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}; {bounds}; "
+        f"horizon {number(scenario.horizon)} s, step {number(scenario.step)} s. "
+        f"It holds for this model within these bounds; components of clearance {catalogue().version}."
+    )

@@ -1,0 +1,97 @@
+"""Unicycle: a point with a heading, driven by a force along it and a torque about it.
+
+    dx/dt = v cos(theta)        dv/dt = F / m
+    dy/dt = v sin(theta)        domega/dt = tau / J
+    dtheta/dt = omega
+
+x, y [m], theta [rad], v [m/s], omega [rad/s]; F [N], tau [N m]; m mass, J moment of inertia.
+Source: Srikanthakumar, Optimisation-Based Verification Process of Obstacle Avoidance Systems for Unmanned Vehicles,
+equations 3.1 (kinematics) and 3.2 (dynamics). No wheel slip, no actuator limits, no friction.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from worker.kernels.component import Limit, Parameter, Signal, Vehicle
+from worker.kernels.maths import kernel, sincos
+
+
+class Unicycle(NamedTuple):
+    m: Annotated[float, Parameter("kg", "Mass", 1e-3, 1e5)] = 5.0
+    J: Annotated[float, Parameter("kg m2", "Moment of inertia about the vertical axis", 1e-6, 1e5)] = 0.05
+
+
+class Start(NamedTuple):
+    x: Annotated[float, Parameter("m", "Start position, x", -1e6, 1e6)] = 0.0
+    y: Annotated[float, Parameter("m", "Start position, y", -1e6, 1e6)] = 0.0
+    theta: Annotated[float, Parameter("rad", "Start heading, from the x axis", -6.4, 6.4, symbol="θ")] = 0.0
+    v: Annotated[float, Parameter("m/s", "Start speed", -100.0, 100.0)] = 0.0
+    omega: Annotated[float, Parameter("rad/s", "Start turn rate", -100.0, 100.0, symbol="ω")] = 0.0
+
+
+FASTEST_TURN = 1e3
+FASTEST = 1e3
+
+
+@kernel
+def begin(start: Start, p: Unicycle) -> tuple[float, float, float, float, float]:
+    return start.x, start.y, start.theta, start.v, start.omega
+
+
+@kernel
+def derivative(
+    t: float, x: tuple[float, float, float, float, float], u: tuple[float, float], p: Unicycle
+) -> tuple[float, float, float, float, float]:
+    _, _, theta, v, omega = x
+    s, c = sincos(theta)
+    return v * c, v * s, omega, u[0] / p.m, u[1] / p.J
+
+
+@kernel
+def position(x: tuple[float, float, float, float, float], p: Unicycle) -> tuple[float, float]:
+    return x[0], x[1]
+
+
+@kernel
+def velocity(x: tuple[float, float, float, float, float], p: Unicycle) -> tuple[float, float]:
+    s, c = sincos(x[2])
+    return x[3] * c, x[3] * s
+
+
+@kernel
+def pose(x: tuple[float, float, float, float, float], p: Unicycle) -> tuple[float, float, float, float, float, float]:
+    return x[0], x[1], 0.0, 0.0, 0.0, x[2]
+
+
+@kernel
+def outside(x: tuple[float, float, float, float, float], p: Unicycle) -> float:
+    code = 1.0 if abs(x[3]) > FASTEST else 0.0
+    return 2.0 if abs(x[4]) > FASTEST_TURN else code
+
+
+component = Vehicle(
+    name="unicycle",
+    title="Unicycle",
+    dimension=2,
+    parameters=Unicycle,
+    start=Start,
+    states=(
+        Signal("x", "x", "m"),
+        Signal("y", "y", "m"),
+        Signal("theta", "θ", "rad"),
+        Signal("v", "v", "m/s"),
+        Signal("omega", "ω", "rad/s"),
+    ),
+    inputs=(Signal("force", "F", "N"), Signal("torque", "τ", "N m")),
+    limits=(
+        Limit(f"the speed exceeds {FASTEST:g} m/s"),
+        Limit(f"the turn rate exceeds {FASTEST_TURN:g} rad/s"),
+    ),
+    begin=begin,
+    derivative=derivative,
+    position=position,
+    velocity=velocity,
+    pose=pose,
+    outside=outside,
+)

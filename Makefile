@@ -1,0 +1,39 @@
+# `make run` and `make test` set up what they need; a second call starts in seconds. See README.md.
+
+SHELL := bash
+.DEFAULT_GOAL := help
+.PHONY: help install run test lint types bench frontend clean distclean
+
+help: ## this list
+	@awk -F ': ## ' '/^[a-z]+:.* ## |^[a-z]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-10s %s\n", part[1], $$0}' Makefile
+
+install: ## create .venv from the lock file and build the pages
+	@tools/install.sh
+
+run: install ## start the service and one worker on ./data; Ctrl-C stops everything
+	@exec .venv/bin/clearance serve --data ./data --workers 1
+
+test: install ## run every check and every test
+	@tools/chromium.sh
+	@tools/test.sh
+
+lint: install ## ruff: rules and format
+	@.venv/bin/ruff check .
+	@.venv/bin/ruff format --check .
+
+types: install ## mypy
+	@.venv/bin/mypy
+
+bench: install ## measure the speed, print a table, write build/bench.json
+	@.venv/bin/python -m tests.bench
+
+frontend: ## build the pages
+	@tools/install.sh
+
+clean: ## remove what was built
+	@rm -rf build frontend/dist frontend/src/client frontend/node_modules/.built
+	@rm -rf .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage
+	@find . -name __pycache__ -not -path './.venv/*' -not -path './frontend/node_modules/*' -prune -exec rm -rf {} +
+
+distclean: clean ## remove what was installed, too; ./data stays
+	@rm -rf .venv frontend/node_modules *.egg-info

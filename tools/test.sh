@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Runs every check and every test, on what tools/install.sh set up.
+
+source "$(dirname "$0")/common.sh"
+source tools/node.sh
+
+step() {
+    say "== $*"
+    "$@"
+}
+
+step "$VENV/bin/ruff" check .
+step "$VENV/bin/ruff" format --check .
+step "$VENV/bin/mypy"
+(cd frontend && step npm run --silent check && step npm run --silent test)
+step "$VENV/bin/pytest" "$@"

@@ -45,12 +45,16 @@ def _descend(space: Space, options: Options, start: Floats) -> Search:
 
 
 class _Trail:
-    """What one descent has seen: its lowest point, and how many evaluations it took."""
+    """What one descent has seen: its lowest point, and how many distinct points it asked for."""
 
     def __init__(self, start: Floats) -> None:
         self.point = start.copy()
         self.cost = np.inf
-        self.evaluations = 0
+        self.seen: set[bytes] = set()
+
+    @property
+    def evaluations(self) -> int:
+        return len(self.seen)
 
 
 def _run(ask: Ask, space: Space, options: Options, start: Floats) -> str:
@@ -59,11 +63,12 @@ def _run(ask: Ask, space: Space, options: Options, start: Floats) -> str:
     def objective(x: Floats, gradient: Floats) -> float:
         points, steps = _stencil(_snapped(x), options)
         values = ask(points).ranked()
-        trail.evaluations += len(points)
+        first = not trail.seen
+        trail.seen.update(p.tobytes() for p in points)
         low = int(np.argmin(values))
         if values[low] < trail.cost:
             trail.cost, trail.point = float(values[low]), points[low].copy()
-        if trail.evaluations == len(points) and not np.isfinite(values[0]):
+        if first and not np.isfinite(values[0]):
             raise _NoStart
         if gradient.size:
             gradient[:] = _gradient(values, steps)

@@ -1,0 +1,15 @@
+"""Finds the campaign a command was given: a file, or the name of one in the library."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from campaigns import Campaign, library, load_file
+
+
+def read_campaign(file: Path) -> Campaign:
+    """The campaign of a file, or of the library where there is no such file; raises `CampaignError`."""
+    shipped = library()
+    if not file.exists() and str(file) in shipped:
+        return load_file(shipped[str(file)])
+    return load_file(file)

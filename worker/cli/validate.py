@@ -1,0 +1,40 @@
+"""`clearance validate FILE`: holds a campaign file against the components of this installation, without flying it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def validate(
+    file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
+    normal: Annotated[
+        bool, typer.Option("--normal", help="Print the campaign with every default written out.")
+    ] = False,
+    schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a campaign instead.")] = False,
+) -> None:
+    """Check a campaign file: what is wrong with it, or its digest and what a run of it would do."""
+    import json
+
+    from campaigns import Campaign, CampaignError, check
+    from campaigns.plan import plan
+    from worker.catalog import catalogue
+    from worker.cli._campaign import read_campaign
+
+    if schema:
+        typer.echo(json.dumps(Campaign.model_json_schema(), indent=2))
+        return
+    campaign = read_campaign(file)
+    problems = check(campaign, catalogue())
+    if problems:
+        raise CampaignError(str(file), problems)
+    if normal:
+        typer.echo(json.dumps(campaign.document(), indent=2))
+        return
+    stages = plan(campaign)
+    typer.echo(f"{campaign.name}: can be run here. Digest {campaign.digest[:16]}")
+    typer.echo(f"{len(campaign.uncertain)} uncertain parameters, at most {sum(s.planned for s in stages)} evaluations:")
+    for stage in stages:
+        typer.echo(f"  {stage.kind}{f' by {stage.method}' if stage.method else ''}: {stage.planned}")

@@ -1,0 +1,104 @@
+"""Live flights for the service: a child process that answers requests on standard input, one line of JSON each.
+
+Request  {"id", "campaign", "parameters": {path: value}, "rows"}; parameters left out are nominal.
+Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
+Run as `python -m worker.live`; it ends with its input, and so with whoever started it. Start reading at `answer`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections import OrderedDict
+from typing import Any, TextIO
+
+import numpy as np
+
+from campaigns import CampaignError
+from campaigns.load import load_document
+from worker.problem import CampaignUnusable, Problem
+from worker.trace import trace
+
+KEPT = 16
+"""Problems kept ready; the one longest unused makes room."""
+
+ROWS = 400
+
+
+def main() -> None:
+    """Answer requests until the input ends."""
+    # The answers' stream is ours alone: whatever a component prints must not reach the service.
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    _say(answers, {"ready": True})
+    problems: OrderedDict[str, Problem] = OrderedDict()
+    for line in sys.stdin:
+        _say(answers, answer(line, problems))
+
+
+def answer(line: str, problems: OrderedDict[str, Problem]) -> dict[str, Any]:
+    """The response to one request; whatever is wrong with it is an error with a sentence."""
+    number = None
+    try:
+        request = json.loads(line)
+        number = request["id"]
+        problem = _problem(request["campaign"], problems)
+        return {"id": number} | _flight(problem, request.get("parameters", {}), request.get("rows", ROWS))
+    except (CampaignError, CampaignUnusable) as error:
+        return {"id": number, "error": str(error)}
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        return {"id": number, "error": f"not a request for a flight: {type(error).__name__}: {error}"}
+    except Exception as error:
+        return {"id": number, "error": f"the flight could not be made: {type(error).__name__}: {error}"}
+
+
+def _problem(document: Any, problems: OrderedDict[str, Problem]) -> Problem:
+    campaign = load_document(document, "the campaign of a live flight")
+    problem = problems.pop(campaign.digest, None) or Problem(campaign)
+    problems[campaign.digest] = problem
+    if len(problems) > KEPT:
+        problems.popitem(last=False)
+    return problem
+
+
+def _flight(problem: Problem, parameters: dict[str, float], rows: int) -> dict[str, Any]:
+    unknown = [path for path in parameters if path not in problem.paths]
+    if unknown:
+        raise ValueError(f"the scenario has no parameter {unknown[0]!r}")
+    flown = trace(problem, "live", {path: float(value) for path, value in parameters.items()}, rows)
+    cost = flown.meta["cost"]
+    return {
+        "status": flown.meta["status"],
+        "reason": flown.meta["reason"],
+        "cost": cost,
+        "margin": None if cost is None else cost - problem.threshold,
+        "columns": flown.columns,
+        "data": {c["name"]: _plain(flown.data[:, k]) for k, c in enumerate(flown.columns)},
+        "meta": _finite(flown.meta),
+    }
+
+
+def _plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
+    return [float(v) if np.isfinite(v) else None for v in column]
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no NaN: what is not finite is null."""
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _say(answers: TextIO, message: dict[str, Any]) -> None:
+    answers.write(json.dumps(message, allow_nan=False) + "\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(1)

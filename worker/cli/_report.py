@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any, Self
 
@@ -56,7 +57,7 @@ class Progress:
 
 def print_report(campaign: Campaign, store: MemoryStore, conclusion: Conclusion, out: Path | None) -> None:
     """The stages, the worst case, the verdict."""
-    console = Console()
+    console = Console(width=None if sys.stdout.isatty() else 120)
     console.print(_stages(store, conclusion))
     worst = conclusion.summary["worst"]
     if worst is not None:

@@ -35,6 +35,7 @@ def run(context: Context, position: int, index: int) -> dict[str, Any]:
     )
     options: Any = TypeAdapter(method.options).validate_python(asked.options)
     driven = drive(context, position, method.search(space, options), asked.evaluations, method.repeats)
+    minima.sort(key=lambda m: _place(m, space.starts))
     return _result(context, method, driven, minima)
 
 
@@ -53,6 +54,12 @@ def bound(violations: int, samples: int, confidence: float) -> float:
 def _starts(context: Context, asked: Asked) -> Floats:
     points = [context.problem.point(start) for start in asked.starts]
     return np.clip(np.array(points), 0.0, 1.0) if points else np.empty((0, context.problem.dimension))
+
+
+def _place(minimum: Minimum, starts: Floats) -> int:
+    """Minima are told in the order of the campaign's starts, not in the order in which the descents happened to end."""
+    same = [i for i, start in enumerate(starts) if minimum.start is not None and np.array_equal(start, minimum.start)]
+    return same[0] if same else len(starts)
 
 
 def _result(context: Context, method: Method, driven: Driven, minima: list[Minimum]) -> dict[str, Any]:

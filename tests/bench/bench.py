@@ -1,0 +1,126 @@
+"""`make bench`: what an evaluation costs, as ratios measured in one run; prints a table, writes build/bench.json.
+
+Every figure is the best of several repetitions on one thread; the machine should be idle. Start reading at `main`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from campaigns import library, load_file
+from worker.kernels.assemble import Loop
+from worker.problem import Floats, Problem
+from worker.provenance import provenance
+
+BUILD = Path("build")
+FULL = 4096
+FLAGS = ["-O3", "-march=native", "-ffast-math", "-shared", "-fPIC"]
+
+FIRST_EVALUATION = """
+import time
+began = time.perf_counter()
+from campaigns import library, load_file
+from worker.problem import Problem
+problem = Problem(load_file(library()["unicycle_static"]))
+problem.fly(problem.nominal_point[None])
+print(time.perf_counter() - began)
+"""
+
+
+def main() -> None:
+    """Measure, print, write."""
+    BUILD.mkdir(exist_ok=True)
+    problem = Problem(load_file(library()["unicycle_static"]))
+    found: dict[str, Any] = unicycle(problem)
+    found["second_process_first_eval_s"] = second_process()
+    found |= {"cpu": provenance(problem)["cpu"]["model"], "cores": os.cpu_count(), "python": platform.python_version()}
+    (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")
+    width = max(map(len, found))
+    for key, value in found.items():
+        print(f"{key:<{width}}  {value:,.4g}" if isinstance(value, float) else f"{key:<{width}}  {value}")
+
+
+def unicycle(problem: Problem) -> dict[str, Any]:
+    """Case 1 at full batch: the lockstep loop, the same components at one lane, and hand-written C++."""
+    points = np.random.default_rng(0).random((FULL, problem.dimension))
+    vectors = problem.vectors(points)
+    steps, _ = problem.counts(problem.step)
+    narrow = Loop(problem.parts, lanes=1)
+    wide = lambda: problem.loop.fly(vectors, problem.step, steps)  # noqa: E731
+    slow = lambda: narrow.fly(vectors[:256], problem.step, steps)  # noqa: E731
+    library_, compiler = build_cpp()
+    costs = np.empty(256)
+    handwritten = lambda: fly_cpp(library_, problem, vectors[:256], steps, costs)  # noqa: E731
+    handwritten()
+    apart = float(np.abs(costs - problem.loop.fly(vectors[:256], problem.step, steps).costs).max())
+    seconds = interleaved([(wide, FULL), (slow, 256), (handwritten, 256)])
+    one = interleaved([(lambda: problem.loop.fly(vectors[:1], problem.step, steps), 1)], repeats=50)
+    return {
+        "unicycle_evals_per_s": 1.0 / seconds[0],
+        "unicycle_us": 1e6 * seconds[0],
+        "unicycle_one_lane_us": 1e6 * seconds[1],
+        "unicycle_cpp_us": 1e6 * seconds[2],
+        "unicycle_single_us": 1e6 * one[0],
+        "unicycle_vs_one_lane": seconds[1] / seconds[0],
+        "unicycle_vs_cpp": seconds[2] / seconds[0],
+        "unicycle_largest_difference_from_cpp_m": apart,
+        "unicycle_lanes": problem.loop.lanes,
+        "cpp_compiler": compiler,
+    }
+
+
+def interleaved(measured: list[tuple[Callable[[], object], int]], repeats: int = 9) -> list[float]:
+    """Seconds per evaluation of each, the best of several rounds that take turns, so that noise meets all alike."""
+    for work, _ in measured:
+        work()
+    best = [float("inf")] * len(measured)
+    for _ in range(repeats):
+        for i, (work, count) in enumerate(measured):
+            began = time.perf_counter()
+            work()
+            best[i] = min(best[i], (time.perf_counter() - began) / count)
+    return best
+
+
+def build_cpp() -> tuple[ctypes.CDLL, str]:
+    """Compile the yardstick; returns it and the compiler's version."""
+    compiler = shutil.which(os.environ.get("CXX", "g++"))
+    if compiler is None:
+        sys.exit("g++ is needed for the comparison; install it or name a compiler in CXX")
+    target = BUILD / "unicycle_cpp.so"
+    subprocess.run([compiler, *FLAGS, "-o", str(target), str(Path(__file__).with_name("unicycle.cpp"))], check=True)
+    version = subprocess.run([compiler, "--version"], check=True, capture_output=True, text=True).stdout.splitlines()[0]
+    return ctypes.CDLL(str(target.absolute())), f"{version}, {' '.join(FLAGS[:3])}"
+
+
+def fly_cpp(cpp: ctypes.CDLL, problem: Problem, vectors: Floats, steps: int, costs: Floats) -> None:
+    """Fly with the hand-written loop; its parameters stand in the same order."""
+    cpp.fly_all(
+        vectors.ctypes.data_as(ctypes.c_void_p), len(vectors), ctypes.c_double(problem.step), steps,
+        costs.ctypes.data_as(ctypes.c_void_p),
+    )  # fmt: skip
+
+
+def second_process() -> float:
+    """Seconds from the first import to the first evaluation in a process that finds the loop on disk."""
+    times = []
+    for _ in range(3):
+        done = subprocess.run([sys.executable, "-c", FIRST_EVALUATION], check=True, capture_output=True, text=True)
+        times.append(float(done.stdout))
+    return min(times)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The physics: published values, order, closed forms, symmetry, agreement of two formulations."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from anyio import to_thread
 from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
 
@@ -36,7 +37,7 @@ def create(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         yield
         await hub.close()
-        await live.close()
+        await to_thread.run_sync(live.close)
         engine.dispose()
 
     app = FastAPI(
@@ -52,6 +53,7 @@ def create(settings: Settings) -> FastAPI:
         separate_input_output_schemas=False,
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
+    app.state.viewers = scenes.Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
     for feature in (health, sessions, catalog, runs, results, events):

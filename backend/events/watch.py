@@ -11,13 +11,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import sqlalchemy as sa
 
 from backend.db.engine import is_sqlite, read
-from backend.db.tables import EvaluationChunk, Run
+from backend.db.tables import Run
 from backend.events.schemas import NewImprovements
-from backend.results import thin
+from backend.results.improvements import Improvements
 from backend.runs import listing, service
 from backend.runs.schemas import RunSummary, StageProgress
 
@@ -38,41 +37,11 @@ class Event:
 
 
 @dataclass
-class _Steps:
-    """The improvements of one stage so far."""
-
-    index: list[int] = field(default_factory=list)
-    seconds: list[float] = field(default_factory=list)
-    cost: list[float] = field(default_factory=list)
-    read: int = 0
-    elapsed: float = 0.0
-
-    def since(self, known: int) -> dict[str, Any]:
-        return NewImprovements(
-            index=self.index[known:],
-            seconds=self.seconds[known:],
-            cost=self.cost[known:],
-            evaluations=self.read,
-            elapsed=self.elapsed,
-        ).model_dump()
-
-    def add(self, chunk: Any) -> None:
-        costs = np.frombuffer(chunk.costs, dtype="<f8").reshape(chunk.count, -1)[:, 0]
-        costs = np.where(np.frombuffer(chunk.status, dtype=np.uint8) == 0, costs, np.nan)
-        seconds = np.frombuffer(chunk.seconds, dtype="<f8")
-        better = thin.improvements(costs, self.cost[-1] if self.cost else np.inf)
-        self.index += (chunk.first + better).tolist()
-        self.seconds += seconds[better].tolist()
-        self.cost += costs[better].tolist()
-        self.read, self.elapsed = chunk.first + chunk.count, float(seconds[-1])
-
-
-@dataclass
 class _Watched:
     """A run with listeners of its own."""
 
     stages: list[StageProgress] = field(default_factory=list)
-    steps: dict[int, _Steps] = field(default_factory=dict)
+    steps: dict[int, Improvements] = field(default_factory=dict)
 
 
 class Watch:
@@ -114,7 +83,7 @@ class Watch:
         watched = self._watched.get(run_id)
         if watched is None:
             return events
-        steps = {str(position): steps.since(0) for position, steps in watched.steps.items()}
+        steps = {str(position): _since(steps, 0) for position, steps in watched.steps.items()}
         return [*events, _stage_event(run_id, watched.stages), _event(run_id, "evaluations", json.dumps(steps))]
 
     def _committed(self) -> bool:
@@ -155,21 +124,23 @@ def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event
 def _improvements(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:
     added = {}
     for stage in watched.stages:
-        steps = watched.steps.setdefault(stage.position, _Steps())
+        steps = watched.steps.setdefault(stage.position, Improvements())
         if stage.evaluations <= steps.read:
             continue
         known = len(steps.index)
-        for chunk in _chunks(reader, run_id, stage.position, steps.read):
-            steps.add(chunk)
-        added[str(stage.position)] = steps.since(known)
+        steps.catch_up(reader, run_id, stage.position)
+        added[str(stage.position)] = _since(steps, known)
     return [_event(run_id, "evaluations", json.dumps(added))] if added else []
 
 
-def _chunks(reader: sa.Connection, run_id: int, position: int, first: int) -> Iterable[Any]:
-    chunk = EvaluationChunk
-    query = sa.select(chunk.first, chunk.count, chunk.costs, chunk.status, chunk.seconds)
-    of = (chunk.run_id == run_id, chunk.position == position, chunk.first >= first)
-    return reader.execute(query.where(*of).order_by(chunk.first)).all()
+def _since(steps: Improvements, known: int) -> dict[str, Any]:
+    return NewImprovements(
+        index=steps.index[known:],
+        seconds=steps.seconds[known:],
+        cost=steps.cost[known:],
+        evaluations=steps.read,
+        elapsed=steps.elapsed,
+    ).model_dump()
 
 
 def _stage_event(run_id: int, stages: list[StageProgress]) -> Event:

@@ -1,5 +1,121 @@
-"""3D (stub)."""
+"""The 3D view: its page at /view/R-0001/ and the socket behind it. Start reading at `view_page`."""
 
-from fastapi import APIRouter
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import viser
+from fastapi import APIRouter, Request, WebSocket
+from fastapi.responses import RedirectResponse, Response
+
+from backend.db.engine import read
+from backend.deps import Reader
+from backend.errors import RefusedError
+from backend.runs.service import number, require
+from backend.scenes import setting
+from backend.scenes.address import Address, parse
+from backend.scenes.relay import relay
+from backend.scenes.viewer import Viewer
 
 router = APIRouter(include_in_schema=False)
+
+_PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_bytes()
+_PACKED = gzip.compress(_PAGE, 9)
+CSP = (
+    "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "
+    "style-src 'unsafe-inline'; img-src 'self' data: blob:; font-src data:; connect-src 'self' data: blob:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+)
+"""viser's page is one file with everything in it. `connect-src 'self'` keeps it from attaching to another server."""
+
+BUSY = 1013
+REFUSED = 1008
+
+
+@router.get("/view/{run}")
+def view_without_slash(run: str, request: Request) -> Response:
+    """The page finds its socket by its own address, which ends in a slash."""
+    return RedirectResponse(f"{request.url.path}/", 308)
+
+
+@router.get("/view/{run}/{rest:path}")
+def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response:
+    """The viewer's page; the same for every run, the socket brings the scene."""
+    require(reader, number(run))
+    _address(rest)
+    if "websocket" in request.query_params:
+        detail = "?websocket= would attach this page to another server and is not allowed"
+        raise RefusedError(400, "not-allowed", detail)
+    if "playbackPath" in request.query_params:
+        raise RefusedError(400, "not-allowed", "?playbackPath= is not allowed: recordings have addresses of their own")
+    packed = "gzip" in request.headers.get("accept-encoding", "")
+    headers = {"Content-Security-Policy": CSP, "Vary": "Accept-Encoding", "Cache-Control": "private, max-age=3600"}
+    if packed:
+        headers["Content-Encoding"] = "gzip"
+    return Response(_PACKED if packed else _PAGE, media_type="text/html", headers=headers)
+
+
+@router.websocket("/view/{run}")
+async def view_socket_at_root(socket: WebSocket, run: str) -> None:
+    """The socket of a page without anything behind the run."""
+    await view_socket(socket, run, "")
+
+
+@router.websocket("/view/{run}/{rest:path}")
+async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
+    """One viewer; the visitor and the Origin were checked by the guard."""
+    state = socket.app.state
+    if socket.query_params or not socket.scope["subprotocols"]:
+        await socket.close(REFUSED)
+        return
+    try:
+        run_id, address = number(run), parse(rest)
+    except (RefusedError, ValueError):
+        await socket.close(REFUSED)
+        return
+    if not state.viewers.enter():
+        await socket.close(BUSY)
+        return
+    try:
+        await relay(socket, lambda server: _build(server, socket, run_id, address))
+    except RefusedError:
+        await socket.close(REFUSED)
+    finally:
+        state.viewers.leave()
+
+
+def _address(rest: str) -> Address:
+    try:
+        return parse(rest)
+    except ValueError as error:
+        raise RefusedError(
+            404, "not-found", f"{error}: /view/RUN/t/SECONDS/cam/top/dark, each part if wanted"
+        ) from None
+
+
+def _build(server: viser.ViserServer, socket: WebSocket, run_id: int, address: Address) -> Viewer:
+    state = socket.app.state
+    with read(state.engine) as reader:
+        fixed = setting.load(reader, run_id)
+        progress = setting.Progress(fixed, run_id)
+        progress.look(reader)
+    return Viewer(server, state.engine, state.live, fixed, progress, address)
+
+
+class Viewers:
+    """Counts the viewers that are open; only ever used on the event loop."""
+
+    def __init__(self, most: int) -> None:
+        self.open, self._most = 0, most
+
+    def enter(self) -> bool:
+        """Whether there is room for one more, which then counts."""
+        if self.open >= self._most:
+            return False
+        self.open += 1
+        return True
+
+    def leave(self) -> None:
+        """One is gone."""
+        self.open -= 1

@@ -1,0 +1,49 @@
+"""Does the newest of what is asked, and only that. Start reading at `Latest`."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+Asked = TypeVar("Asked")
+_log = logging.getLogger(__name__)
+
+
+class Latest(Generic[Asked]):
+    """One thread that works on the newest request; what is overtaken while it works is never begun.
+
+    So answers cannot come out of order, and there is never a backlog.
+    """
+
+    def __init__(self, work: Callable[[Asked], None]) -> None:
+        self._work = work
+        self._changed = threading.Condition()
+        self._asked: list[Asked] = []
+        self._stopped = False
+        threading.Thread(target=self._loop, name="what-if", daemon=True).start()
+
+    def ask(self, request: Asked) -> None:
+        """Work on this next, instead of whatever was to be next."""
+        with self._changed:
+            self._asked = [request]
+            self._changed.notify()
+
+    def stop(self) -> None:
+        """Begin nothing more."""
+        with self._changed:
+            self._stopped = True
+            self._changed.notify()
+
+    def _loop(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._asked or self._stopped)
+                if self._stopped:
+                    return
+                request = self._asked.pop()
+            try:
+                self._work(request)
+            except Exception:
+                _log.exception("a what-if flight failed")

@@ -1,0 +1,81 @@
+"""The colours of the pages for the scene (Okabe and Ito, "Color Universal Design"). Start reading at `Palette`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Rgb = tuple[int, int, int]
+
+
+def rgb(colour: str) -> Rgb:
+    """The three bytes of #rrggbb."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+def shade(colour: Rgb, share: float) -> Rgb:
+    """The colour at that share of its brightness."""
+    red, green, blue = (int(share * part) for part in colour)
+    return red, green, blue
+
+
+@dataclass(frozen=True)
+class Palette:
+    """One theme; flights by role, methods by name."""
+
+    background: str
+    grid: str
+    section: str
+    ink: str
+    soft: str
+    nominal: str
+    worst: str
+    what_if: str
+    obstacle: str
+    goal: str
+    methods: dict[str, str]
+
+    def method(self, name: str) -> str:
+        """The fixed colour of a search method; ink for one that has none yet."""
+        return self.methods.get(name, self.soft)
+
+
+LIGHT = Palette(
+    background="#eef1f4",
+    grid="#dce1e7",
+    section="#c3ccd6",
+    ink="#15202b",
+    soft="#5d6a7b",
+    nominal="#77838f",
+    worst="#d55e00",
+    what_if="#0072b2",
+    obstacle="#56b4e9",
+    goal="#009e73",
+    methods={
+        "direct": "#0072b2",
+        "hybrid": "#2b8fcb",
+        "sqp": "#b8578c",
+        "ga": "#b97c00",
+        "global": "#857c00",
+        "monte_carlo": "#4a5563",
+    },
+)
+DARK = Palette(
+    background="#10151a",
+    grid="#1f2831",
+    section="#2f3b47",
+    ink="#e7ecf2",
+    soft="#8f9cab",
+    nominal="#94a1ae",
+    worst="#e8702a",
+    what_if="#3f9bdb",
+    obstacle="#56b4e9",
+    goal="#17b88a",
+    methods={
+        "direct": "#3f9bdb",
+        "hybrid": "#8ccbf2",
+        "sqp": "#d98db8",
+        "ga": "#e69f00",
+        "global": "#d8cd3c",
+        "monte_carlo": "#c3ccd6",
+    },
+)

@@ -1,0 +1,65 @@
+"""The small tables of numbers in the viewer's panel, as HTML. Start reading at `separations`."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+
+from backend.scenes.drawn import Drawn
+from backend.scenes.setting import Setting
+
+_TABLE = 'style="width:100%;border-collapse:collapse;font-size:0.85em;font-variant-numeric:tabular-nums"'
+_NUMBER = 'style="text-align:right;padding:2px 0 2px 8px"'
+_HEAD = 'style="text-align:right;font-weight:500;opacity:0.7;padding:2px 0 2px 8px"'
+
+
+def number(value: float | None) -> str:
+    """Four decimals with a true minus sign, or a dash."""
+    return "–" if value is None or not math.isfinite(value) else f"{value:.4f}".replace("-", "−")
+
+
+def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
+    """Separation now, its minimum, and the margin of every flight that is shown."""
+    unit = f" [{html.escape(setting.unit)}]"
+    head = ("", f"now{unit}", f"{html.escape(setting.quantity or 'min')}{unit}", f"margin{unit}")
+    rows = [
+        _row(one.style.title, one.style.colour, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)))
+        for one in drawn
+        if one.flight is not None
+    ]
+    if not rows:
+        return "<p>No flight is stored yet.</p>"
+    heads = "".join(f"<th {_HEAD}>{text}</th>" for text in head)
+    return f"<table {_TABLE}><tr>{heads}</tr>{''.join(rows)}</table>"
+
+
+def outcome(drawn: Drawn, setting: Setting) -> str:
+    """What a what-if flight gave: cost and margin, or why there is none."""
+    flight = drawn.flight
+    if flight is None:
+        return note("Move a slider to fly the case.")
+    if flight.status != "ok":
+        return note(f"{flight.status}: {flight.reason}", strong=True)
+    rows = _row(setting.quantity or "value", drawn.style.colour, (flight.cost,), setting.unit)
+    rows += _row("margin", drawn.style.colour, (_margin(drawn, setting),), setting.unit)
+    word = "clear of" if (_margin(drawn, setting) or 0.0) > 0 else "at or below"
+    limit = f"{word} the limit of {setting.threshold:g} {setting.unit}"
+    return f"<table {_TABLE}>{rows}</table>" + note(limit)
+
+
+def note(text: str, strong: bool = False) -> str:
+    """A sentence."""
+    weight = "font-weight:600;" if strong else ""
+    return f'<p style="{weight}margin:6px 0;font-size:0.85em">{html.escape(text)}</p>'
+
+
+def _margin(drawn: Drawn, setting: Setting) -> float | None:
+    flight = drawn.flight
+    return None if flight is None or flight.cost is None else flight.cost - setting.threshold
+
+
+def _row(title: str, colour: str, values: Sequence[float | None], unit: str = "") -> str:
+    mark = f'<span style="color:{colour}">■</span> {html.escape(title)}'
+    cells = "".join(f"<td {_NUMBER}>{number(value)} {html.escape(unit)}</td>" for value in values)
+    return f"<tr><td>{mark}</td>{cells}</tr>"

@@ -1,0 +1,93 @@
+"""kill -9 in the middle of a search: another worker finishes the run, and nobody can tell from its numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.engine import read
+from backend.db.queue import Claim, submit
+from backend.db.store import RunStore
+from backend.db.tables import Finding, Run, Stage, Trace
+from campaigns import Campaign, library, load_file
+from tests.faults.processes import alive, kill, until, worker
+from worker.runner import execute
+from worker.store import MemoryStore
+
+SAMPLE = 100_000
+"""Long enough to be killed in the middle, twice."""
+
+SEARCH = 3
+"""The position of the random search."""
+
+
+def case() -> Campaign:
+    """Case 1 with a short DIRECT and a long Monte Carlo search."""
+    document = load_file(library()["unicycle_static"]).document()
+    document["stages"]["search"] = [
+        {"method": "direct", "evaluations": 300},
+        {"method": "monte_carlo", "evaluations": SAMPLE},
+    ]
+    return Campaign.model_validate(document)
+
+
+def test_a_search_killed_twice_ends_as_if_it_never_had_been(database: sa.Engine, tmp_path: Path) -> None:
+    campaign = case()
+    with database.begin() as connection:
+        run_id = submit(connection, campaign, name="killed", tags=[], owner="", planned=0)
+    url = database.url.render_as_string(hide_password=False)
+
+    def run() -> Any:
+        with read(database) as connection:
+            return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
+
+    def stages() -> Any:
+        with read(database) as connection:
+            return connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position)).all()
+
+    before: list[Any] = []
+    for name, flown in (("first", SAMPLE // 6), ("second", SAMPLE // 2)):
+        with worker(url, tmp_path, name, "--lease", "2") as doomed:
+            until(lambda flown=flown: run().evaluations > flown, f"more than {flown} evaluations")
+            family = doomed.family()
+            assert len(family) == 2
+            kill(*family)
+            until(lambda family=family: not any(map(alive, family)), "all killed")
+        assert run().state == "running"
+        before = before or stages()[:SEARCH]
+        assert [stage.state for stage in stages()] == ["done"] * SEARCH + ["running", "waiting"]
+    with worker(url, tmp_path, "third", "--lease", "2") as last:
+        until(lambda: run().state != "running" or run().worker == "third", "the third worker takes over")
+        until(lambda: run().state != "running", "the run ends", 120)
+        assert run().state == "done", last.text()
+    assert (run().worker, run().fence) == ("third", 3)
+    assert stages()[:SEARCH] == before, "a finished stage was done again"
+    _same_as_undisturbed(database, run_id, campaign, run(), stages())
+
+
+def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run: Any, stages: Any) -> None:
+    undisturbed = MemoryStore()
+    conclusion = execute(campaign, undisturbed)
+    assert (run.verdict, run.reason) == (conclusion.verdict, conclusion.reason)
+    assert (run.nominal_cost, run.worst_cost) == (conclusion.nominal_cost, conclusion.worst_cost)
+    store = RunStore(engine, Claim(run_id, 0, 0, 0, "", {}))
+    total = 0
+    for position, stage in enumerate(stages):
+        held, expected = store.evaluations(position), undisturbed.evaluations(position)
+        assert held is not None
+        assert expected is not None
+        assert len(held.status) == stage.evaluations
+        for column in ("points", "costs", "status"):
+            assert getattr(held, column).tobytes() == getattr(expected, column).tobytes(), (stage.kind, column)
+        assert held.reasons == expected.reasons
+        total += stage.evaluations
+    assert stages[SEARCH].evaluations == SAMPLE
+    assert run.evaluations == total
+    assert stages[SEARCH].result["best"] == (undisturbed.stages[SEARCH].result or {})["best"]
+    assert store.found() == undisturbed.found()
+    with read(engine) as connection:
+        assert connection.scalar(sa.select(sa.func.count()).select_from(Finding)) == len(undisturbed.findings)
+        flights = dict(connection.execute(sa.select(Trace.name, Trace.data)).tuples().all())
+    assert flights == {t.name: t.data.tobytes() for t in undisturbed.traces.values()}

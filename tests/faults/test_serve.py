@@ -1,0 +1,128 @@
+"""`clearance serve`: comes up, mends itself, and however it ends leaves no process behind."""
+
+from __future__ import annotations
+
+import re
+import signal
+import socket
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import sqlalchemy as sa
+
+from backend.db.engine import connect, default_url, read
+from backend.db.queue import submit
+from backend.db.tables import Run
+from tests.faults.processes import CLEARANCE, REPOSITORY, Started, alive, command_of, kill, started, until
+from tests.faults.test_kill import case
+
+
+class Service(Started):
+    """A running `clearance serve`."""
+
+    data: Path
+
+    def link(self) -> str:
+        found = re.search(r"http://\S+/login\?code=\S+", self.text())
+        assert found, self.text()
+        return found[0]
+
+    def healthy(self) -> bool:
+        return get(self.link().partition("/login")[0] + "/api/v1/health") == 200
+
+    def part(self, words: str) -> int:
+        """The process of that command line; 0 while there is none."""
+        return next((pid for pid in self.family() if words in command_of(pid)), 0)
+
+
+def get(url: str) -> int:
+    """The status of the answer; 0 when there is none."""
+    try:
+        return httpx.get(url, timeout=10, trust_env=False).status_code
+    except httpx.TransportError:
+        return 0
+
+
+@contextmanager
+def serving(folder: Path) -> Iterator[Service]:
+    data = folder / "data"
+    with started([*CLEARANCE, "serve", "--data", str(data), "--port", "0"], folder, "serve") as running:
+        running.__class__ = Service
+        assert isinstance(running, Service)
+        running.data = data
+        until(lambda: "Clearance is ready" in running.text() or running.process.poll() is not None, "ready", 120)
+        assert running.process.poll() is None, running.text()
+        yield running
+
+
+def clearance(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*CLEARANCE, *arguments], cwd=REPOSITORY, capture_output=True, text=True, check=False)
+
+
+def long_run(data: Path) -> tuple[sa.Engine, int]:
+    engine = connect(default_url(data))
+    with engine.begin() as connection:
+        run_id = submit(connection, case(), name="long", tags=[], owner="", planned=0)
+    until(lambda: state(engine, run_id).evaluations > 2000, "well under way")
+    return engine, run_id
+
+
+def state(engine: sa.Engine, run_id: int) -> Any:
+    with read(engine) as connection:
+        return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
+
+
+def test_serve_from_its_start_to_ctrl_c(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        assert service.healthy()
+        assert [get(service.link()) for _ in range(2)] == [303, 403], "the link is good once"
+
+        fresh = clearance("login-link", "--data", str(service.data))
+        assert fresh.stdout.startswith(service.link().partition("=")[0])
+        again = clearance("serve", "--data", str(service.data))
+        assert (again.returncode, f"(process {service.pid})" in again.stderr) == (3, True)
+
+        for words, name in (("-m backend", "backend"), ("worker.cli worker", "worker 1")):
+            old = service.part(words)
+            kill(old)
+            until(lambda words=words, old=old: service.part(words) not in (0, old), f"another {name}")
+            until(lambda name=name: f"The {name} ended with signal 9 (SIGKILL)" in service.text(), "it is reported")
+        until(service.healthy, "healthy again")
+
+        engine, run_id = long_run(service.data)
+        family = service.family()
+        assert len(family) >= 4
+        kill(service.pid, number=signal.SIGINT)
+        assert until(lambda: not any(map(alive, family)), "nothing is left") < 6.0
+        assert service.process.wait() == 130
+        assert service.text().endswith("Stopped.\n")
+        assert (state(engine, run_id).state, state(engine, run_id).error) == ("queued", None)
+        engine.dispose()
+
+
+def test_serve_killed_leaves_nothing_behind_and_gives_its_run_back(tmp_path: Path) -> None:
+    with serving(tmp_path) as service:
+        engine, run_id = long_run(service.data)
+        family = service.family()
+        kill(service.pid)
+        until(lambda: not any(map(alive, family)), "nothing is left", 5.0)
+        assert state(engine, run_id).state == "queued"
+        engine.dispose()
+
+
+def test_a_taken_port_is_said(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        refused = clearance("serve", "--data", str(tmp_path), "--port", port)
+    assert refused.returncode == 3
+    assert f"port {port} of 127.0.0.1 is taken by another program; choose another with --port" in refused.stderr
+
+
+def test_an_address_that_strangers_can_reach_is_refused(tmp_path: Path) -> None:
+    refused = clearance("serve", "--data", str(tmp_path), "--port", "0", "--host", "0.0.0.0")
+    assert refused.returncode == 3
+    assert "only the loopback address is allowed" in refused.stdout

@@ -13,7 +13,9 @@ export default defineConfig({
     modulePreload: { polyfill: false },
   },
   server: {
-    proxy: Object.fromEntries(['/api', '/login', '/view', '/docs'].map((path) => [path, { target: service, ws: true }])),
+    proxy: Object.fromEntries(
+      ['/api', '/login', '/view', '/docs'].map((path) => [path, { target: service, ws: true }]),
+    ),
   },
   test: { environment: 'node', include: ['src/**/*.test.ts'] },
 })

@@ -1,5 +1,5 @@
 // Every request the pages make, over the generated client: typed answers, `Refusal` for everything else.
-import * as sdk from '../client'
+
 import type {
   Catalogue,
   Checked,
@@ -15,6 +15,7 @@ import type {
   TraceData,
   TraceInfo,
 } from '../client'
+import * as sdk from '../client'
 import { client } from '../client/client.gen'
 import type { Campaign } from './campaign'
 import { refusalOf } from './problems'
@@ -50,7 +51,7 @@ export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))
 
 export const getEvaluations = (run: string): Promise<Evaluations> =>
-  answer(sdk.listEvaluations({ path: { run }, query: { max_points: 2000 } }))
+  answer(sdk.getEvaluations({ path: { run }, query: { max_points: 2000 } }))
 
 export const getTrace = (run: string, name: string): Promise<TraceData> =>
   answer(sdk.getTrace({ path: { run, name }, query: { max_points: 1500 } }))

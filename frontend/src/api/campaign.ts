@@ -79,7 +79,10 @@ export const fieldOf = (path: string): string => place(path).join('.')
 
 /** What stands at a place of a document. */
 export function read(document: unknown, at: readonly (string | number)[]): unknown {
-  return at.reduce<unknown>((value, key) => (value as Record<string | number, unknown> | null | undefined)?.[key], document)
+  return at.reduce<unknown>(
+    (value, key) => (value as Record<string | number, unknown> | null | undefined)?.[key],
+    document,
+  )
 }
 
 /** A copy of a document with one place changed; `undefined` removes it. What is missing on the way is made. */

@@ -35,6 +35,8 @@ export interface Minimum {
 export interface Sample {
   samples: number
   violations: number
+  /** Counted among the violations. */
+  failed?: number
   confidence: number
   upper_bound: number
   lowest: number | null
@@ -63,8 +65,8 @@ export interface ValidationCase {
   step: number
   cost: number | null
   half_step: { step: number; cost: number | null; difference: number | null }
-  integrator: { name: string; cost: number | null; difference: number | null }
-  allowed: number
+  integrator: { name: string; cost: number | null; difference: number | null; reason?: string }
+  allowed: number | null
   ok: boolean
   neighbours: { flown: number; failed: number; lowest: number | null; lower_by: number | null } | null
 }
@@ -104,7 +106,9 @@ export interface Provenance {
   clearance?: string
   python?: string
   packages?: Record<string, string>
-  cpu?: string
+  system?: string
+  cpu?: string | { model?: string; target?: string; features?: string }
+  loop?: string
   lanes?: number
   step?: number
   integrator?: string

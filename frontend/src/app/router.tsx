@@ -21,15 +21,23 @@ const runs = createRoute({
   component: lazyRouteComponent(() => import('../runs/RunsPage'), 'RunsPage'),
 })
 
+interface LaunchSearch {
+  /** A campaign of the library. */
+  case?: string
+  /** A run to start from. */
+  from?: string
+  tab?: 'yaml'
+}
+
 const word = (value: unknown): string | undefined => (typeof value === 'string' && value ? value : undefined)
 
 const launch = createRoute({
   getParentRoute: () => root,
   path: '/launch',
-  validateSearch: (search: Record<string, unknown>) => ({
+  validateSearch: (search: Record<string, unknown>): LaunchSearch => ({
     case: word(search.case),
     from: word(search.from),
-    tab: search.tab === 'yaml' ? ('yaml' as const) : undefined,
+    tab: search.tab === 'yaml' ? 'yaml' : undefined,
   }),
   component: lazyRouteComponent(() => import('../launch/LaunchPage'), 'LaunchPage'),
 })

@@ -64,6 +64,7 @@ function Rows({ table }: { table: DataTable }) {
           The first {MOST_ROWS} of {table.rows.length} rows; the CSV file has all of them.
         </p>
       )}
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a scrolling region must be reachable by keyboard */}
       <div className="datagrid" tabIndex={0} role="region" aria-label="Data of the chart">
         <table>
           <thead>

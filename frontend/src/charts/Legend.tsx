@@ -33,15 +33,15 @@ export function Legend({ keys, hidden, onToggle }: LegendProps) {
   return (
     <div className="lg">
       {keys.map((key) => {
-        const swatch = key.method ? (
-          <Mark method={key.method} />
-        ) : (
-          <span className={key.dashed ? 'sw da' : 'sw'} style={{ borderColor: `var(${key.colour})` }} />
+        const content = (
+          <>
+            <Swatch of={key} />
+            {key.label}
+          </>
         )
         return key.fixed ? (
           <span key={key.key} className="k">
-            {swatch}
-            {key.label}
+            {content}
           </span>
         ) : (
           <button
@@ -51,11 +51,15 @@ export function Legend({ keys, hidden, onToggle }: LegendProps) {
             aria-pressed={!hidden.has(key.key)}
             onClick={() => onToggle(key.key)}
           >
-            {swatch}
-            {key.label}
+            {content}
           </button>
         )
       })}
     </div>
   )
+}
+
+function Swatch({ of }: { of: Key }) {
+  if (of.method) return <Mark method={of.method} />
+  return <span className={of.dashed ? 'sw da' : 'sw'} style={{ borderColor: `var(${of.colour})` }} />
 }

@@ -38,6 +38,13 @@ describe('curves on common abscissae', () => {
 })
 
 it('CSV quotes what needs it and keeps every digit', () => {
-  const table = { name: 't', columns: ['a, b', 'c'], rows: [['say "x"', 0.1 + 0.2], [null, -1]] }
+  const table = {
+    name: 't',
+    columns: ['a, b', 'c'],
+    rows: [
+      ['say "x"', 0.1 + 0.2],
+      [null, -1],
+    ],
+  }
   expect(toCsv(table)).toBe('"a, b",c\r\n"say ""x""",0.30000000000000004\r\n,-1\r\n')
 })

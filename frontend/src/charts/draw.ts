@@ -58,7 +58,14 @@ export function drawPoints(u: uPlot, points: readonly Point[]): void {
     const half = measure(u, point.label) / 2
     const at = clamp(x, bbox.left + half + 2, bbox.left + bbox.width - half - 2)
     const below = point.place !== 'above'
-    text(u, point.label, at, y + (below ? 16 : -10) * ratio, point.colour === '--c-worst' ? '--bad' : '--ink-2', 'center')
+    text(
+      u,
+      point.label,
+      at,
+      y + (below ? 16 : -10) * ratio,
+      point.colour === '--c-worst' ? '--bad' : '--ink-2',
+      'center',
+    )
   }
 }
 
@@ -94,7 +101,8 @@ function marker(u: uPlot, shape: Shape, name: string, x: number, y: number): voi
   ctx.restore()
 }
 
-export const font = (weight = 400): string => `${weight} ${11 * devicePixelRatio}px "Inter Variable", system-ui, sans-serif`
+export const font = (weight = 400): string =>
+  `${weight} ${11 * devicePixelRatio}px "Inter Variable", system-ui, sans-serif`
 
 function measure(u: uPlot, words: string): number {
   u.ctx.save()

@@ -54,11 +54,7 @@ export function optionsFor(
     ],
     hooks: {
       drawAxes: [(u) => drawTint(u, read())],
-      draw: [
-        (u) => drawCriterion(u, read()),
-        (u) => drawEnds(u, read()),
-        (u) => drawPoints(u, points()),
-      ],
+      draw: [(u) => drawCriterion(u, read()), (u) => drawEnds(u, read()), (u) => drawPoints(u, points())],
       setCursor: [onCursor],
     },
   }
@@ -70,7 +66,8 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
     font: font().replace(/[\d.]+px/, '11px'),
     stroke: () => colour('--ink-3'),
     gap: 6,
-    size: side === 'x' ? 26 : (_, values) => read().left ?? 14 + 6.4 * Math.max(2, ...(values ?? []).map((v) => v.length)),
+    size:
+      side === 'x' ? 26 : (_, values) => read().left ?? 14 + 6.4 * Math.max(2, ...(values ?? []).map((v) => v.length)),
     grid: { show: side === 'y' || log(), stroke: () => colour('--c-grid'), width: 1 },
     ticks: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1, size: 4 },
     border: { show: side === 'x', stroke: () => colour('--c-axis'), width: 1 },
@@ -78,7 +75,11 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
       const spec = read()
       if (side === 'x' && spec.xTicks) return [...spec.xTicks]
       if (log()) return logTicks(low, high)
-      return linearTicks(low, high, side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44)))
+      return linearTicks(
+        low,
+        high,
+        side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44)),
+      )
     },
     filter: (_, splits) => splits,
     values: (_, splits) => {

@@ -54,6 +54,15 @@ describe('fields', () => {
   })
 })
 
+import { unitText } from './units'
+
+it('sets units', () => {
+  expect(unitText('kg m2')).toBe('kg·m²')
+  expect(unitText('N s2/m')).toBe('N·s²/m')
+  expect(unitText('m/(s N)')).toBe('m/(s·N)')
+  expect(unitText('')).toBe('')
+})
+
 describe('words', () => {
   it('percent and duration', () => {
     expect(percent(0.0006)).toBe('0.060\u202f%')

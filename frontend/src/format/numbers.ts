@@ -77,7 +77,11 @@ export function field(value: number): string {
 
 /** The number that a field's text means; null where it means none. Accepts both minus signs, spaces between thousands. */
 export function parse(text: string): number | null {
-  const clean = text.trim().replaceAll(MINUS, '-').replace(/[\s\u202f\u2009']/g, '').replace(',', '.')
+  const clean = text
+    .trim()
+    .replaceAll(MINUS, '-')
+    .replace(/[\s\u202f\u2009']/g, '')
+    .replace(',', '.')
   if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(clean)) return null
   const value = Number(clean)
   return Number.isFinite(value) ? value : null

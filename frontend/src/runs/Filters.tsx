@@ -24,12 +24,7 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
   const shown = SHOWS.filter((show) => numberOf(show) > 0 || search.show === show)
   return (
     <div className="filters">
-      <button
-        type="button"
-        className="chip"
-        aria-pressed={!search.show}
-        onClick={() => onChange({ show: undefined })}
-      >
+      <button type="button" className="chip" aria-pressed={!search.show} onClick={() => onChange({ show: undefined })}>
         All <span className="n">{count(counts.total)}</span>
       </button>
       {shown.map((show) => (

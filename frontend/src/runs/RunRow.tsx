@@ -54,9 +54,7 @@ export function RunRow({ run, chosen, units, now, onTag }: RunRowProps) {
           </button>
         ))}
       </td>
-      <td className="num sec hide-n">
-        {run.started ? duration((run.finished ?? now) - run.started) : NONE}
-      </td>
+      <td className="num sec hide-n">{run.started ? duration((run.finished ?? now) - run.started) : NONE}</td>
       <td className="nw sec">
         <time dateTime={new Date(run.created * 1000).toISOString()} title={moment(run.created)}>
           {when(run.created, now)}

@@ -2,9 +2,9 @@
 import { useNavigate } from '@tanstack/react-router'
 import { type ReactNode, useEffect, useRef, useState } from 'react'
 import type { RunSummary } from '../client'
-import { useNow } from '../ui/useNow'
-import { Symbol } from '../ui/Symbol'
+import { Sign } from '../ui/Sign'
 import { useHotkeys } from '../ui/useHotkeys'
+import { useNow } from '../ui/useNow'
 import { RunRow } from './RunRow'
 import type { Sort, SortKey } from './search'
 
@@ -22,14 +22,11 @@ export function RunTable({ runs, sort, onSort, onTag, more, loading }: RunTableP
   const navigate = useNavigate()
   const [chosen, setChosen] = useState(-1)
   const move = (by: number) => setChosen((at) => Math.min(runs.length - 1, Math.max(0, at + by)))
-  useHotkeys({
-    j: () => move(1),
-    k: () => move(-1),
-    Enter: () => {
-      const run = runs[chosen]
-      if (run) void navigate({ to: '/runs/$id', params: { id: run.id } })
-    },
-  })
+  const open = () => {
+    const run = runs[chosen]
+    if (run) void navigate({ to: '/runs/$id', params: { id: run.id } })
+  }
+  useHotkeys({ j: () => move(1), k: () => move(-1), Enter: open })
   const units = new Set(runs.map((run) => `${run.quantity} ${run.unit}`))
   const one = units.size === 1 ? runs[0] : undefined
   const head = { sort, onSort }
@@ -46,7 +43,7 @@ export function RunTable({ runs, sort, onSort, onTag, more, loading }: RunTableP
                 Verdict
               </Head>
               <Head {...head} by="worst" num unit={one?.unit}>
-                Worst {one?.quantity ? <Symbol text={one.quantity} /> : 'value'}
+                Worst {one?.quantity ? <Sign text={one.quantity} /> : 'value'}
               </Head>
               <th className="num">
                 Criterion

@@ -3,7 +3,9 @@ import { useEffect, useRef } from 'react'
 
 const typing = (target: EventTarget | null): boolean =>
   target instanceof HTMLElement &&
-  (target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) || target.closest('[role=dialog]') !== null)
+  (target.isContentEditable ||
+    /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) ||
+    target.closest('[role=dialog]') !== null)
 
 /** `keys` maps a key, or Ctrl+key, to what it does; Ctrl combinations also fire while typing. */
 export function useHotkeys(keys: Record<string, () => void>): void {

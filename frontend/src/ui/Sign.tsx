@@ -34,7 +34,7 @@ export function split(text: string): [string, string] {
 /** The symbol as plain text, for canvases, labels and files. */
 export const symbolText = (text: string): string => split(text).filter(Boolean).join('_')
 
-export function Symbol({ text }: { text: string }) {
+export function Sign({ text }: { text: string }) {
   const [base, index] = split(text)
   return (
     <span className="nw">

@@ -1,0 +1,144 @@
+// The one event stream of this tab: it feeds the query cache, at most four times a second. It is closed while the tab is
+// hidden, because a browser keeps only six connections to a service; when it fails, polling goes on. Start: `useStream`.
+import type { InfiniteData, QueryClient } from '@tanstack/react-query'
+import { useQueryClient } from '@tanstack/react-query'
+import { useEffect, useSyncExternalStore } from 'react'
+import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, StageProgress } from '../client'
+import { isLive } from './queries'
+
+const FLUSH = 250
+
+type Status = 'closed' | 'connecting' | 'open'
+
+let status: Status = 'closed'
+const listeners = new Set<() => void>()
+
+function set(next: Status): void {
+  status = next
+  for (const listener of listeners) listener()
+}
+
+/** How the stream of this tab stands, for the pages to say. */
+export const useStreamStatus = (): Status =>
+  useSyncExternalStore(
+    (listener) => {
+      listeners.add(listener)
+      return () => listeners.delete(listener)
+    },
+    () => status,
+  )
+
+interface Improvements {
+  index: number[]
+  seconds: number[]
+  cost: number[]
+  evaluations: number
+}
+
+/** Listens to all runs, or to one with its stages and improvements, for as long as the page is shown. */
+export function useStream(run: string | null, on = true): void {
+  const cache = useQueryClient()
+  useEffect(() => {
+    if (!on) return
+    let source: EventSource | null = null
+    const pending: (() => void)[] = []
+    const flush = setInterval(() => {
+      for (const apply of pending.splice(0)) apply()
+    }, FLUSH)
+    const later = (event: Event, apply: (data: never) => void) =>
+      pending.push(() => apply(JSON.parse((event as MessageEvent<string>).data) as never))
+    const open = () => {
+      set('connecting')
+      source = new EventSource(`/api/v1/events${run ? `?run=${encodeURIComponent(run)}` : ''}`)
+      source.addEventListener('open', () => set('open'))
+      source.addEventListener('error', () => set('connecting'))
+      source.addEventListener('run', (event) => later(event, (data: RunSummary) => putRun(cache, data)))
+      source.addEventListener('stages', (event) =>
+        later(event, (data: StageProgress[]) => run && putStages(cache, run, data)),
+      )
+      source.addEventListener('evaluations', (event) =>
+        later(event, (data: Record<string, Improvements>) => run && putImprovements(cache, run, data)),
+      )
+    }
+    const close = () => {
+      source?.close()
+      source = null
+      set('closed')
+    }
+    const visible = () => {
+      if (document.hidden) close()
+      else if (!source) {
+        open()
+        void cache.invalidateQueries({ queryKey: run ? ['run', run] : ['runs'] })
+      }
+    }
+    document.addEventListener('visibilitychange', visible)
+    if (!document.hidden) open()
+    return () => {
+      document.removeEventListener('visibilitychange', visible)
+      clearInterval(flush)
+      close()
+    }
+  }, [cache, run, on])
+}
+
+/** A run's new summary: into the list and into its own page; whatever hangs on its end is asked for again. */
+export function putRun(cache: QueryClient, run: RunSummary): void {
+  let listed = false
+  cache.setQueriesData<InfiniteData<RunPage>>({ queryKey: ['runs'] }, (data) => {
+    if (!data?.pages.some((page) => page.items.some((item) => item.id === run.id))) return data
+    listed = true
+    const items = (page: RunPage) => page.items.map((item) => (item.id === run.id ? run : item))
+    return { ...data, pages: data.pages.map((page) => ({ ...page, items: items(page) })) }
+  })
+  const before = cache.getQueryData<RunDetail>(['run', run.id])
+  if (before) cache.setQueryData<RunDetail>(['run', run.id], { ...before, ...run })
+  if (!listed || !isLive(run)) void cache.invalidateQueries({ queryKey: ['runs'] })
+  if (before && isLive(before) && !isLive(run))
+    for (const key of ['run', 'stages', 'evaluations', 'findings', 'traces', 'trace'])
+      void cache.invalidateQueries({ queryKey: [key, run.id] })
+}
+
+export function putStages(cache: QueryClient, run: string, stages: StageProgress[]): void {
+  const before = cache.getQueryData<RunDetail>(['run', run])
+  if (before) cache.setQueryData<RunDetail>(['run', run], { ...before, stages })
+  const done = (list: readonly StageProgress[] | undefined) => list?.filter((s) => s.state === 'done').length ?? 0
+  // A stage that has just ended has a result now.
+  if (done(stages) !== done(before?.stages)) {
+    void cache.invalidateQueries({ queryKey: ['stages', run] })
+    void cache.invalidateQueries({ queryKey: ['findings', run] })
+  }
+}
+
+export function putImprovements(cache: QueryClient, run: string, news: Record<string, Improvements>): void {
+  const before = cache.getQueryData<Evaluations>(['evaluations', run])
+  if (!before) return
+  const known = new Set(before.stages.map((stage) => String(stage.position)))
+  if (Object.keys(news).some((position) => !known.has(position))) {
+    void cache.invalidateQueries({ queryKey: ['evaluations', run] })
+    return
+  }
+  const stages = before.stages.map((stage) => {
+    const fresh = news[String(stage.position)]
+    return fresh ? extended(stage, fresh) : stage
+  })
+  cache.setQueryData<Evaluations>(['evaluations', run], { ...before, stages })
+}
+
+/** A series with improvements appended; those it knows already are left out, so a repeated event does no harm. */
+export function extended(stage: EvaluationSeries, fresh: Improvements): EvaluationSeries {
+  const { index = [], seconds = [], cost = [] } = stage.improvements
+  const last = index[index.length - 1] ?? -1
+  const from = fresh.index.findIndex((i) => i > last)
+  const total = Math.max(stage.total, fresh.evaluations)
+  if (from < 0) return { ...stage, total }
+  return {
+    ...stage,
+    total,
+    improvements: {
+      index: [...index, ...fresh.index.slice(from)],
+      seconds: [...seconds, ...fresh.seconds.slice(from)],
+      cost: [...cost, ...fresh.cost.slice(from)],
+    },
+  }
+}

@@ -1,0 +1,10 @@
+// Units as in print: raised powers and a dot between factors, from the catalogue's plain text.
+
+const RAISED: Record<string, string> = { '2': '²', '3': '³', '4': '⁴' }
+
+/** "kg m2" -> "kg·m²", "N s2/m" -> "N·s²/m". */
+export function unitText(unit: string): string {
+  return unit
+    .replace(/([A-Za-zµΩ°])\^?([234])(?!\d)/g, (_, letter: string, power: string) => letter + (RAISED[power] ?? power))
+    .replace(/(?<=\S) (?=\S)/g, '·')
+}

@@ -1,0 +1,129 @@
+// Beside the form: name, tags and criterion of the run, what it will take, and the button that starts it.
+import { TagsInput } from '@mantine/core'
+import { IconPlayerPlay } from '@tabler/icons-react'
+import type { Campaign } from '../api/campaign'
+import type { Checked, ComponentEntry } from '../client'
+import { count, duration, percent } from '../format/numbers'
+import { unitText } from '../format/units'
+import { Card } from '../ui/Card'
+import { Sign } from '../ui/Sign'
+import { NumberCell } from './NumberCell'
+import { numberOf } from './parameters'
+import { FieldErrors, idOf } from './problems'
+
+interface RunCardProps {
+  name: string
+  tags: string[]
+  campaign: Campaign
+  criterion: ComponentEntry | undefined
+  onName: (name: string) => void
+  onTags: (tags: string[]) => void
+  set: (at: readonly (string | number)[], value: unknown) => void
+}
+
+export function RunCard({ name, tags, campaign, criterion, onName, onTags, set }: RunCardProps) {
+  return (
+    <Card title="Run">
+      <div style={{ display: 'grid', gap: 12 }}>
+        <div>
+          <label className="lbl" htmlFor={idOf('name')}>
+            Name
+          </label>
+          <span className="inp">
+            <input id={idOf('name')} value={name} maxLength={120} onChange={(event) => onName(event.target.value)} />
+          </span>
+          <FieldErrors field="name" />
+        </div>
+        <div>
+          <TagsInput
+            id={idOf('tags')}
+            label="Tags"
+            size="xs"
+            value={tags}
+            maxTags={20}
+            splitChars={[',', ' ']}
+            placeholder={tags.length === 0 ? 'Enter adds a tag' : undefined}
+            onChange={onTags}
+          />
+          <FieldErrors field="tags" deep />
+        </div>
+        <div>
+          <label className="lbl" htmlFor={idOf('criterion.threshold')}>
+            Criterion: <Sign text={criterion?.quantity || 'value'} /> greater than
+            {criterion?.unit && `, ${unitText(criterion.unit)}`}
+          </label>
+          <NumberCell
+            field="criterion.threshold"
+            label="Criterion, threshold"
+            value={campaign.criterion.threshold}
+            onChange={(value) => set(['criterion', 'threshold'], value ?? '')}
+          />
+          <FieldErrors field="criterion.threshold" />
+        </div>
+      </div>
+    </Card>
+  )
+}
+
+interface EstimateProps {
+  checked: Checked | undefined
+  campaign: Campaign
+}
+
+export function Estimate({ checked, campaign }: EstimateProps) {
+  const sample = campaign.stages.search.find((stage) => stage.method === 'monte_carlo')
+  const samples = numberOf(sample?.evaluations)
+  const confidence = numberOf(campaign.confidence) ?? 0.95
+  const target = numberOf(campaign.target_probability)
+  // With no violation among n independent samples, the Clopper-Pearson bound is 1 - (1 - confidence)^(1/n).
+  const bound = samples && samples >= 1 ? 1 - (1 - confidence) ** (1 / samples) : null
+  return (
+    <Card title="Estimate">
+      <dl className="kv">
+        <dt>Evaluations at most</dt>
+        <dd>{count(checked?.evaluations)}</dd>
+        <dt>Time at most</dt>
+        <dd>{typeof checked?.seconds === 'number' ? `about ${duration(checked.seconds)}` : 'not known yet'}</dd>
+        {bound !== null && (
+          <>
+            <dt>Bound on P(violation)</dt>
+            <dd>{percent(bound)}</dd>
+          </>
+        )}
+        {target !== null && (
+          <>
+            <dt>Target</dt>
+            <dd>{percent(target)}</dd>
+          </>
+        )}
+      </dl>
+      <p className="small mut" style={{ marginTop: 8 }}>
+        {typeof checked?.seconds !== 'number' && 'The time is told once a run of the same components has ended. '}
+        {bound !== null &&
+          `The bound holds with ${percent(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
+      </p>
+    </Card>
+  )
+}
+
+interface StartProps {
+  disabled: boolean
+  busy: boolean
+  why: string
+  onStart: () => void
+}
+
+export function StartButton({ disabled, busy, why, onStart }: StartProps) {
+  return (
+    <div>
+      <button type="button" className="btn p wide" disabled={disabled || busy} onClick={onStart}>
+        <IconPlayerPlay className="i s" aria-hidden />
+        {busy ? 'Starting …' : 'Start run'}
+        <span className="kbd">Ctrl ↵</span>
+      </button>
+      <p className="small mut" style={{ marginTop: 6, minHeight: 18 }} aria-live="polite">
+        {why}
+      </p>
+    </div>
+  )
+}

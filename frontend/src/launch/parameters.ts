@@ -1,0 +1,86 @@
+// Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The same rules as
+// the service's own check, but forgiving: what is half typed stays on the page. Start reading at `parametersOf`.
+import { type Campaign, fieldOf, type Part, type Raw, type Uncertain } from '../api/campaign'
+import type { Catalogue, ComponentEntry, ParameterEntry } from '../client'
+import { parse } from '../format/numbers'
+
+export type Role = ComponentEntry['role']
+
+export interface Parameter {
+  path: string
+  /** The name by which the service calls it in its problems. */
+  field: string
+  group: string
+  entry: ParameterEntry
+  nominal: Raw | null
+}
+
+export interface Section {
+  role: Role
+  title: string
+  /** Where the part stands in the document. */
+  at: (string | number)[]
+  part: Part
+  component: ComponentEntry | undefined
+  parameters: Parameter[]
+}
+
+const ROLE: Record<Role, string> = {
+  vehicle: 'Vehicle',
+  controller: 'Controller',
+  avoider: 'Avoider',
+  obstacle: 'Obstacle',
+  criterion: 'Criterion',
+}
+
+/** The parts of a campaign, in the order of the form. */
+export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] {
+  const { vehicle, controller, avoider, obstacles = [], start = {}, goal } = campaign.scenario
+  const find = (role: Role, part: Part) =>
+    catalogue.components.find((c) => c.role === role && c.name === part.component)
+  const section = (role: Role, prefix: string, at: (string | number)[], part: Part, title = ROLE[role]): Section => {
+    const component = find(role, part)
+    const values = part.parameters ?? {}
+    return { role, title, at, part, component, parameters: listed(prefix, title, component?.parameters ?? [], values) }
+  }
+  const sections = [
+    section('vehicle', 'vehicle', ['scenario', 'vehicle'], vehicle),
+    section('controller', 'controller', ['scenario', 'controller'], controller),
+    section('avoider', 'avoider', ['scenario', 'avoider'], avoider),
+    ...obstacles.map((obstacle, i) =>
+      section('obstacle', `obstacles.${i}`, ['scenario', 'obstacles', i], obstacle, `Obstacle ${i + 1}`),
+    ),
+    section('criterion', 'criterion', ['criterion'], campaign.criterion),
+  ]
+  sections[0]?.parameters.push(...listed('start', 'Start', find('vehicle', vehicle)?.starts ?? [], start))
+  sections[2]?.parameters.push(...listed('goal', 'Goal', find('avoider', avoider)?.goals ?? [], goal))
+  return sections
+}
+
+function listed(prefix: string, group: string, entries: ParameterEntry[], values: Record<string, Raw>): Parameter[] {
+  return entries.map((entry) => {
+    const path = `${prefix}.${entry.name}`
+    return { path, field: fieldOf(path), group, entry, nominal: values[entry.name] ?? entry.default }
+  })
+}
+
+export const parametersOf = (campaign: Campaign, catalogue: Catalogue): Parameter[] =>
+  sectionsOf(campaign, catalogue).flatMap((section) => section.parameters)
+
+/** The number a raw value means; null where it means none. */
+export function numberOf(raw: Raw | null | undefined): number | null {
+  if (raw === null || raw === undefined) return null
+  return typeof raw === 'number' ? raw : parse(raw)
+}
+
+/** Low and high of an uncertain parameter as they stand; a share of the nominal value is worked out. */
+export function boundsOf(uncertain: Uncertain, nominal: Raw | null): [Raw | null, Raw | null] {
+  const given = uncertain.plus_minus
+  if (given === null || given === undefined) return [uncertain.low ?? null, uncertain.high ?? null]
+  const middle = numberOf(nominal)
+  const share = /^\s*([0-9.eE+-]+)\s*%\s*$/.exec(String(given))
+  const amount = share ? Number(share[1]) / 100 : numberOf(given)
+  if (middle === null || amount === null || !Number.isFinite(amount)) return [null, null]
+  const reach = share ? amount * Math.abs(middle) : amount
+  return [middle - reach, middle + reach]
+}

@@ -1,0 +1,47 @@
+// What the service says is wrong, beside the field it names: fields ask here by the name the service uses.
+import { IconAlertCircle } from '@tabler/icons-react'
+import { createContext, useContext } from 'react'
+import type { FieldProblem } from '../api/problems'
+
+const Problems = createContext<readonly FieldProblem[]>([])
+
+export const ProblemsProvider = Problems.Provider
+
+const within = (field: string, problem: FieldProblem): boolean =>
+  problem.field === field || problem.field.startsWith(`${field}.`)
+
+/** The problems of a field, or of everything below it. */
+export function useProblems(field: string, deep = false): FieldProblem[] {
+  const all = useContext(Problems)
+  return all.filter((problem) => (deep ? within(field, problem) : problem.field === field))
+}
+
+/** An identifier of an element for a field. */
+export const idOf = (field: string): string => `f-${field.replace(/[^\w-]/g, '-')}`
+
+export function Message({ problem }: { problem: FieldProblem }) {
+  return (
+    <p className="ferr" data-problem={problem.field}>
+      <IconAlertCircle className="i" aria-hidden />
+      <span>{problem.message.charAt(0).toUpperCase() + problem.message.slice(1)}</span>
+    </p>
+  )
+}
+
+export function FieldErrors({ field, deep }: { field: string; deep?: boolean }) {
+  const problems = useProblems(field, deep)
+  return problems.map((problem) => <Message key={problem.field + problem.message} problem={problem} />)
+}
+
+/** Brings the field of a problem into view and focus: itself, or the nearest part above it that is on the page. */
+export function focusField(field: string): void {
+  const parts = field.split('.')
+  for (let length = parts.length; length > 0; length--) {
+    const element = document.getElementById(idOf(parts.slice(0, length).join('.')))
+    if (!element) continue
+    element.closest('details')?.setAttribute('open', '')
+    element.scrollIntoView({ block: 'center' })
+    element.focus({ preventScroll: true })
+    return
+  }
+}

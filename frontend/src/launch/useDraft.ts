@@ -1,0 +1,76 @@
+// The campaign being prepared: form and text edit the same one, and the service checks it while it changes.
+// Whatever was edited last is the source; the other side follows what the service made of it. Start: `useDraft`.
+import { keepPreviousData, useQuery } from '@tanstack/react-query'
+import { useEffect, useState } from 'react'
+import { checkCampaign } from '../api/calls'
+import { asCampaign, type Campaign, write } from '../api/campaign'
+import type { FieldProblem } from '../api/problems'
+import type { Checked } from '../client'
+
+const PAUSE = 300
+
+export interface Draft {
+  campaign: Campaign
+  /** What the text tab shows. */
+  text: string
+  /** Whether the form shows the same campaign as the text: not while the text cannot be read. */
+  readable: boolean
+  checked: Checked | undefined
+  /** The answer below belongs to an earlier state than the one shown. */
+  checking: boolean
+  problems: readonly FieldProblem[]
+  /** Which side was edited last. */
+  source: 'form' | 'text'
+  /** Why it could not be checked at all. */
+  trouble: Error | null
+  set: (at: readonly (string | number)[], value: unknown) => void
+  setText: (text: string) => void
+}
+
+interface State {
+  campaign: Campaign
+  /** Null: the text follows the form. */
+  text: string | null
+  source: 'form' | 'text'
+}
+
+function useSettled<T>(value: T): T {
+  const [settled, setSettled] = useState(value)
+  useEffect(() => {
+    const timer = setTimeout(() => setSettled(value), PAUSE)
+    return () => clearTimeout(timer)
+  }, [value])
+  return settled
+}
+
+export function useDraft(first: Campaign, firstText: string | null): Draft {
+  const [state, setState] = useState<State>({ campaign: first, text: firstText, source: 'form' })
+  const given = state.source === 'text' ? (state.text ?? '') : state.campaign
+  const settled = useSettled(given)
+  const check = useQuery({
+    queryKey: ['check', settled],
+    queryFn: ({ signal }) => checkCampaign(settled, signal),
+    placeholderData: keepPreviousData,
+    staleTime: 60_000,
+    gcTime: 60_000,
+  })
+  const fresh = settled === given && !check.isPlaceholderData
+  const checked = check.data
+  const document = state.source === 'text' && fresh ? checked?.document : undefined
+  useEffect(() => {
+    if (document) setState((before) => ({ ...before, campaign: asCampaign(document) }))
+  }, [document])
+  return {
+    campaign: state.campaign,
+    text: state.text ?? (checked?.yaml && fresh ? checked.yaml : JSON.stringify(state.campaign, null, 2)),
+    readable: state.source === 'form' || !checked || checked.document !== null,
+    checked,
+    checking: !fresh || check.isFetching,
+    problems: checked?.problems ?? [],
+    source: state.source,
+    trouble: check.error,
+    set: (at, value) =>
+      setState((before) => ({ campaign: write(before.campaign, at, value), text: null, source: 'form' })),
+    setText: (text) => setState((before) => ({ ...before, text, source: 'text' })),
+  }
+}

@@ -1,0 +1,49 @@
+// What came of a run: icon, word, sentence and scope, and the checks the verdict rests on. A failure is no verdict.
+import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
+import { summaryOf } from '../api/results'
+import type { RunDetail } from '../client'
+import { count } from '../format/numbers'
+import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
+
+export function Banner({ run }: { run: RunDetail }) {
+  const outcome = outcomeOf(run)
+  const { sentence, scope, checks } = summaryOf(run)
+  const { tone, word } = lookOf(outcome)
+  return (
+    <section className={`banner ${tone}`} aria-label="Verdict" role={run.verdict ? undefined : 'alert'}>
+      <OutcomeIcon outcome={outcome} />
+      <div>
+        <div className="w" data-testid="verdict">
+          {run.verdict ? word : `${word}: no verdict`}
+        </div>
+        <p>{run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)}</p>
+        {run.verdict && scope && <p className="scope">Scope: {lower(scope)}</p>}
+        {checks && checks.length > 0 && (
+          <ul className="checks" aria-label="Checks">
+            {checks.map((check) => (
+              <li key={check.name}>
+                {check.ok ? (
+                  <IconCircleCheck className="i s ok-t" aria-label="holds" />
+                ) : (
+                  <IconCircleX className="i s bad-t" aria-label="does not hold" />
+                )}
+                <span>
+                  <span className="m">{check.name.charAt(0).toUpperCase() + check.name.slice(1)}</span>: {check.text}
+                </span>
+              </li>
+            ))}
+          </ul>
+        )}
+      </div>
+    </section>
+  )
+}
+
+const lower = (text: string): string => text.replace(/^scope:\s*/i, '')
+
+function reasonOf(run: RunDetail, outcome: Outcome): string {
+  if (outcome === 'cancelled')
+    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations. What was flown is kept below; it says nothing about the avoidance system.`
+  const attempts = run.attempts > 1 ? ` It was tried ${run.attempts} times.` : ''
+  return `${run.error ?? 'The run ended without a verdict.'}${attempts} This says nothing about the avoidance system.`
+}

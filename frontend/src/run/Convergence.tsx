@@ -1,0 +1,189 @@
+// Convergence: the best value each method has found so far, against evaluations or working time. Live and afterwards.
+import { useMemo, useState } from 'react'
+import { ChartCard } from '../charts/ChartCard'
+import { type Key, Legend, useHidden } from '../charts/Legend'
+import { Plot } from '../charts/Plot'
+import { stepsOn, union } from '../charts/series'
+import type { PlotSpec } from '../charts/spec'
+import { count, decimalsApart, decimalsFor, fixed, plain } from '../format/numbers'
+import { Seg } from '../ui/Card'
+import { methodLook } from '../ui/methods'
+import { Sign, symbolText } from '../ui/Sign'
+import { convergenceOf, type RunData, searchesOf } from './data'
+
+interface ConvergenceProps {
+  data: RunData
+  className: string
+  height?: number
+  id?: string
+}
+
+export function Convergence({ data, className, height = 300, id }: ConvergenceProps) {
+  const { run } = data
+  const [by, setBy] = useState<'evaluations' | 'seconds'>('evaluations')
+  const [scale, setScale] = useState<'log' | 'linear'>('log')
+  const [near, setNear] = useState<'all' | 'near'>('near')
+  const [hidden, toggle] = useHidden()
+  const searches = searchesOf(data)
+  const log = by === 'evaluations' && scale === 'log'
+  const key = searches
+    .map((s) => `${s.stage.position}:${s.stage.evaluations}:${s.series?.improvements.index?.length}`)
+    .join()
+
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the key says when the curves have changed
+  const curves = useMemo(
+    () =>
+      searches
+        .map((search) => ({ search, curve: convergenceOf(search, by) }))
+        .filter(({ curve }) => curve.x.length > 0),
+    [key, by],
+  )
+  const spec = useMemo((): PlotSpec => {
+    const xs = union(curves.map(({ curve }) => curve))
+    const decimals = decimalsFor(
+      curves.flatMap(({ curve }) => curve.y),
+      5,
+    )
+    const values = curves.flatMap(({ curve }) => curve.y)
+    const threshold = run.threshold
+    // Far from the criterion the steps would be flattened to one line: then the chart shows the values alone.
+    const far = threshold !== null && values.length > 0 && isFar(values, threshold)
+    const criterion =
+      threshold === null || (far && near === 'near')
+        ? undefined
+        : { value: threshold, label: `Criterion, ${plain(threshold)} ${run.unit}`, tint: true }
+    return {
+      label: `Convergence: best ${symbolText(run.quantity)} found so far by ${curves.length} methods`,
+      x: xs,
+      lines: curves.map(({ search, curve }) => ({
+        key: String(search.stage.position),
+        label: search.title,
+        colour: methodLook(search.stage.method).colour,
+        y: stepsOn(xs, curve),
+        stepped: true,
+        width: 1.7,
+        end: methodLook(search.stage.method).shape,
+      })),
+      yTitle: (
+        <>
+          Best <Sign text={run.quantity || 'value'} /> so far, {run.unit}
+        </>
+      ),
+      xTitle:
+        by === 'evaluations'
+          ? `Evaluations of each method${log ? ' (log scale)' : ''}`
+          : 'Working time of each method, s',
+      xLog: log,
+      criterion,
+      height,
+      xText: (x) => (by === 'evaluations' ? `Evaluation ${count(x)}` : `${fixed(x, 3)} s`),
+      yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
+    }
+  }, [curves, run.threshold, run.quantity, run.unit, by, log, near, height])
+
+  const far =
+    run.threshold !== null &&
+    curves.length > 0 &&
+    isFar(
+      curves.flatMap(({ curve }) => curve.y),
+      run.threshold,
+    )
+  const keys: Key[] = curves.map(({ search }) => ({
+    key: String(search.stage.position),
+    label: search.title,
+    method: search.stage.method ?? '',
+  }))
+  const table = () => ({
+    name: 'convergence',
+    columns: ['method', 'evaluation', 'working time, s', `best ${run.quantity} so far, ${run.unit}`],
+    rows: searches.flatMap(({ series, stage, title }) =>
+      (series?.improvements.index ?? []).map((at, i) => [
+        title || stage.method,
+        at + 1,
+        series?.improvements.seconds?.[i] ?? null,
+        series?.improvements.cost?.[i] ?? null,
+      ]),
+    ),
+  })
+  return (
+    <ChartCard
+      title="Convergence"
+      note="Smallest value found by each method"
+      className={className}
+      id={id}
+      run={run.id}
+      data={table}
+      right={
+        <>
+          {far && (
+            <Seg
+              label="Vertical axis"
+              options={[
+                { value: 'near', label: 'Values' },
+                { value: 'all', label: 'With criterion' },
+              ]}
+              value={near}
+              onChange={setNear}
+            />
+          )}
+          {by === 'evaluations' && (
+            <Seg
+              label="Scale of evaluations"
+              options={[
+                { value: 'log', label: 'Log' },
+                { value: 'linear', label: 'Linear' },
+              ]}
+              value={scale}
+              onChange={setScale}
+            />
+          )}
+          <Seg
+            label="Horizontal axis"
+            options={[
+              { value: 'evaluations', label: 'Evaluations' },
+              { value: 'seconds', label: 'Time' },
+            ]}
+            value={by}
+            onChange={setBy}
+          />
+        </>
+      }
+    >
+      {curves.length === 0 ? (
+        <p className="sec" style={{ minHeight: height }}>
+          No search has flown an evaluation yet.
+        </p>
+      ) : (
+        <>
+          <Plot spec={spec} hidden={hidden} />
+          <Legend keys={keys} hidden={hidden} onToggle={toggle} />
+          {far && near === 'near' && (
+            <p className="fig">
+              The criterion, {plain(run.threshold)} {run.unit}, lies off this axis.
+            </p>
+          )}
+          <p className="sr">
+            {curves
+              .map(
+                ({ search, curve }) =>
+                  `${search.title}: ${fixed(Math.min(...curve.y), decimalsApart(curve.y))} ${run.unit}`,
+              )
+              .join('; ')}
+          </p>
+        </>
+      )}
+    </ChartCard>
+  )
+}
+
+/** Whether the criterion lies so far from all values that showing both would hide the steps. */
+function isFar(values: number[], threshold: number): boolean {
+  let low = values[0] as number
+  let high = low
+  for (const value of values) {
+    if (value < low) low = value
+    if (value > high) high = value
+  }
+  const distance = threshold < low ? low - threshold : threshold - high
+  return distance > 6 * (high - low)
+}

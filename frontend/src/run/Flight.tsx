@@ -1,0 +1,51 @@
+// The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
+import { IconExternalLink, IconLoader } from '@tabler/icons-react'
+import { useEffect, useRef, useState } from 'react'
+import { useTheme } from '../theme/useTheme'
+import { Card } from '../ui/Card'
+import type { RunData } from './data'
+
+export function Flight({ data, className }: { data: RunData; className: string }) {
+  const theme = useTheme()
+  const holder = useRef<HTMLDivElement>(null)
+  const [near, setNear] = useState(false)
+  const [loaded, setLoaded] = useState(false)
+  const address = `/view/${data.run.id}/${theme}/`
+
+  // A viewer costs the service a scene: it is opened when it comes near the window.
+  useEffect(() => {
+    const element = holder.current
+    if (!element || near) return
+    const observer = new IntersectionObserver(([entry]) => entry?.isIntersecting && setNear(true), {
+      rootMargin: '200px',
+    })
+    observer.observe(element)
+    return () => observer.disconnect()
+  }, [near])
+
+  return (
+    <Card
+      title="Flight"
+      note="Nominal and worst, with what-if sliders. Drag to turn, wheel to zoom"
+      className={className}
+      id="flight"
+      flush
+      right={
+        <a className="btn s" href={address} target="_blank" rel="noreferrer">
+          <IconExternalLink className="i s" aria-hidden /> Own window
+        </a>
+      }
+    >
+      <div className="flight" ref={holder}>
+        {near && <iframe key={address} src={address} title="Flight in 3D" onLoad={() => setLoaded(true)} />}
+        {!loaded && (
+          <div className="poster" role="status">
+            <span className="row">
+              <IconLoader className="i spin" aria-hidden /> Opening the 3D view
+            </span>
+          </div>
+        )}
+      </div>
+    </Card>
+  )
+}

@@ -1,0 +1,146 @@
+// A run that works: figures, stages, convergence, best so far, methods, improvements.
+import type { RunDetail } from '../client'
+import { count, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
+import { Card, Stat } from '../ui/Card'
+import { MethodName } from '../ui/MethodMark'
+import { methodLook } from '../ui/methods'
+import { Sign } from '../ui/Sign'
+import { useNow } from '../ui/useNow'
+import { Convergence } from './Convergence'
+import { bestOf, type RunData, searchesOf } from './data'
+import { MethodsTable } from './MethodsTable'
+import { NominalWorst } from './NominalWorst'
+import { StageStrip } from './StageStrip'
+
+export function Live({ data }: { data: RunData }) {
+  const { run } = data
+  const best = bestOf(data)
+  if (run.state === 'queued') return <Queued data={data} />
+  return (
+    <>
+      <Figures data={data} />
+      <div style={{ marginTop: 'var(--gap)' }}>
+        <StageStrip run={run} />
+      </div>
+      <div className="grid" style={{ marginTop: 'var(--gap)' }}>
+        <Convergence data={data} className="c8" height={330} />
+        <NominalWorst
+          data={data}
+          className="c4"
+          title="Best so far"
+          column="Best so far"
+          worst={best && { cost: best.cost, parameters: best.parameters, method: best.method }}
+        />
+        <MethodsTable data={data} className="c8" />
+        <Improvements data={data} className="c4" />
+      </div>
+    </>
+  )
+}
+
+function Queued({ data }: { data: RunData }) {
+  return (
+    <>
+      <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
+        This run waits for a worker. It starts by itself as soon as one is free.
+      </p>
+      <StageStrip run={data.run} />
+    </>
+  )
+}
+
+function Figures({ data }: { data: RunData }) {
+  const { run } = data
+  const now = useNow(1000)
+  const best = bestOf(data)
+  const cost = run.worst_cost ?? best?.cost ?? null
+  const decimals = decimalsFor([cost, run.nominal_cost, run.threshold])
+  const margin = cost === null || run.threshold === null ? null : cost - run.threshold
+  return (
+    <div className="card">
+      <div className="stats">
+        <Stat
+          name={
+            <>
+              Best (smallest) <Sign text={run.quantity || 'value'} /> so far
+            </>
+          }
+          value={fixed(cost, decimals)}
+          unit={cost === null ? undefined : run.unit}
+          note={best ? `${methodLook(best.method).title}, evaluation ${count(best.evaluation)}` : 'no search yet'}
+          testId="best"
+        />
+        <Stat
+          name="Margin to criterion"
+          value={signed(margin, decimals)}
+          unit={margin === null ? undefined : run.unit}
+          bad={margin !== null && margin <= 0}
+          note={`criterion ${plain(run.threshold)} ${run.unit}${run.nominal_cost === null ? '' : `, nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}`}
+        />
+        <Stat
+          name="Evaluations"
+          value={count(run.evaluations)}
+          unit={`of at most ${count(run.planned)}`}
+          note={`${count(run.failed_evaluations)} failed`}
+        />
+        <Stat
+          name="Evaluations per second"
+          value={run.rate === null ? NONE : count(run.rate)}
+          note="of the running stage"
+        />
+        <Stat
+          name="Time left, at most"
+          value={run.remaining === null ? NONE : duration(run.remaining)}
+          note={`${duration(elapsed(run, now))} elapsed`}
+        />
+      </div>
+    </div>
+  )
+}
+
+const elapsed = (run: RunDetail, now: number): number | null =>
+  run.started === null ? null : Math.max(0, now - run.started)
+
+/** The last improvements of each method, the newest first. */
+function Improvements({ data, className }: { data: RunData; className: string }) {
+  const rows = searchesOf(data)
+    .flatMap(({ stage, series }) => {
+      const { index = [], seconds = [], cost = [] } = series?.improvements ?? {}
+      return index
+        .map((at, i) => ({ stage, at, time: seconds[i] ?? 0, cost: cost[i] ?? Number.NaN, before: cost[i - 1] }))
+        .filter((row) => row.before === undefined || row.cost < row.before)
+        .slice(-7)
+    })
+    .reverse()
+    .slice(0, 9)
+  const decimals = decimalsFor(
+    rows.map((row) => row.cost),
+    5,
+  )
+  return (
+    <Card title="Improvements" note="Newest first" className={className} flush>
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Method</th>
+            <th className="num">Evaluation</th>
+            <th className="num">
+              <Sign text={data.run.quantity || 'value'} />, {data.run.unit}
+            </th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((row) => (
+            <tr key={`${row.stage.position}-${row.at}`}>
+              <td>
+                <MethodName method={row.stage.method} short />
+              </td>
+              <td className="num sec">{count(row.at + 1)}</td>
+              <td className="num m">{fixed(row.cost, decimals)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </Card>
+  )
+}

@@ -1,0 +1,96 @@
+// The methods side by side: what each found, with how much work, and how it ended.
+import { count, decimalsApart, duration, fixed, NONE, signed } from '../format/numbers'
+import { Card, Progress } from '../ui/Card'
+import { MethodName } from '../ui/MethodMark'
+import { methodLook } from '../ui/methods'
+import { Sign } from '../ui/Sign'
+import { type RunData, type SearchStage, searchesOf } from './data'
+
+export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
+  const { run } = data
+  const searches = searchesOf(data)
+  const bests = searches.map(({ stage }) => stage.best)
+  const decimals = decimalsApart(bests, 4, 6)
+  const best = Math.min(...bests.filter((value): value is number => value !== null))
+  const over = searches.every(({ stage }) => stage.state === 'done')
+  return (
+    <Card
+      title="Methods"
+      note={over ? 'What each found on its own' : 'One after another'}
+      className={className}
+      id={id}
+      flush
+      footer={over ? <Ends searches={searches} /> : undefined}
+    >
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Method</th>
+            <th>Budget used</th>
+            <th className="num">Evaluations</th>
+            <th className="num">
+              Best <Sign text={run.quantity || 'value'} />
+              <br />
+              <span className="u">{run.unit}</span>
+            </th>
+            <th className="num">
+              Above best
+              <br />
+              <span className="u">{run.unit}</span>
+            </th>
+            <th className="num hide-n">
+              Margin
+              <br />
+              <span className="u">{run.unit}</span>
+            </th>
+            <th className="num">
+              Best at
+              <br />
+              <span className="u">evaluation</span>
+            </th>
+            <th className="num">Failed</th>
+            <th className="num">Time</th>
+          </tr>
+        </thead>
+        <tbody>
+          {searches.map(({ stage, title }) => (
+            <tr key={stage.position} data-method={stage.method}>
+              <td>
+                <MethodName method={stage.method} title={title} />
+              </td>
+              <td style={{ width: 110 }}>
+                <Progress
+                  share={stage.evaluations / Math.max(1, stage.planned)}
+                  colour={`var(${methodLook(stage.method).colour})`}
+                  label={`${title}, share of its budget`}
+                />
+              </td>
+              <td className="num sec">{count(stage.evaluations)}</td>
+              <td className={stage.best === best ? 'num b' : 'num'}>{fixed(stage.best, decimals)}</td>
+              <td className="num sec">
+                {stage.best === null ? NONE : stage.best === best ? 'best' : signed(stage.best - best, decimals)}
+              </td>
+              <td className="num sec hide-n">
+                {stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)}
+              </td>
+              <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
+              <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>
+              <td className="num sec">{stage.state === 'waiting' ? NONE : duration(stage.seconds)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </Card>
+  )
+}
+
+/** How each search ended, in its own words. */
+function Ends({ searches }: { searches: SearchStage[] }) {
+  return searches.map(({ stage, title, result }) =>
+    result?.stop ? (
+      <div key={stage.position}>
+        <span className="sec">{title}:</span> {result.stop.text}
+      </div>
+    ) : null,
+  )
+}

@@ -1,0 +1,33 @@
+// One run: while it works, how far it is; when it is over, the verdict and everything behind it.
+import { useQuery } from '@tanstack/react-query'
+import { useParams } from '@tanstack/react-router'
+import { useStream } from '../api/events'
+import { isLive, runQuery } from '../api/queries'
+import { Loading, Trouble } from '../app/Trouble'
+import { useTitle } from '../app/useTitle'
+import type { RunDetail } from '../client'
+import { useRunData } from './data'
+import { Finished } from './Finished'
+import { Head } from './Head'
+import { Live } from './Live'
+
+export function RunPage() {
+  const { id } = useParams({ from: '/runs/$id' })
+  useTitle(id)
+  const query = useQuery(runQuery(id))
+  useStream(id, query.data !== undefined && isLive(query.data))
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what={id} />
+  return <Page run={query.data} stale={query.isError} />
+}
+
+function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
+  useTitle(`${run.id} ${run.name}`)
+  const data = useRunData(run)
+  return (
+    <>
+      <Head run={run} stale={stale} />
+      {isLive(run) ? <Live data={data} /> : <Finished data={data} />}
+    </>
+  )
+}

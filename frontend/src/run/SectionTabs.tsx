@@ -1,0 +1,42 @@
+// The tabs under the figures: they lead to the sections below and show which one is being read.
+import { useEffect, useState } from 'react'
+import { count } from '../format/numbers'
+import { useHotkeys } from '../ui/useHotkeys'
+
+export interface Section {
+  id: string
+  name: string
+  count?: number
+}
+
+export function SectionTabs({ sections }: { sections: Section[] }) {
+  const [current, setCurrent] = useState(sections[0]?.id)
+  const ids = sections.map((section) => section.id).join()
+  useEffect(() => {
+    const elements = ids.split(',').flatMap((id) => document.getElementById(id) ?? [])
+    const read = () => {
+      const line = 170
+      const above = elements.filter((element) => element.getBoundingClientRect().top <= line)
+      const end = innerHeight + scrollY >= document.documentElement.scrollHeight - 4
+      setCurrent((end ? elements[elements.length - 1] : (above[above.length - 1] ?? elements[0]))?.id)
+    }
+    read()
+    addEventListener('scroll', read, { passive: true })
+    return () => removeEventListener('scroll', read)
+  }, [ids])
+  useHotkeys(
+    Object.fromEntries(
+      sections.map((section, i) => [String(i + 1), () => document.getElementById(section.id)?.scrollIntoView()]),
+    ),
+  )
+  return (
+    <nav className="subnav" aria-label="Sections">
+      {sections.map((section) => (
+        <a key={section.id} href={`#${section.id}`} aria-current={section.id === current ? 'true' : undefined}>
+          {section.name}
+          {section.count !== undefined && <span className="n">{count(section.count)}</span>}
+        </a>
+      ))}
+    </nav>
+  )
+}

@@ -1,0 +1,121 @@
+// The stages of a run in a row: nominal, sensitivity, the searches together, validation, verdict.
+import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoader } from '@tabler/icons-react'
+import { isLive } from '../api/queries'
+import type { RunDetail, StageProgress } from '../client'
+import { count, decimalsFor, fixed } from '../format/numbers'
+import { Progress } from '../ui/Card'
+
+type State = 'done' | 'act' | 'todo' | 'fail'
+
+interface Step {
+  name: string
+  state: State
+  figures: string
+  text: string
+  share: number
+}
+
+const NAME: Record<StageProgress['kind'], string> = {
+  nominal: 'Nominal',
+  sensitivity: 'Sensitivity',
+  search: 'Search',
+  certify: 'Certify',
+  validate: 'Validate',
+}
+
+export function StageStrip({ run }: { run: RunDetail }) {
+  return (
+    <div className="stages" role="list" aria-label="Stages">
+      {stepsOf(run).map((step) => (
+        <div key={step.name} className={`stg ${step.state}`} role="listitem">
+          <div className="nm">
+            <StepIcon state={step.state} cancelled={run.state === 'cancelled'} />
+            {step.name}
+            <span className="micro mut">{step.figures}</span>
+          </div>
+          <div className="dt" title={step.text}>
+            {step.text}
+          </div>
+          <Progress
+            share={step.share}
+            colour={step.state === 'done' ? 'var(--ok-solid)' : undefined}
+            label={`${step.name}, progress`}
+          />
+        </div>
+      ))}
+    </div>
+  )
+}
+
+function StepIcon({ state, cancelled }: { state: State; cancelled: boolean }) {
+  if (state === 'done') return <IconCircleCheck className="i" aria-label="done" />
+  if (state === 'act') return <IconLoader className="i spin" aria-label="running" />
+  if (state === 'fail')
+    return cancelled ? (
+      <IconBan className="i" aria-label="cancelled" />
+    ) : (
+      <IconAlertTriangle className="i" aria-label="failed" />
+    )
+  return <IconCircleDashed className="i" aria-label="waiting" />
+}
+
+function stepsOf(run: RunDetail): Step[] {
+  const kinds = [...new Set(run.stages.map((stage) => stage.kind))]
+  const steps = kinds.map((kind) =>
+    step(
+      run,
+      kind,
+      run.stages.filter((stage) => stage.kind === kind),
+    ),
+  )
+  const verdict = run.verdict !== null
+  steps.push({
+    name: 'Verdict',
+    state: verdict ? 'done' : 'todo',
+    figures: verdict ? '' : isLive(run) ? 'waiting' : 'none',
+    text: run.verdict ?? (isLive(run) ? 'cleared, violated or inconclusive' : 'no verdict'),
+    share: verdict ? 1 : 0,
+  })
+  return steps
+}
+
+function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): Step {
+  const flown = stages.reduce((sum, stage) => sum + stage.evaluations, 0)
+  const planned = stages.reduce((sum, stage) => sum + stage.planned, 0)
+  const ended = stages.every((stage) => stage.state === 'done')
+  const begun = stages.some((stage) => stage.state !== 'waiting')
+  const state: State = ended ? 'done' : begun ? (isLive(run) ? 'act' : 'fail') : 'todo'
+  const share = ended ? 1 : stages.reduce((sum, stage) => sum + shareOf(stage), 0) / Math.max(1, stages.length)
+  return {
+    name: NAME[kind],
+    state,
+    figures: ended
+      ? `${count(flown)} flown`
+      : begun
+        ? `${count(flown)} of ${count(planned)}`
+        : isLive(run)
+          ? 'waiting'
+          : 'not started',
+    text: textOf(run, kind, stages),
+    share,
+  }
+}
+
+/** A stage that ended by its own rule has come all the way, whatever was left of its budget. */
+const shareOf = (stage: StageProgress): number =>
+  stage.state === 'done' ? 1 : Math.min(1, stage.evaluations / Math.max(1, stage.planned))
+
+function textOf(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): string {
+  const working = stages.find((stage) => stage.state === 'running')
+  if (kind === 'nominal')
+    return run.nominal_cost === null
+      ? 'all parameters at their nominal values'
+      : `${fixed(run.nominal_cost, decimalsFor([run.nominal_cost]))} ${run.unit}`
+  if (kind === 'sensitivity') return 'one parameter at a time over its bounds'
+  if (kind === 'search') {
+    const methods = `${stages.length} ${stages.length === 1 ? 'method' : 'methods'}`
+    return working?.method ? `${working.method.replaceAll('_', ' ')}, ${methods} in all` : methods
+  }
+  if (kind === 'validate') return 'half step, second integrator, neighbours'
+  return ''
+}

@@ -1,0 +1,145 @@
+// What the cards of a run's page share: the run with its answers, and small readings of them. Start reading at `RunData`.
+import { useQuery } from '@tanstack/react-query'
+import { asCampaign, type Campaign } from '../api/campaign'
+import {
+  catalogueQuery,
+  evaluationsQuery,
+  findingsQuery,
+  isLive,
+  stagesQuery,
+  traceQuery,
+  tracesQuery,
+} from '../api/queries'
+import { resultOf, type SearchResult } from '../api/results'
+import type {
+  Catalogue,
+  EvaluationSeries,
+  Evaluations,
+  FindingDetail,
+  RunDetail,
+  StageDetail,
+  StageProgress,
+  TraceData,
+} from '../client'
+import { boundsOf, numberOf, parametersOf } from '../launch/parameters'
+
+export interface UncertainParameter {
+  path: string
+  symbol: string
+  unit: string
+  text: string
+  nominal: number
+  low: number
+  high: number
+}
+
+export interface RunData {
+  run: RunDetail
+  campaign: Campaign
+  catalogue: Catalogue | undefined
+  parameters: UncertainParameter[]
+  stages: StageDetail[]
+  evaluations: Evaluations | undefined
+  findings: FindingDetail[]
+  nominalTrace: TraceData | undefined
+  worstTrace: TraceData | undefined
+}
+
+/** Everything the page shows of a run; what is still on its way is empty or undefined. */
+export function useRunData(run: RunDetail): RunData {
+  const over = !isLive(run)
+  const catalogue = useQuery(catalogueQuery).data
+  const stages = useQuery(stagesQuery(run.id)).data ?? []
+  // The stream brings every improvement at once, but not its parameters: those are asked for now and then.
+  const evaluations = useQuery({ ...evaluationsQuery(run.id), refetchInterval: over ? false : 3000 }).data
+  const findings = useQuery(findingsQuery(run.id)).data ?? []
+  const traces = useQuery({ ...tracesQuery(run.id), enabled: over }).data ?? []
+  const has = (name: string) => over && traces.some((trace) => trace.name === name)
+  const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') }).data
+  const worstTrace = useQuery({ ...traceQuery(run.id, 'F1'), enabled: has('F1') }).data
+  const campaign = asCampaign(run.campaign)
+  const parameters = uncertainOf(campaign, catalogue)
+  return { run, campaign, catalogue, parameters, stages, evaluations, findings, nominalTrace, worstTrace }
+}
+
+/** The uncertain parameters in the campaign's order, as the catalogue of today describes them. */
+export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
+  const known = new Map(catalogue ? parametersOf(campaign, catalogue).map((p) => [p.path, p]) : [])
+  return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
+    const parameter = known.get(path)
+    const nominal = numberOf(parameter?.nominal)
+    const [low, high] = boundsOf(uncertain, nominal).map(numberOf)
+    if (typeof low !== 'number' || typeof high !== 'number') return []
+    const { symbol = path, unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
+    return [{ path, symbol, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
+  })
+}
+
+export interface SearchStage {
+  stage: StageProgress
+  result: SearchResult | null
+  series: EvaluationSeries | undefined
+  title: string
+}
+
+/** The search stages with what is known of each. */
+export function searchesOf({ run, stages, evaluations, catalogue }: RunData): SearchStage[] {
+  return run.stages
+    .filter((stage) => stage.kind === 'search')
+    .map((stage) => {
+      const detail = stages.find((s) => s.position === stage.position)
+      const result = resultOf(detail, 'search')
+      return {
+        stage,
+        result,
+        series: evaluations?.stages.find((s) => s.position === stage.position),
+        title: result?.title ?? catalogue?.methods.find((m) => m.name === stage.method)?.title ?? stage.method ?? '',
+      }
+    })
+}
+
+export const stageOf = (data: RunData, kind: StageDetail['kind']): StageDetail | undefined =>
+  data.stages.find((stage) => stage.kind === kind)
+
+/** The best so far against evaluations or seconds; the last point says how far the stage has come. */
+export function convergenceOf(search: SearchStage, by: 'evaluations' | 'seconds'): { x: number[]; y: number[] } {
+  const { index = [], seconds = [], cost = [] } = search.series?.improvements ?? {}
+  const x: number[] = []
+  const y: number[] = []
+  let best = Number.POSITIVE_INFINITY
+  index.forEach((at, i) => {
+    best = Math.min(best, cost[i] ?? Number.POSITIVE_INFINITY)
+    if (!Number.isFinite(best)) return
+    x.push(by === 'evaluations' ? at + 1 : (seconds[i] ?? 0))
+    y.push(best)
+  })
+  const total = by === 'evaluations' ? search.stage.evaluations : search.stage.seconds
+  const last = x[x.length - 1]
+  if (last !== undefined && total > last) {
+    x.push(total)
+    y.push(best)
+  }
+  return { x, y }
+}
+
+export interface Best {
+  cost: number
+  method: string | null
+  /** Counted from 1. */
+  evaluation: number
+  parameters: Record<string, number>
+}
+
+/** The lowest value of all searches with its parameters, as far as the page knows them. */
+export function bestOf({ evaluations }: RunData): Best | null {
+  let best: Best | null = null
+  for (const series of evaluations?.stages ?? []) {
+    if (series.kind !== 'search') continue
+    series.cost.forEach((cost, i) => {
+      if (cost === null || (best && cost >= best.cost)) return
+      const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
+      best = { cost, method: series.method, evaluation: (series.index[i] ?? 0) + 1, parameters }
+    })
+  }
+  return best
+}

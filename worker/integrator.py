@@ -32,10 +32,9 @@ class Flight:
 
 def fly(problem: Problem, vector: Floats) -> Flight:
     """Fly one flat parameter vector (size,); the minimum over time comes from the dense output."""
-    p = tuple(float(v) for v in vector)
     try:
         with np.errstate(all="ignore"):
-            return _fly(problem, p)
+            return _fly(problem, problem.loop.extend(vector))
     except (ArithmeticError, ValueError) as error:
         return Flight(None, f"{NAME} could not fly it: {error}")
 

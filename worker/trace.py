@@ -77,7 +77,7 @@ def _columns(problem: Problem) -> list[dict[str, str]]:
 
 def _separation(problem: Problem, channels: Floats, vector: Floats) -> Floats:
     """The criterion's value at every row (m,)."""
-    cost, p = problem.loop.part("cost"), tuple(vector)
+    cost, p = problem.loop.part("cost"), problem.loop.extend(vector)
     return np.array([cost(tuple(map(float, row)), p) for row in channels])
 
 
@@ -101,7 +101,7 @@ def _closest(problem: Problem, channels: Floats, seen: Floats, vector: Floats) -
     return {
         "time": time,
         "row": row,
-        "value": float(cost((lowest,) * channels.shape[1], tuple(vector))),
+        "value": float(cost((lowest,) * channels.shape[1], problem.loop.extend(vector))),
         "position": [float(c) for c in position],
         "obstacle": obstacle,
         "obstacle_position": _bodies(problem, vector, time)[obstacle]["position"],
@@ -117,7 +117,7 @@ def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> An
 
 
 def _bodies(problem: Problem, vector: Floats, time: float) -> list[dict[str, Any]]:
-    found = problem.loop.part("bodies")(time, tuple(map(float, vector)))
+    found = problem.loop.part("bodies")(time, problem.loop.extend(vector))
     return [
         {
             "component": obstacle.name,

@@ -90,8 +90,9 @@ def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
             result.get("stop", {}).get("text") or result.get("text") or "",
         )
         for minimum in result.get("minima", []):
-            table.add_row(escape(f"  {_start(minimum)}"), number(minimum["cost"]), count(minimum["evaluations"]), "", "",
-                          escape(f"at {_values(minimum['parameters'])}"), style="dim")  # fmt: skip
+            at = escape(f"at {_values(minimum['parameters'])}")
+            cells = (number(minimum["cost"]), count(minimum["evaluations"]), "", "", at)
+            table.add_row(escape(f"  {_start(minimum)}"), *cells, style="dim")
     return table
 
 

@@ -33,7 +33,7 @@ LANES = 16
 """The one width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single flight 1.5 times slower; searches
 fly batches (DECISIONS.md)."""
 
-FLOWN = ("initial", "blank", "guide", "closed_loop", "envelope", "cost", "barred")
+FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "envelope", "cost", "barred")
 
 
 @dataclass(frozen=True)
@@ -80,6 +80,7 @@ class Loop:
         self.compiled = compiled
         self.sections = _sections(parts)
         self.size = self.sections[-1].last
+        self.extended = _extended(parts, self.sections)
         self.n_vehicle = len(parts.vehicle.states)
         self.n_state = self.n_vehicle + parts.controller.states
         self.n_held = parts.vehicle.dimension + parts.avoider.memory
@@ -93,7 +94,12 @@ class Loop:
 
     @cached_property
     def _observe(self) -> Any:
-        return self._made(loop.observe, ("observation",))
+        return self._made(loop.observe, ("extend", "observation"))
+
+    @property
+    def size_extended(self) -> int:
+        """Length of the parameter vector with all derived constants."""
+        return max(self.size, *(place.last for place in self.extended.values()))
 
     @property
     def signals(self) -> tuple[Signal, ...]:
@@ -128,7 +134,10 @@ class Loop:
         return seen
 
     def part(self, name: str) -> Function:
-        """A part of the glue in plain Python: bodies, initial, blank, guide, closed_loop, envelope, cost, barred."""
+        """A part of the glue in plain Python: bodies, initial, blank, guide, closed_loop, envelope, cost, barred.
+
+        All take the extended vector of parameters, which `extend` makes.
+        """
         if name not in self._plain:
             self._plain[name] = plain(self._glue[name])
         return self._plain[name]  # type: ignore[no-any-return]
@@ -137,6 +146,10 @@ class Loop:
     def digest(self) -> str:
         """Identifies the loop: everything that its flights depend on but the parameters, the step and the machine."""
         return digest(self._filled(loop.fly, FLOWN))
+
+    def extend(self, params: Floats) -> tuple[float, ...]:
+        """The flat parameters (size,) with all derived constants behind them, as the parts take them."""
+        return self.part("extend")(tuple(float(v) for v in params))  # type: ignore[no-any-return]
 
     def assembly(self) -> str:
         """The machine code of the compiled loop, for the report of what vectorises."""
@@ -170,22 +183,48 @@ def _sections(parts: Parts) -> tuple[Section, ...]:
     return tuple(sections)
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a component's kernels find their parameters or derived constants in the extended vector."""
+
+    fields: type
+    first: int
+    last: int
+
+
+def _extended(parts: Parts, sections: Sequence[Section]) -> dict[str, Place]:
+    """The places of vehicle, controller and avoider; derived constants stand behind all parameters."""
+    end = sections[-1].last
+    places: dict[str, Place] = {}
+    for section in sections[:3]:
+        part = getattr(parts, section.prefix)
+        if part.derived is None:
+            places[section.prefix] = Place(part.parameters, section.first, section.last)
+        else:
+            fields = part.derived.constants
+            places[section.prefix] = Place(fields, end, end + len(fields._fields))
+            end = places[section.prefix].last
+    return places
+
+
 def _layout(made: Loop) -> dict[str, Any]:
     lanes, n_x, n_p, n_g, n_y = made.lanes, made.n_state, made.size, made.n_held, made.n_channels
     rows = {
-        "X": n_x, "A": n_x, "B": n_x, "C": n_x, "D": n_x, "P": n_p, "G": n_g,
+        "X": n_x, "A": n_x, "B": n_x, "C": n_x, "P": made.size_extended, "G": n_g,
         "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "STATUS": 1, "WHEN": 1,
     }  # fmt: skip
-    slots: dict[str, Any] = {"N_X": n_x, "N_P": n_p, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
+    n_e = made.size_extended
+    slots: dict[str, Any] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
     offset = 0
     for name, count in rows.items():
         slots[name] = offset * lanes
         offset += count
     slots["SIZE"] = offset * lanes
     ops = lane_ops if made.compiled else plain_ops
-    x, p, g, y = (_ops(ops, n, lanes) for n in (n_x, n_p, n_g, n_y))
+    x, p, g, y = (_ops(ops, n, lanes) for n in (n_x, n_e, n_g, n_y))
     return slots | {
-        "load_x": x.load, "store_x": x.store, "advance": x.advance, "load_p": p.load,
+        "load_x": x.load, "store_x": x.store, "advance": x.advance, "combine": x.combine,
+        "load_p": p.load, "store_p": p.store, "load_raw": _ops(ops, n_p, lanes).load,
         "load_g": g.load, "store_g": g.store, "load_y": y.load, "store_y": y.store,
     }  # fmt: skip
 
@@ -203,9 +242,7 @@ def _glue(made: Loop) -> dict[str, Any]:
         "N_G": made.n_held,
         "DIMENSION": parts.vehicle.dimension,
         "NO_DEMAND": (0.0,) * parts.vehicle.dimension,
-        "Vehicle": parts.vehicle.parameters,
-        "Controller": parts.controller.parameters,
-        "Avoider": parts.avoider.parameters,
+        **{name.title(): made.extended[name].fields for name in ("vehicle", "controller", "avoider")},
         "Start": parts.vehicle.start,
         "Goal": parts.avoider.goal,
         "Criterion": parts.criterion.parameters,
@@ -221,13 +258,25 @@ def _glue(made: Loop) -> dict[str, Any]:
     }
     letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}
     for letter, prefix in letters.items():
-        slots[f"{letter}0"], slots[f"{letter}1"] = sections[prefix].first, sections[prefix].last
+        place = made.extended.get(prefix, sections[prefix])
+        slots[f"{letter}0"], slots[f"{letter}1"] = place.first, place.last
     slots["bodies"], slots["samples"] = _chains(parts.obstacles, sections, slots)
     slots["demand"] = bind(glue.held, slots) if parts.sampled else bind(glue.asked, slots)
-    made_parts: dict[str, Any] = {"bodies": slots["bodies"]}
+    made_parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
     for name in ("guide", "blank", "initial", "closed_loop", "envelope", "cost", "barred", "observation"):
         made_parts[name] = slots[name] = bind(getattr(glue, name), {k: v for k, v in slots.items() if k in vars(glue)})
     return made_parts
+
+
+def _extend(made: Loop) -> Any:
+    """The kernel that appends what each component derives from its parameters."""
+    extend = bind(glue.as_given, {})
+    for section in made.sections:
+        part = getattr(made.parts, section.prefix, None)
+        if part is not None and getattr(part, "derived", None) is not None:
+            own = {"Given": part.parameters, "derive": part.derived.derive, "E0": section.first, "E1": section.last}
+            extend = bind(glue.with_derived, own | {"before": extend})
+    return extend
 
 
 def _chains(obstacles: Sequence[Obstacle], sections: dict[str, Section], slots: dict[str, Any]) -> tuple[Any, Any]:

@@ -80,8 +80,20 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Derived:
+    """What a component computes once per flight from its parameters: constants(*derive(parameters)).
+
+    Where a component has it, its kernels receive the NamedTuple `constants` in place of its parameters: a division or
+    a gain that stays the same all flight is not worth four times every step.
+    """
+
+    constants: type
+    derive: Kernel
+
+
+@dataclass(frozen=True)
 class Vehicle:
-    """A vehicle. Its kernels, x being its state and p its parameters:
+    """A vehicle. Its kernels, x being its state and p its parameters or derived constants:
 
     begin(start, p) -> x; derivative(t, x, u, p) -> dx; position(x, p), velocity(x, p) in the world frame [m], [m/s];
     pose(x, p) -> (x, y, z, roll, pitch, yaw) [m], [rad]; outside(x, p) -> 0.0 inside the envelope, else the number of
@@ -102,6 +114,7 @@ class Vehicle:
     velocity: Kernel
     pose: Kernel
     outside: Kernel
+    derived: Derived | None = None
     role: Literal["vehicle"] = "vehicle"
 
 
@@ -122,6 +135,7 @@ class Controller:
     prepare: dict[str, Kernel]
     command: dict[str, Kernel]
     references: dict[str, Kernel]
+    derived: Derived | None = None
     role: Literal["controller"] = "controller"
 
 
@@ -142,6 +156,7 @@ class Avoider:
     memory: int
     steer: Kernel
     remember: Kernel
+    derived: Derived | None = None
     role: Literal["avoider"] = "avoider"
 
 

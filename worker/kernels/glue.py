@@ -13,6 +13,8 @@ DIMENSION = 2
 NO_DEMAND: Any = (0.0, 0.0)
 N_G = 0
 INDEX = 0
+E0 = E1 = 0
+Given: Any = None
 Vehicle: Any = None
 Controller: Any = None
 Avoider: Any = None
@@ -49,10 +51,20 @@ def _slot(*_: Any) -> Any:
 
 
 begin = derivative = position = velocity = outside = pose = _slot
-prepare = command = references = _slot
+prepare = command = references = derive = _slot
 steer = remember = _slot
 body = before = bodies = demand = _slot
 sample = samples = value = excluded = _slot
+
+
+def as_given(p: Any) -> Any:
+    """The parameters alone: no component derives anything."""
+    return p
+
+
+def with_derived(p: Any) -> Any:
+    """The parameters as extended so far, and what one more component derives from its own."""
+    return before(p) + derive(Given(*p[E0:E1]))
 
 
 def no_bodies(t: float, p: tuple[float, ...]) -> tuple[Any, ...]:

@@ -15,11 +15,13 @@ from numba.extending import intrinsic
 
 
 class LaneOps(NamedTuple):
-    """load(buffer, base, lane) -> tuple; store(buffer, base, lane, tuple); advance(x, h, dx) -> x + h dx."""
+    """load(buffer, base, lane) -> tuple; store(buffer, base, lane, tuple); advance(x, h, dx) -> x + h dx;
+    combine(x, q, a, b, c, d) -> x + q (a + 2 b + 2 c + d)."""
 
     load: Any
     store: Any
     advance: Any
+    combine: Any
 
 
 @cache
@@ -75,7 +77,27 @@ def lane_ops(rows: int, lanes: int) -> LaneOps:
 
         return signature, codegen
 
-    return LaneOps(load, store, advance)
+    @intrinsic
+    def combine(context, x, q, a, b, c, d):  # type: ignore[no-untyped-def]
+        signature = types.UniTuple(types.float64, rows)(x, q, a, b, c, d)  # type: ignore[no-untyped-call]
+
+        def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            x, q, a, b, c, d = arguments
+            fused = ("contract",)
+            values = []
+            for k in range(rows):
+                x_k, a_k, b_k, c_k, d_k = (builder.extract_value(v, k) for v in (x, a, b, c, d))
+                middle = builder.fadd(b_k, c_k)
+                ends = builder.fadd(a_k, d_k)
+                total = builder.fadd(
+                    ends, builder.fmul(ir.Constant(ir.DoubleType(), 2.0), middle, flags=fused), flags=fused
+                )
+                values.append(builder.fadd(x_k, builder.fmul(q, total, flags=fused), flags=fused))
+            return context.make_tuple(builder, signature.return_type, values)
+
+        return signature, codegen
+
+    return LaneOps(load, store, advance, combine)
 
 
 def plain_ops(rows: int, lanes: int) -> LaneOps:
@@ -91,4 +113,9 @@ def plain_ops(rows: int, lanes: int) -> LaneOps:
     def advance(x, h, dx):  # type: ignore[no-untyped-def]
         return tuple(a + h * b for a, b in zip(x, dx, strict=True))
 
-    return LaneOps(load, store, advance)
+    def combine(x, q, a, b, c, d):  # type: ignore[no-untyped-def]
+        return tuple(
+            x_k + q * ((a_k + d_k) + 2.0 * (b_k + c_k)) for x_k, a_k, b_k, c_k, d_k in zip(x, a, b, c, d, strict=True)
+        )
+
+    return LaneOps(load, store, advance, combine)

@@ -12,8 +12,8 @@ import numpy as np
 
 from worker.kernels.maths import kernel
 
-N_X = N_P = N_G = N_Y = N_W = LANES = 0
-X = A = B = C = D = P = G = Y0 = Y1 = Y2 = LOW = STATUS = WHEN = SIZE = 0
+N_X = N_P = N_E = N_G = N_Y = N_W = LANES = 0
+X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = STATUS = WHEN = SIZE = 0
 SAMPLED = False
 
 OK = 0.0
@@ -30,8 +30,8 @@ def _slot(*_: Any) -> Any:
     raise NotImplementedError("a slot that bind did not fill")
 
 
-load_x = load_p = load_g = load_y = store_x = store_g = store_y = advance = _slot
-initial = blank = guide = closed_loop = envelope = cost = barred = observation = _slot
+load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
+extend = initial = blank = guide = closed_loop = envelope = cost = barred = observation = _slot
 
 
 @kernel
@@ -59,6 +59,8 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             j = min(first + l, n - 1)
             for k in range(N_P):
                 b[P + k * LANES + l] = params[j, k]
+        for l in range(LANES):
+            store_p(b, P, l, extend(load_raw(b, P, l)))
         for l in range(LANES):
             p = load_p(b, P, l)
             store_g(b, G, l, blank(p))
@@ -126,9 +128,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             for l in range(LANES):
                 x = advance(load_x(b, X, l), dt, load_x(b, C, l))
                 dx, y = closed_loop(t + dt, x, load_g(b, G, l), load_p(b, P, l))
-                store_x(b, D, l, dx)
-            for k in range(N_X * LANES):
-                b[X + k] += q * (b[A + k] + 2.0 * b[B + k] + 2.0 * b[C + k] + b[D + k])
+                store_x(b, X, l, combine(load_x(b, X, l), q, load_x(b, A, l), load_x(b, B, l), load_x(b, C, l), dx))
         for l in range(LANES):
             if first + l < n:
                 result = cost(load_y(b, LOW, l), load_p(b, P, l))
@@ -139,11 +139,10 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
 
 def observe(states, params, dt, seen):  # type: ignore[no-untyped-def]
     """What a trace shows besides the states. states (rows, N_X + N_G), params (N_P,); out: seen (rows, N_W)."""
-    width = max(SIZE, (N_X + N_G + N_P) * LANES)
-    b = np.zeros(width)
+    b = np.zeros((N_X + N_G + N_E) * LANES)
     for k in range(N_P):
         b[(N_X + N_G + k) * LANES] = params[k]
-    p = load_p(b, (N_X + N_G) * LANES, 0)
+    p = extend(load_raw(b, (N_X + N_G) * LANES, 0))
     for i in range(states.shape[0]):
         for k in range(N_X + N_G):
             b[k * LANES] = states[i, k]

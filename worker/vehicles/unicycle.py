@@ -13,13 +13,18 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Limit, Parameter, Signal, Vehicle
+from worker.kernels.component import Derived, Limit, Parameter, Signal, Vehicle
 from worker.kernels.maths import kernel, sincos
 
 
 class Unicycle(NamedTuple):
     m: Annotated[float, Parameter("kg", "Mass", 1e-3, 1e5)] = 5.0
     J: Annotated[float, Parameter("kg m2", "Moment of inertia about the vertical axis", 1e-6, 1e5)] = 0.05
+
+
+class Constants(NamedTuple):
+    per_m: float
+    per_J: float
 
 
 class Start(NamedTuple):
@@ -35,37 +40,42 @@ FASTEST = 1e3
 
 
 @kernel
-def begin(start: Start, p: Unicycle) -> tuple[float, float, float, float, float]:
+def derive(p: Unicycle) -> tuple[float, float]:
+    return 1.0 / p.m, 1.0 / p.J
+
+
+@kernel
+def begin(start: Start, p: Constants) -> tuple[float, float, float, float, float]:
     return start.x, start.y, start.theta, start.v, start.omega
 
 
 @kernel
 def derivative(
-    t: float, x: tuple[float, float, float, float, float], u: tuple[float, float], p: Unicycle
+    t: float, x: tuple[float, float, float, float, float], u: tuple[float, float], p: Constants
 ) -> tuple[float, float, float, float, float]:
     _, _, theta, v, omega = x
     s, c = sincos(theta)
-    return v * c, v * s, omega, u[0] / p.m, u[1] / p.J
+    return v * c, v * s, omega, u[0] * p.per_m, u[1] * p.per_J
 
 
 @kernel
-def position(x: tuple[float, float, float, float, float], p: Unicycle) -> tuple[float, float]:
+def position(x: tuple[float, float, float, float, float], p: Constants) -> tuple[float, float]:
     return x[0], x[1]
 
 
 @kernel
-def velocity(x: tuple[float, float, float, float, float], p: Unicycle) -> tuple[float, float]:
+def velocity(x: tuple[float, float, float, float, float], p: Constants) -> tuple[float, float]:
     s, c = sincos(x[2])
     return x[3] * c, x[3] * s
 
 
 @kernel
-def pose(x: tuple[float, float, float, float, float], p: Unicycle) -> tuple[float, float, float, float, float, float]:
+def pose(x: tuple[float, float, float, float, float], p: Constants) -> tuple[float, float, float, float, float, float]:
     return x[0], x[1], 0.0, 0.0, 0.0, x[2]
 
 
 @kernel
-def outside(x: tuple[float, float, float, float, float], p: Unicycle) -> float:
+def outside(x: tuple[float, float, float, float, float], p: Constants) -> float:
     code = 1.0 if abs(x[3]) > FASTEST else 0.0
     return 2.0 if abs(x[4]) > FASTEST_TURN else code
 
@@ -94,4 +104,5 @@ component = Vehicle(
     velocity=velocity,
     pose=pose,
     outside=outside,
+    derived=Derived(Constants, derive),
 )

@@ -16,15 +16,18 @@ from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 
+HAIR = 1e-4
+"""Too little to be seen in a number with three decimals."""
+
 
 def columns(curves: Sequence[Improvements]) -> tuple[Floats, ...]:
     """Evaluation numbers from 1, and each method's best so far at them, as steps; NaN where it has not flown.
 
-    A step is drawn as one: every number at which something improves is there together with the one before it.
+    A step is drawn as one: every number at which something improves is there together with one a hair before it.
     """
-    steps = {1 + index for curve in curves for index in curve.index}
-    ends = {curve.read for curve in curves if curve.read}
-    grid = np.array(sorted(steps | {step - 1 for step in steps if step > 1} | ends) or [1], dtype=np.float64)
+    steps = {1.0 + index for curve in curves for index in curve.index}
+    ends = {float(curve.read) for curve in curves if curve.read}
+    grid = np.array(sorted(steps | {step - HAIR for step in steps if step > 1} | ends) or [1.0])
     return (grid, *(_best(curve, grid) for curve in curves))
 
 

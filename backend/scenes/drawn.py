@@ -14,18 +14,22 @@ from backend.scenes.palette import rgb, shade
 from backend.scenes.setting import Setting
 from backend.scenes.world import Frame
 
-Anchor = Literal["bottom-left", "top-left", "bottom-right"]
+Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
 
 
 @dataclass(frozen=True)
 class Style:
-    """How one role of flight looks; `layer` keeps flights that coincide apart."""
+    """How one role of flight looks.
+
+    Flights that coincide stay apart by `layer`: a higher one is drawn over a lower one, with a thinner line. Its label
+    stands off the closest approach by `label`, or beyond the obstacle.
+    """
 
     key: str
     title: str
     colour: str
     layer: int
-    anchor: Anchor
+    label: Literal["top", "bottom", "beyond"]
 
 
 class Drawn:
@@ -42,7 +46,7 @@ class Drawn:
     def draw(self, flight: Flight, time: float) -> None:
         """Show this flight instead of the one before, the vehicle where it is at that time."""
         self.flight = flight
-        self._line("path", shapes.polyline(flight.position + self._lift), 2.5)
+        self._line("path", shapes.polyline(flight.position + self._lift), (5.0, 3.0, 2.0)[self.style.layer])
         if self._vehicle is None:
             self._vehicle = self._build_vehicle()
         self._closest(flight.closest)
@@ -74,7 +78,7 @@ class Drawn:
         frame = self._scene.add_frame(self._name("vehicle"), show_axes=False)
         body, rest = shapes.unicycle() if self._setting.planar else shapes.dart()
         dark = shade(rgb(self.style.colour), 0.45)
-        for part, mesh, colour in (("body", body, rgb(self.style.colour)), ("rest", rest, dark)):
+        for part, mesh, colour in (("body", body, shade(rgb(self.style.colour), 0.8)), ("rest", rest, dark)):
             self._scene.add_mesh_simple(
                 self._name(f"vehicle/{part}"),
                 (self._frame.unit * mesh.vertices).astype(np.float32),
@@ -100,4 +104,22 @@ class Drawn:
         )
         self._line("ruler", np.stack([near, far])[None], 1.5)
         text = f"{self.style.title} {closest.value:.4f} {self._setting.unit}"
-        self._scene.add_label(self._name("label"), text, position=near, anchor=self.style.anchor, font_screen_scale=0.9)
+        place, anchor = self._label_place(closest)
+        self._scene.add_label(self._name("label"), text, position=place, anchor=anchor, font_screen_scale=0.9)
+
+    def _label_place(self, closest: Closest) -> tuple[Any, Anchor]:
+        """Where the label stands, on the side where it covers neither the obstacle nor another flight's label."""
+        across = closest.obstacle - closest.position
+        away: Literal["left", "right"] = "right" if across[0] >= 0 else "left"
+        if self.style.label == "beyond":
+            beyond = across / max(float(np.linalg.norm(across)), 1e-9)
+            place = closest.obstacle + 1.4 * self._setting.threshold * beyond
+            return place, "center-left" if away == "right" else "center-right"
+        place = closest.position - 0.05 * across
+        sides: dict[str, Anchor] = {
+            "bottom-left": "bottom-left",
+            "bottom-right": "bottom-right",
+            "top-left": "top-left",
+            "top-right": "top-right",
+        }
+        return place, sides[f"{self.style.label}-{away}"]

@@ -13,16 +13,18 @@ import secrets
 from collections.abc import Callable
 from typing import Any
 
+import rich
 import viser
 import websockets
 from anyio import to_thread
-from starlette.websockets import WebSocket
+from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 
 from backend.scenes.viewer import Viewer
 
 SECRET = "X-Clearance-Relay"
 GOING_AWAY = 1001
+rich.reconfigure(quiet=True)  # viser prints a banner for every server, whatever it is told
 assert viser.__version__ == "1.1.1", "the private names used here are those of viser 1.1.1"
 
 
@@ -61,7 +63,7 @@ async def relay(socket: WebSocket, build: Callable[[viser.ViserServer], Viewer])
         ) as back:
             await socket.accept(subprotocol=back.subprotocol)
             await _carry(socket, back)
-        with contextlib.suppress(RuntimeError):  # it is closed already
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):  # the browser closed it
             await socket.close(GOING_AWAY)
     finally:
         if viewer is not None:

@@ -9,7 +9,10 @@ from collections.abc import Sequence
 from backend.scenes.drawn import Drawn
 from backend.scenes.setting import Setting
 
-_TABLE = 'style="width:100%;border-collapse:collapse;font-size:0.85em;font-variant-numeric:tabular-nums"'
+_TABLE = (
+    'style="width:calc(100% - 20px);margin:6px 10px;border-collapse:collapse;font-size:0.85em;'
+    'font-variant-numeric:tabular-nums"'
+)
 _NUMBER = 'style="text-align:right;padding:2px 0 2px 8px"'
 _HEAD = 'style="text-align:right;font-weight:500;opacity:0.7;padding:2px 0 2px 8px"'
 
@@ -29,7 +32,7 @@ def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
         if one.flight is not None
     ]
     if not rows:
-        return "<p>No flight is stored yet.</p>"
+        return note("No flight is stored yet.")
     heads = "".join(f"<th {_HEAD}>{text}</th>" for text in head)
     return f"<table {_TABLE}><tr>{heads}</tr>{''.join(rows)}</table>"
 
@@ -43,15 +46,15 @@ def outcome(drawn: Drawn, setting: Setting) -> str:
         return note(f"{flight.status}: {flight.reason}", strong=True)
     rows = _row(setting.quantity or "value", drawn.style.colour, (flight.cost,), setting.unit)
     rows += _row("margin", drawn.style.colour, (_margin(drawn, setting),), setting.unit)
-    word = "clear of" if (_margin(drawn, setting) or 0.0) > 0 else "at or below"
-    limit = f"{word} the limit of {setting.threshold:g} {setting.unit}"
+    word = "Clear of" if (_margin(drawn, setting) or 0.0) > 0 else "At or below"
+    limit = f"{word} the limit of {setting.threshold:g} {setting.unit}."
     return f"<table {_TABLE}>{rows}</table>" + note(limit)
 
 
 def note(text: str, strong: bool = False) -> str:
     """A sentence."""
     weight = "font-weight:600;" if strong else ""
-    return f'<p style="{weight}margin:6px 0;font-size:0.85em">{html.escape(text)}</p>'
+    return f'<p style="{weight}margin:6px 10px;font-size:0.85em">{html.escape(text)}</p>'
 
 
 def _margin(drawn: Drawn, setting: Setting) -> float | None:

@@ -51,15 +51,15 @@ class Viewer:
             show_logo=False,
             show_share_button=False,
             control_layout="collapsible",
-            brand_color=rgb(palette.what_if),
+            brand_color=rgb(palette.soft),
         )
         server.gui.set_panel_label(f"{setting.run} · {setting.title}")
         self._lock = threading.RLock()
         with server.atomic():
             self._world = World(server, setting, palette)
-            self._nominal = self._drawn(Style("nominal", "Nominal", palette.nominal, 0, "bottom-left"))
-            self._worst = self._drawn(Style("worst", "Worst", palette.worst, 1, "top-left"))
-            self._what_if = self._drawn(Style("what-if", "What-if", palette.what_if, 2, "bottom-right"))
+            self._nominal = self._drawn(Style("nominal", "Nominal", palette.nominal, 0, "bottom"))
+            self._worst = self._drawn(Style("worst", "Worst", palette.worst, 1, "top"))
+            self._what_if = self._drawn(Style("what-if", "What-if", palette.what_if, 2, "beyond"))
             self._draw_stored(address.time or 0.0)
         self._wake = threading.Event()
         self._stopped = False

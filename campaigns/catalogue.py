@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-Role = Literal["vehicle", "controller", "avoider", "obstacle", "criterion"]
+Role = Literal["vehicle", "controller", "avoider", "obstacle", "environment", "fault", "criterion"]
 
 
 class Entry(BaseModel):
@@ -44,6 +44,10 @@ class ComponentEntry(Entry):
     """What the goal of an avoider is given by."""
     fits: list[str] = []
     """The vehicles a controller flies; empty for everything else."""
+    inputs: list[str] = []
+    """The inputs of a vehicle, which actuator faults are on."""
+    path: str = ""
+    """The path of the loop that a fault is in: perception, timing, navigation, actuator."""
     unit: str = ""
     """The unit of a criterion's value."""
     quantity: str = ""

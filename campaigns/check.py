@@ -29,6 +29,10 @@ def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
     yield "avoider", "scenario.avoider", "avoider", s.avoider
     for i, obstacle in enumerate(s.obstacles):
         yield f"obstacles.{i}", f"scenario.obstacles.{i}", "obstacle", obstacle
+    for i, part in enumerate(s.environment):
+        yield f"environment.{i}", f"scenario.environment.{i}", "environment", part
+    for i, fault in enumerate(s.faults):
+        yield f"faults.{i}", f"scenario.faults.{i}", "fault", fault
     c = campaign.criterion
     yield "criterion", "criterion", "criterion", Part(component=c.component, parameters=c.parameters)
 
@@ -96,8 +100,23 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
             controller.name,
             f"this controller flies {flown}, not {scenario.vehicle.component}",
         )
+    yield from _placed(campaign, catalogue)
     if not scenario.obstacles:
         yield Problem("scenario.obstacles", "[]", "give at least one obstacle: the criterion reads distances to them")
+
+
+def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    """Actuator faults are on one of the vehicle's inputs, all others on none."""
+    vehicle = catalogue.component("vehicle", campaign.scenario.vehicle.component)
+    for i, fault in enumerate(campaign.scenario.faults):
+        entry = catalogue.component("fault", fault.component)
+        if entry is None or vehicle is None:
+            continue
+        field = f"scenario.faults.{i}.on"
+        if entry.path == "actuator" and fault.on not in vehicle.inputs:
+            yield Problem(field, fault.on, f"name the input it is on: {', '.join(vehicle.inputs)}")
+        elif entry.path != "actuator" and fault.on:
+            yield Problem(field, fault.on, f"a fault of {entry.path} is not on an input; leave this out")
 
 
 def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:

@@ -70,6 +70,12 @@ class Part(Strict):
     parameters: Values = {}
 
 
+class FaultPart(Part):
+    """A fault; one of an actuator says which of the vehicle's inputs it is on."""
+
+    on: Annotated[str, Field(max_length=60)] = ""
+
+
 class Guidance(Strict):
     """How often the avoider is asked: at every stage of the integrator, or at its own period with a hold between."""
 
@@ -86,6 +92,8 @@ class Scenario(Strict):
     start: Values = {}
     goal: Values
     obstacles: Annotated[list[Part], Field(max_length=64)] = []
+    environment: Annotated[list[Part], Field(max_length=16)] = []
+    faults: Annotated[list[FaultPart], Field(max_length=32)] = []
     guidance: Guidance = Guidance()
     horizon: Annotated[Number, Field(gt=0)]
     """[s]"""

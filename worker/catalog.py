@@ -24,13 +24,15 @@ from worker.kernels.component import (
     Controller,
     Criterion,
     Declared,
+    Environment,
+    Fault,
     Obstacle,
     Vehicle,
     declared,
 )
 from worker.search.base import Method
 
-FOLDERS = ("vehicles", "controllers", "avoiders", "obstacles", "criteria")
+FOLDERS = ("vehicles", "controllers", "avoiders", "obstacles", "environment", "faults", "criteria")
 
 
 @cache
@@ -39,7 +41,7 @@ def components() -> dict[tuple[Role, str], Component]:
     found: dict[tuple[Role, str], Component] = {}
     for module in _modules(*FOLDERS, group="clearance.components"):
         component = getattr(module, "component", None)
-        if isinstance(component, (Vehicle, Controller, Avoider, Obstacle, Criterion)):
+        if isinstance(component, (Vehicle, Controller, Avoider, Obstacle, Environment, Fault, Criterion)):
             _add(found, (component.role, component.name), component, module)
     return found
 
@@ -95,7 +97,11 @@ def _a_kernel(component: Component) -> Any:
         return next(iter(component.command.values()))
     if isinstance(component, Avoider):
         return component.steer
-    return component.body if isinstance(component, Obstacle) else component.sample
+    if isinstance(component, Obstacle):
+        return component.body
+    if isinstance(component, Environment):
+        return component.blow
+    return component.kernel if isinstance(component, Fault) else next(iter(component.sample.values()))
 
 
 def _component_entry(component: Component) -> ComponentEntry:
@@ -106,11 +112,13 @@ def _component_entry(component: Component) -> ComponentEntry:
         role=component.role,
         name=component.name,
         title=component.title,
-        dimension=None if isinstance(component, Controller) else component.dimension,
+        dimension=component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None,
         parameters=[_parameter_entry(p) for p in parameters],
         starts=[_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
         goals=[_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],
         fits=list(component.fits) if isinstance(component, Controller) else [],
+        inputs=[s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
+        path=component.path if isinstance(component, Fault) else "",
         quantity=component.quantity if isinstance(component, Criterion) else "",
         unit=component.unit if isinstance(component, Criterion) else "",
         text=inspect.getdoc(source_of(component)) or "",

@@ -15,11 +15,14 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from campaigns import Campaign, check
+from campaigns.catalogue import Role
 from campaigns.load import Problem as Wrong
-from campaigns.spec import Distribution, Triangular, TruncatedNormal
+from campaigns.spec import Distribution, Part, Triangular, TruncatedNormal
 from worker.catalog import catalogue, components
 from worker.kernels import loop as closed_loop
-from worker.kernels.assemble import Loop, Parts, Section
+from worker.kernels.assemble import Loop
+from worker.kernels.component import NoTrim
+from worker.kernels.layout import Parts, Placed
 from worker.search.base import EXCLUDED, FAILED, OK, Batch
 
 Floats = NDArray[np.float64]
@@ -53,15 +56,7 @@ class Problem:
         if problems:
             raise CampaignUnusable(problems)
         self.campaign = campaign
-        scenario = campaign.scenario
-        self.parts = Parts(
-            components()["vehicle", scenario.vehicle.component],  # type: ignore[arg-type]
-            components()["controller", scenario.controller.component],  # type: ignore[arg-type]
-            components()["avoider", scenario.avoider.component],  # type: ignore[arg-type]
-            tuple(components()["obstacle", o.component] for o in scenario.obstacles),  # type: ignore[misc]
-            components()["criterion", campaign.criterion.component],  # type: ignore[arg-type]
-            sampled=scenario.guidance.period > 0,
-        )
+        self.parts = _parts(campaign)
         self.loop = Loop(self.parts, compiled=compiled)
         self.threshold = campaign.criterion.threshold
         self.nominal = self._nominal()
@@ -172,8 +167,14 @@ class Problem:
         given["avoider"] = scenario.avoider.parameters
         given["start"], given["goal"] = scenario.start, scenario.goal
         given["criterion"] = {**self.campaign.criterion.parameters, "threshold": self.threshold}
-        given |= {f"obstacles.{i}": o.parameters for i, o in enumerate(scenario.obstacles)}
-        return np.array([_nominal(p, given[s.prefix]) for s in self.loop.sections for p in s.parameters])
+        for name in ("obstacles", "environment", "faults"):
+            given |= {f"{name}.{i}": part.parameters for i, part in enumerate(getattr(scenario, name))}
+        named = {f"{s.prefix}.{p.name}": _nominal(p, given[s.prefix]) for s in self.loop.sections for p in s.parameters}
+        trim = self.parts.vehicle.trim
+        try:
+            return np.array([*named.values(), *(trim.solve(named) if trim else ())])
+        except NoTrim as error:
+            raise CampaignUnusable([Wrong("scenario.vehicle", self.parts.vehicle.name, str(error))]) from None
 
     def _ranges(self) -> tuple[Range, ...]:
         ranges = []
@@ -182,6 +183,30 @@ class Problem:
             nominal = float(self.nominal[index])
             ranges.append(Range(path, index, *uncertain.interval(nominal), nominal, uncertain.distribution))
         return tuple(ranges)
+
+
+def _parts(campaign: Campaign) -> Parts:
+    """The components that a checked campaign names."""
+    scenario, known = campaign.scenario, components()
+    vehicle: Any = known["vehicle", scenario.vehicle.component]
+    inputs = [s.name for s in vehicle.inputs]
+
+    def several(role: Role, parts: Sequence[Part]) -> tuple[Any, ...]:
+        return tuple(known[role, part.component] for part in parts)
+
+    return Parts(
+        vehicle,
+        several("controller", [scenario.controller])[0],
+        several("avoider", [scenario.avoider])[0],
+        several("obstacle", scenario.obstacles),
+        known["criterion", campaign.criterion.component],  # type: ignore[arg-type]
+        several("environment", scenario.environment),
+        tuple(
+            Placed(fault, inputs.index(part.on) if part.on else 0)
+            for fault, part in zip(several("fault", scenario.faults), scenario.faults, strict=True)
+        ),
+        sampled=scenario.guidance.period > 0,
+    )
 
 
 def _nominal(parameter: Any, given: Mapping[str, float]) -> float:
@@ -202,4 +227,4 @@ def _quantile(r: Range, u: Floats) -> Floats:
     return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)
 
 
-__all__ = ["CampaignUnusable", "Floats", "Problem", "Range", "Section"]
+__all__ = ["CampaignUnusable", "Floats", "Problem", "Range"]

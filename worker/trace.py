@@ -29,21 +29,20 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
     states = flown.trace[0]
     flying = np.isfinite(states).all(axis=1)
     states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
-    signals = problem.loop.signals
-    channels = len(signals) - problem.loop.n_channels
-    seen = problem.loop.observe(states, vector, problem.step)
-    closest = _closest(problem, seen[:, channels:], seen, vector)
+    seen = _Seen(problem, problem.loop.observe(states, vector, problem.step), vector)
+    closest = _closest(problem, seen)
     kept = _kept(len(states), rows, closest)
     data = np.column_stack(
         (
             kept * problem.step,
-            seen[kept, :POSE],
+            seen.columns[kept, :POSE],
             states[kept][:, _further(problem)],
-            seen[kept, POSE:channels],
-            _separation(problem, seen[kept, channels:], vector),
+            seen.commands[kept],
+            seen.moving[kept],
+            seen.separation(kept),
         )
     )
-    meta = _meta(problem, vector, values) | {
+    meta = _meta(problem, seen, values) | {
         "closest": closest,
         "status": STATUS[int(status[0])],
         "reason": reasons.get(0, ""),
@@ -52,60 +51,86 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
     return Trace(name, _columns(problem), data, meta)
 
 
+class _Seen:
+    """The observed columns of one flight by what they show."""
+
+    def __init__(self, problem: Problem, columns: Floats, vector: Floats) -> None:
+        self.problem, self.columns, self.vector = problem, columns, vector
+        obstacles = problem.parts.obstacles
+        last = columns.shape[1] - problem.loop.n_channels
+        first = last - 3 * len(obstacles)
+        self.commands = columns[:, POSE:first]
+        self.centres = columns[:, first:last].reshape(len(columns), len(obstacles), 3)
+        self.channels = columns[:, last:]
+        moving = [i for i, o in enumerate(obstacles) if o.moving]
+        self.moving = self.centres[:, moving, :].reshape(len(columns), 3 * len(moving))
+
+    def cost(self, channels: Floats) -> float:
+        """The criterion's value of one reading of the channels."""
+        extended = self.problem.loop.extend(self.vector)
+        return float(self.problem.loop.part("cost")(tuple(map(float, channels)), extended))
+
+    def separation(self, kept: Any) -> Floats:
+        """The criterion's value at every row (m,)."""
+        cost, p = self.problem.loop.part("cost"), self.problem.loop.extend(self.vector)
+        return np.array([cost(tuple(map(float, row)), p) for row in self.channels[kept]])
+
+
 def _further(problem: Problem) -> list[int]:
     """The vehicle's states that the pose does not show already."""
-    shown = {"x", "y", "z", "roll", "pitch", "yaw", "theta"} if problem.parts.vehicle.dimension == 2 else set()
-    return [k for k, s in enumerate(problem.parts.vehicle.states) if s.name not in shown]
+    vehicle = problem.parts.vehicle
+    shown = {"x", "y", "z", "phi", "theta", "psi"} if vehicle.dimension == 3 else {"x", "y", "theta", "psi"}
+    return [k for k, s in enumerate(vehicle.states) if s.name not in shown]
 
 
 def _columns(problem: Problem) -> list[dict[str, str]]:
-    vehicle, signals = problem.parts.vehicle, problem.loop.signals
-    criterion = problem.parts.criterion
+    vehicle, signals, criterion = problem.parts.vehicle, problem.loop.signals, problem.parts.criterion
 
     def column(name: str, symbol: str, unit: str, group: str) -> dict[str, str]:
         return {"name": name, "symbol": symbol, "unit": unit, "group": group}
 
-    commands = signals[POSE : len(signals) - problem.loop.n_channels]
+    commands = (*vehicle.inputs, *problem.parts.controller.signals)
+    moving = [i for i, o in enumerate(problem.parts.obstacles) if o.moving]
     return [
         column("t", "t", "s", "time"),
         *(column(s.name, s.symbol, s.unit, "pose") for s in signals[:POSE]),
         *(column(s.name, s.symbol, s.unit, "state") for s in (vehicle.states[k] for k in _further(problem))),
         *(column(s.name, s.symbol, s.unit, "command") for s in commands),
+        *(column(f"obstacle.{i}.{a}", a, "m", "pose") for i in moving for a in "xyz"),
         column("separation", "d", criterion.unit, "separation"),
     ]
 
 
-def _separation(problem: Problem, channels: Floats, vector: Floats) -> Floats:
-    """The criterion's value at every row (m,)."""
-    cost, p = problem.loop.part("cost"), problem.loop.extend(vector)
-    return np.array([cost(tuple(map(float, row)), p) for row in channels])
-
-
-def _closest(problem: Problem, channels: Floats, seen: Floats, vector: Floats) -> dict[str, Any] | None:
+def _closest(problem: Problem, seen: _Seen) -> dict[str, Any] | None:
     """When, where and to which obstacle the flight came closest, refined by the parabola as the cost is."""
-    if len(channels) == 0 or not np.isfinite(channels).all():
+    channels = seen.channels
+    if channels.size == 0 or not np.isfinite(channels).all():
         return None
     row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
     lowest, shift = float(channels[row, obstacle]), 0.0
-    position = seen[row, :3]
     if 0 < row < len(channels) - 1:
         left, mid, right = (float(c) for c in channels[row - 1 : row + 2, obstacle])
         bend = left - 2 * mid + right
         if bend > 0:
             shift = 0.5 * (left - right) / bend
             lowest = mid - 0.125 * (left - right) ** 2 / bend
-            back, ahead = seen[row - 1, :3], seen[row + 1, :3]
-            position = position + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * position + ahead)
-    time = (row + shift) * problem.step
-    cost = problem.loop.part("cost")
     return {
-        "time": time,
+        "time": (row + shift) * problem.step,
         "row": row,
-        "value": float(cost((lowest,) * channels.shape[1], problem.loop.extend(vector))),
-        "position": [float(c) for c in position],
+        "value": seen.cost(np.full(channels.shape[1], lowest)),
+        "position": _between(seen.columns[:, :3], row, shift),
         "obstacle": obstacle,
-        "obstacle_position": _bodies(problem, vector, time)[obstacle]["position"],
+        "obstacle_position": _between(seen.centres[:, obstacle], row, shift),
     }
+
+
+def _between(places: Floats, row: int, shift: float) -> list[float]:
+    """The place a share `shift` of a step after a row, on the parabola through its neighbours."""
+    here = places[row]
+    if shift != 0.0:
+        back, ahead = places[row - 1], places[row + 1]
+        here = here + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * here + ahead)
+    return [float(c) for c in here]
 
 
 def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> Any:
@@ -116,29 +141,31 @@ def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> An
     return np.unique(np.concatenate([even, around[(around >= 0) & (around < count)]]))
 
 
-def _bodies(problem: Problem, vector: Floats, time: float) -> list[dict[str, Any]]:
-    found = problem.loop.part("bodies")(time, problem.loop.extend(vector))
-    return [
-        {
-            "component": obstacle.name,
-            "title": obstacle.title,
-            "position": [float(body.x), float(body.y), float(getattr(body, "z", 0.0))],
-            "radius": float(body.radius),
-        }
-        for obstacle, body in zip(problem.parts.obstacles, found, strict=True)
-    ]
+def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[str, Any]:
+    vector = seen.vector
 
-
-def _meta(problem: Problem, vector: Floats, values: Mapping[str, float]) -> dict[str, Any]:
     def place(prefix: str) -> list[float]:
-        return [
-            float(vector[problem.paths[f"{prefix}.{a}"]]) if f"{prefix}.{a}" in problem.paths else 0.0 for a in "xyz"
-        ]
+        paths = problem.paths
+        return [float(vector[paths[f"{prefix}.{a}"]]) if f"{prefix}.{a}" in paths else 0.0 for a in "xyz"]
 
+    def radius(i: int) -> float:
+        at = problem.paths.get(f"obstacles.{i}.radius")
+        return 0.0 if at is None else float(vector[at])
+
+    obstacles = [
+        {
+            "component": o.name,
+            "title": o.title,
+            "position": [float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
+            "radius": radius(i),
+            "moving": o.moving,
+        }
+        for i, o in enumerate(problem.parts.obstacles)
+    ]
     return {
-        "frame": "enu",
+        "frame": problem.parts.vehicle.frame,
         "vehicle": problem.parts.vehicle.name,
-        "obstacles": _bodies(problem, vector, 0.0),
+        "obstacles": obstacles,
         "start": place("start"),
         "goal": place("goal"),
         "threshold": problem.threshold,

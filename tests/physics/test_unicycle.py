@@ -15,7 +15,7 @@ from campaigns.load import load_document
 from worker import integrator
 from worker.avoiders import potential_field
 from worker.kernels.bind import plain
-from worker.kernels.glue import Body
+from worker.obstacles import circle
 from worker.problem import Problem
 from worker.search.base import EXCLUDED, FAILED, OK
 
@@ -192,20 +192,22 @@ class TestClosedForms:
 
     def test_force_is_the_gradient_of_the_potential(self) -> None:
         steer, p = plain(potential_field.steer), potential_field.PotentialField(5.0, 4.0, 2.0)
-        bodies = (Body(4.0, 4.0, 0.0, 0.0, 0.5), Body(1.0, 3.0, 0.0, 0.0, 0.2))
+        bodies = [circle.Circle(4.0, 4.0, 0.5), circle.Circle(1.0, 3.0, 0.2)]
+        seen_from = plain(circle.body)
         goal = potential_field.Goal(6.0, 7.0)
 
         def potential(x: float, y: float) -> float:
             total = 0.5 * p.k_att * ((goal.x - x) ** 2 + (goal.y - y) ** 2)
             for body in bodies:
-                d = math.hypot(x - body.x, y - body.y) - body.radius
+                d = math.hypot(x - body.position_x, y - body.position_y) - body.radius
                 if d <= p.d_0:
                     total += 0.5 * p.k_rep * (1 / d - 1 / p.d_0) ** 2
             return total
 
         h = 1e-6
         for x, y in [(3.0, 3.2), (2.0, 2.0), (0.4, 2.2), (5.0, 6.0), (2.6, 3.9), (-3.0, 8.0)]:
-            force, _ = steer(0.0, (x, y), (0.0, 0.0), goal, bodies, (), p)
+            around = tuple(seen_from(0.0, (), (x, y), body) for body in bodies)
+            force, _ = steer(0.0, (x, y), (0.0, 0.0), goal, around, (), p)
             slope = [
                 (potential(x + h, y) - potential(x - h, y)) / (2 * h),
                 (potential(x, y + h) - potential(x, y - h)) / (2 * h),

@@ -11,7 +11,6 @@ and goals inside d_0 of an obstacle are known traits of the method.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Avoider, Parameter
@@ -33,15 +32,11 @@ NEAREST = 1e-3
 
 
 @kernel
-def repulsion(q: tuple[float, float], body: Any, p: PotentialField) -> tuple[float, float]:
-    dx = q[0] - body.x
-    dy = q[1] - body.y
-    centre = math.sqrt(dx * dx + dy * dy)
-    d = centre - body.radius
-    d = NEAREST if d < NEAREST else d
-    strength = p.k_rep * (p.d_0 - d) / (p.d_0 * d * d * d * centre)
+def repulsion(body: Any, p: PotentialField) -> tuple[float, float]:
+    d = NEAREST if body.gap < NEAREST else body.gap
+    strength = p.k_rep * (p.d_0 - d) / (p.d_0 * d * d * d)
     strength = 0.0 if d > p.d_0 else strength
-    return strength * dx, strength * dy
+    return strength * body.nx, strength * body.ny
 
 
 @kernel
@@ -57,7 +52,7 @@ def steer(
     fx = p.k_att * (goal.x - q[0])
     fy = p.k_att * (goal.y - q[1])
     for body in bodies:
-        rx, ry = repulsion(q, body, p)
+        rx, ry = repulsion(body, p)
         fx += rx
         fy += ry
     return (fx, fy), ()

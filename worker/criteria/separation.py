@@ -21,10 +21,18 @@ class Separation(NamedTuple):
 
 
 @kernel
-def sample(t: float, q: Any, v: Any, x: Any, u: Any, body: Any, p: Separation) -> tuple[float]:
+def in_plane(t: float, q: Any, v: Any, x: Any, u: Any, body: Any, p: Separation) -> tuple[float]:
     dx = q[0] - body.x
     dy = q[1] - body.y
     return (dx * dx + dy * dy,)
+
+
+@kernel
+def in_space(t: float, q: Any, v: Any, x: Any, u: Any, body: Any, p: Separation) -> tuple[float]:
+    dx = q[0] - body.x
+    dy = q[1] - body.y
+    dz = q[2] - body.z
+    return (dx * dx + dy * dy + dz * dz,)
 
 
 @kernel
@@ -43,11 +51,10 @@ def excluded(first: Any, p: Separation) -> bool:
 component = Criterion(
     name="separation",
     title="Separation",
-    dimension=2,
     quantity="d_min",
     unit="m",
     parameters=Separation,
-    sample=sample,
+    sample={2: in_plane, 3: in_space},
     value=value,
     excluded=excluded,
 )

@@ -5,8 +5,6 @@ Start reading at `assemble`; `Loop` is what the rest of the worker flies.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,17 +13,10 @@ from numpy.typing import NDArray
 
 from worker.kernels import glue, loop
 from worker.kernels.bind import Function, bind, compile_loop, digest, filled, plain
-from worker.kernels.component import (
-    Avoider,
-    Controller,
-    Criterion,
-    Declared,
-    Obstacle,
-    Signal,
-    Vehicle,
-    declared,
-)
+from worker.kernels.chains import chains
+from worker.kernels.component import Signal
 from worker.kernels.lanes import LaneOps, lane_ops, plain_ops
+from worker.kernels.layout import Parts, places, sections, states
 
 Floats = NDArray[np.float64]
 
@@ -33,32 +24,7 @@ LANES = 16
 """The one width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single flight 1.5 times slower; searches
 fly batches (DECISIONS.md)."""
 
-FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "envelope", "cost", "barred")
-
-
-@dataclass(frozen=True)
-class Section:
-    """Where a component's parameters stand in the flat vector, and under which prefix a campaign names them."""
-
-    prefix: str
-    first: int
-    parameters: tuple[Declared, ...]
-
-    @property
-    def last(self) -> int:
-        return self.first + len(self.parameters)
-
-
-@dataclass(frozen=True)
-class Parts:
-    """The components of one closed loop."""
-
-    vehicle: Vehicle
-    controller: Controller
-    avoider: Avoider
-    obstacles: tuple[Obstacle, ...]
-    criterion: Criterion
-    sampled: bool = False
+FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "settled", "envelope", "cost", "barred")
 
 
 class Flown:
@@ -78,11 +44,11 @@ class Loop:
         self.parts = parts
         self.lanes = lanes
         self.compiled = compiled
-        self.sections = _sections(parts)
-        self.size = self.sections[-1].last
-        self.extended = _extended(parts, self.sections)
-        self.n_vehicle = len(parts.vehicle.states)
-        self.n_state = self.n_vehicle + parts.controller.states
+        self.sections = sections(parts)
+        self.extended = places(parts, self.sections)
+        self.size = self.extended["trim"].last if "trim" in self.extended else self.sections[-1].last
+        self.states = states(parts)
+        self.n_state = self.states.total
         self.n_held = parts.vehicle.dimension + parts.avoider.memory
         self.n_channels = len(parts.obstacles)
         self._glue = _glue(self)
@@ -105,8 +71,9 @@ class Loop:
     def signals(self) -> tuple[Signal, ...]:
         """Columns that `observe` gives, in order."""
         pose = [Signal(n, n, "m") for n in ("x", "y", "z")] + [Signal(n, n, "rad") for n in ("roll", "pitch", "yaw")]
-        channels = tuple(Signal(f"channel.{i}", f"y{i}", "") for i in range(self.n_channels))
-        return tuple(pose) + self.parts.vehicle.inputs + self.parts.controller.signals + channels
+        centres = [Signal(f"obstacle.{i}.{a}", a, "m") for i in range(len(self.parts.obstacles)) for a in "xyz"]
+        channels = [Signal(f"channel.{i}", f"y{i}", "") for i in range(self.n_channels)]
+        return (*pose, *self.parts.vehicle.inputs, *self.parts.controller.signals, *centres, *channels)
 
     def fly(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Flown:
         """Fly every row of params (n, size); `traced` flights keep their states. Threads may fly at the same time.
@@ -166,47 +133,6 @@ class Loop:
         return filled(template, {name: self._glue[name] for name in names} | _layout(self))
 
 
-def _sections(parts: Parts) -> tuple[Section, ...]:
-    named: list[tuple[str, type]] = [
-        ("vehicle", parts.vehicle.parameters),
-        ("controller", parts.controller.parameters),
-        ("avoider", parts.avoider.parameters),
-        ("start", parts.vehicle.start),
-        ("goal", parts.avoider.goal),
-        ("criterion", parts.criterion.parameters),
-        *((f"obstacles.{i}", o.parameters) for i, o in enumerate(parts.obstacles)),
-    ]
-    sections: list[Section] = []
-    for prefix, fields in named:
-        first = sections[-1].last if sections else 0
-        sections.append(Section(prefix, first, declared(fields)))
-    return tuple(sections)
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a component's kernels find their parameters or derived constants in the extended vector."""
-
-    fields: type
-    first: int
-    last: int
-
-
-def _extended(parts: Parts, sections: Sequence[Section]) -> dict[str, Place]:
-    """The places of vehicle, controller and avoider; derived constants stand behind all parameters."""
-    end = sections[-1].last
-    places: dict[str, Place] = {}
-    for section in sections[:3]:
-        part = getattr(parts, section.prefix)
-        if part.derived is None:
-            places[section.prefix] = Place(part.parameters, section.first, section.last)
-        else:
-            fields = part.derived.constants
-            places[section.prefix] = Place(fields, end, end + len(fields._fields))
-            end = places[section.prefix].last
-    return places
-
-
 def _layout(made: Loop) -> dict[str, Any]:
     lanes, n_x, n_p, n_g, n_y = made.lanes, made.n_state, made.size, made.n_held, made.n_channels
     rows = {
@@ -215,6 +141,7 @@ def _layout(made: Loop) -> dict[str, Any]:
     }  # fmt: skip
     n_e = made.size_extended
     slots: dict[str, Any] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
+    slots["SETTLES"] = made.parts.vehicle.settle is not None
     offset = 0
     for name, count in rows.items():
         slots[name] = offset * lanes
@@ -234,60 +161,74 @@ def _ops(make: Any, rows: int, lanes: int) -> LaneOps:
 
 
 def _glue(made: Loop) -> dict[str, Any]:
-    parts, sections = made.parts, {s.prefix: s for s in made.sections}
-    kind = parts.avoider.demand
+    """The parts of the glue that the loop calls, every slot filled."""
+    slots = _constants(made) | _components(made.parts) | chains(made.parts, made.sections)
+    slots["demand"] = _filled(glue.held if made.parts.sampled else glue.asked, slots)
+    parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
+    names = (
+        "aware",
+        "guide",
+        "blank",
+        "initial",
+        "closed_loop",
+        "settled",
+        "envelope",
+        "cost",
+        "barred",
+        "observation",
+    )
+    for name in names:
+        parts[name] = slots[name] = _filled(getattr(glue, name), slots)
+    return parts
+
+
+def _filled(template: Function, slots: dict[str, Any]) -> Any:
+    return bind(template, {k: v for k, v in slots.items() if k in vars(glue)})
+
+
+def _constants(made: Loop) -> dict[str, Any]:
+    sections = {s.prefix: s for s in made.sections}
     slots: dict[str, Any] = {
-        "N_V": made.n_vehicle,
+        **made.states.slots(),
         "N_X": made.n_state,
         "N_G": made.n_held,
-        "DIMENSION": parts.vehicle.dimension,
-        "NO_DEMAND": (0.0,) * parts.vehicle.dimension,
-        **{name.title(): made.extended[name].fields for name in ("vehicle", "controller", "avoider")},
-        "Start": parts.vehicle.start,
-        "Goal": parts.avoider.goal,
-        "Criterion": parts.criterion.parameters,
-        **{k: getattr(parts.vehicle, k) for k in ("begin", "derivative", "position", "velocity", "outside", "pose")},
+        "DIMENSION": made.parts.vehicle.dimension,
+        "NO_DEMAND": (0.0,) * made.parts.vehicle.dimension,
+    }
+    letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}
+    for letter, prefix in letters.items():
+        place = made.extended.get(prefix, sections[prefix])
+        slots[prefix.title()] = place.fields
+        slots[f"{letter}0"], slots[f"{letter}1"] = place.first, place.last
+    return slots
+
+
+def _components(parts: Parts) -> dict[str, Any]:
+    kind = parts.avoider.demand
+    names = ("begin", "derivative", "position", "velocity", "outside", "pose", "measured")
+    return {
+        **{name: getattr(parts.vehicle, name) for name in names},
+        "settle": parts.vehicle.settle or glue.settle,
         "prepare": parts.controller.prepare[kind],
         "command": parts.controller.command[kind],
         "references": parts.controller.references[kind],
         "steer": parts.avoider.steer,
         "remember": parts.avoider.remember,
-        "sample": parts.criterion.sample,
         "value": parts.criterion.value,
         "excluded": parts.criterion.excluded,
     }
-    letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}
-    for letter, prefix in letters.items():
-        place = made.extended.get(prefix, sections[prefix])
-        slots[f"{letter}0"], slots[f"{letter}1"] = place.first, place.last
-    slots["bodies"], slots["samples"] = _chains(parts.obstacles, sections, slots)
-    slots["demand"] = bind(glue.held, slots) if parts.sampled else bind(glue.asked, slots)
-    made_parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
-    for name in ("guide", "blank", "initial", "closed_loop", "envelope", "cost", "barred", "observation"):
-        made_parts[name] = slots[name] = bind(getattr(glue, name), {k: v for k, v in slots.items() if k in vars(glue)})
-    return made_parts
 
 
 def _extend(made: Loop) -> Any:
     """The kernel that appends what each component derives from its parameters."""
     extend = bind(glue.as_given, {})
-    for section in made.sections:
-        part = getattr(made.parts, section.prefix, None)
-        if part is not None and getattr(part, "derived", None) is not None:
-            own = {"Given": part.parameters, "derive": part.derived.derive, "E0": section.first, "E1": section.last}
-            extend = bind(glue.with_derived, own | {"before": extend})
+    balance = bind(glue.no_balance, {})
+    trim = made.extended.get("trim")
+    if trim is not None:
+        balance = bind(glue.balanced, {"Trimmed": trim.fields, "T0": trim.first, "T1": trim.last})
+    for section in made.sections[:3]:
+        derived = getattr(made.parts, section.prefix).derived
+        if derived is not None:
+            own = {"Given": section.fields, "derive": derived.derive, "E0": section.first, "E1": section.last}
+            extend = bind(glue.with_derived, own | {"before": extend, "balance": balance})
     return extend
-
-
-def _chains(obstacles: Sequence[Obstacle], sections: dict[str, Section], slots: dict[str, Any]) -> tuple[Any, Any]:
-    """One kernel that gives the tuple of all bodies, and one that gives the channels of all of them."""
-    bodies: Any = bind(glue.no_bodies, {})
-    samples: Any = None
-    for i, obstacle in enumerate(obstacles):
-        section = sections[f"obstacles.{i}"]
-        own = {"body": obstacle.body, "Obstacle": obstacle.parameters, "B0": section.first, "B1": section.last}
-        template = glue.first_body if i == 0 else glue.more_bodies
-        bodies = bind(template, own if i == 0 else own | {"before": bodies})
-        link = {"sample": slots["sample"]} | ({} if i == 0 else {"before": samples, "INDEX": i})
-        samples = bind(glue.first_sample if i == 0 else glue.more_samples, link)
-    return bodies, samples

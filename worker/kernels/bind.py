@@ -12,6 +12,7 @@ import os
 import sys
 import types
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,14 @@ if not os.environ.get("NUMBA_CACHE_DIR"):
 
 def bind(template: Function, slots: dict[str, Any]) -> Any:
     """The template as a kernel, with its slots filled; to be used in further slots."""
+    if not slots:
+        return _unfilled(template)
     return kernel(filled(template, slots))
+
+
+@cache
+def _unfilled(template: Function) -> Any:
+    return kernel(filled(template, {}))
 
 
 def compile_loop(bound: Function, name: str) -> Any:

@@ -7,7 +7,7 @@ Start reading at `Parameter` and `Vehicle`; CONTRIBUTING in the README shows a w
 from __future__ import annotations
 
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -80,8 +80,24 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Trim:
+    """What is solved once per campaign, in plain Python, at the nominal values: an equilibrium, gains at it.
+
+    solve(nominal values by path, such as "vehicle.m" and "start.speed") -> fields; raises `NoTrim` with a sentence.
+    The same for every flight: an autopilot is set up for the nominal aircraft, not for the one that flies.
+    """
+
+    fields: type
+    solve: Callable[[Mapping[str, float]], Any]
+
+
+class NoTrim(ValueError):
+    """The equilibrium cannot be found; the message says at which values and what to change."""
+
+
+@dataclass(frozen=True)
 class Derived:
-    """What a component computes once per flight from its parameters: constants(*derive(parameters)).
+    """What a component computes once per flight: constants(*derive(parameters, trim)), trim being () without one.
 
     Where a component has it, its kernels receive the NamedTuple `constants` in place of its parameters: a division or
     a gain that stays the same all flight is not worth four times every step.
@@ -95,9 +111,11 @@ class Derived:
 class Vehicle:
     """A vehicle. Its kernels, x being its state and p its parameters or derived constants:
 
-    begin(start, p) -> x; derivative(t, x, u, p) -> dx; position(x, p), velocity(x, p) in the world frame [m], [m/s];
-    pose(x, p) -> (x, y, z, roll, pitch, yaw) [m], [rad]; outside(x, p) -> 0.0 inside the envelope, else the number of
-    the limit exceeded, from 1.0.
+    begin(start, p) -> x; derivative(t, x, u, env, p) -> dx with env as glue.Surroundings; position(x, p) and
+    velocity(x, p) in the world frame [m], [m/s]; pose(x, p) -> (x, y, z, roll, pitch, yaw) [m], [rad];
+    outside(x, p) -> 0.0 inside the envelope, else the number of the limit exceeded, from 1.0;
+    measured(x, errors, p) -> x as navigation reports it, errors as glue.Errors;
+    settle(x, p) -> x after each step, where the vehicle has stops of its own.
     """
 
     name: str
@@ -114,7 +132,12 @@ class Vehicle:
     velocity: Kernel
     pose: Kernel
     outside: Kernel
+    measured: Kernel
+    settle: Kernel | None = None
     derived: Derived | None = None
+    trim: Trim | None = None
+    frame: Literal["enu", "ned"] = "enu"
+    """Axes of the world: z up, or z down as flight mechanics has it."""
     role: Literal["vehicle"] = "vehicle"
 
 
@@ -162,14 +185,55 @@ class Avoider:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """An obstacle or intruder. body(t, p) -> glue.Body (plane) or glue.Body3 (space)."""
+    """An obstacle or intruder. Its kernels, o being its own state where it has one:
+
+    body(t, o, q, p) -> glue.Body (plane) or glue.Body3 (space) as seen from q; wake(p) -> o at the start;
+    move(t, o, q, v, p) -> do, q and v being the true position and velocity of the vehicle.
+    """
 
     name: str
     title: str
     dimension: Literal[2, 3]
     parameters: type
     body: Kernel
+    states: int = 0
+    wake: Kernel | None = None
+    move: Kernel | None = None
+    moving: bool = False
     role: Literal["obstacle"] = "obstacle"
+
+
+@dataclass(frozen=True)
+class Environment:
+    """A part of the environment. blow(t, q, v, e, p) -> (glue.Surroundings, de); wake(p) -> e at the start."""
+
+    name: str
+    title: str
+    parameters: type
+    blow: Kernel
+    states: int = 0
+    wake: Kernel | None = None
+    role: Literal["environment"] = "environment"
+
+
+@dataclass(frozen=True)
+class Fault:
+    """An error or failure in one of the loop's paths; at zero magnitude it changes nothing. Its kernel, by path:
+
+    perception: see(t, index, pose, v, body, p) -> glue.Sight, pose and v being the vehicle's own as it believes;
+    timing: delay(t, p) -> the instant at which obstacles are seen;
+    navigation: mistake(t, p) -> glue.Errors;
+    actuator: act(t, u, a, p) -> (u, da) for the one input it is `on`, a being its own state; rest(u, p) -> a at first.
+    """
+
+    name: str
+    title: str
+    path: Literal["perception", "timing", "navigation", "actuator"]
+    parameters: type
+    kernel: Kernel
+    states: int = 0
+    rest: Kernel | None = None
+    role: Literal["fault"] = "fault"
 
 
 @dataclass(frozen=True)
@@ -178,19 +242,18 @@ class Criterion:
 
     sample(t, position, velocity, x, u, body, p) -> (channel,) for one obstacle; the lowest values over the flight,
     refined between steps, of all channels give value(lowest, p); excluded(first, p) tells whether the first reading
-    bars the flight. The first parameter is always `threshold`.
+    bars the flight. `sample` holds one kernel per dimension. The first parameter is always `threshold`.
     """
 
     name: str
     title: str
-    dimension: Literal[2, 3]
     quantity: str
     unit: str
     parameters: type
-    sample: Kernel
+    sample: dict[int, Kernel]
     value: Kernel
     excluded: Kernel
     role: Literal["criterion"] = "criterion"
 
 
-Component = Vehicle | Controller | Avoider | Obstacle | Criterion
+Component = Vehicle | Controller | Avoider | Obstacle | Environment | Fault | Criterion

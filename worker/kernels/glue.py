@@ -1,41 +1,51 @@
-"""How components make one closed loop: vehicle, controller, avoider, obstacles, criterion. Templates with named slots.
+"""How components make one closed loop: vehicle, controller, avoider, obstacles, faults, environment, criterion.
 
-Every name in capitals and every function set to `_slot` is a slot that `bind` fills; a component sees only its own
-NamedTuple of parameters, taken from the flat vector p by constant slices. Start reading at `closed_loop`.
+Templates with named slots: every name in capitals and every function set to `_slot` is one, and `bind` fills it. A
+component sees only its own NamedTuple of parameters, taken from the flat vector p by constant slices. Components of
+which there may be several form chains: each link calls the one `before`. Start reading at `closed_loop`.
 """
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-N_V = N_X = V0 = V1 = C0 = C1 = A0 = A1 = S0 = S1 = G0 = G1 = K0 = K1 = B0 = B1 = 0
+N_V = N_X = N_G = N_U = 0
+V0 = V1 = C0 = C1 = A0 = A1 = S0 = S1 = G0 = G1 = K0 = K1 = 0
+XC0 = XC1 = XA0 = XA1 = XE0 = XE1 = XO0 = XO1 = 0
+T0 = T1 = P0 = P1 = X0 = X1 = E0 = E1 = INDEX = 0
 DIMENSION = 2
 NO_DEMAND: Any = (0.0, 0.0)
-N_G = 0
-INDEX = 0
-E0 = E1 = 0
 Given: Any = None
+Trimmed: Any = None
 Vehicle: Any = None
 Controller: Any = None
 Avoider: Any = None
 Start: Any = None
 Goal: Any = None
 Criterion: Any = None
-Obstacle: Any = None
+Own: Any = None
+"""The parameters of the component that a link of a chain adds."""
 
 
 class Body(NamedTuple):
-    """An obstacle in the plane as an avoider and a criterion see it: centre, velocity [m/s], radius [m]."""
+    """An obstacle in the plane as an avoider and a criterion see it from where they are.
+
+    Centre [m], velocity [m/s], radius [m]; distance to its surface [m], negative inside, and the unit normal there,
+    pointing away from it.
+    """
 
     x: float
     y: float
     vx: float
     vy: float
     radius: float
+    gap: float
+    nx: float
+    ny: float
 
 
 class Body3(NamedTuple):
-    """An obstacle in space: centre, velocity [m/s], radius [m]."""
+    """An obstacle in space, as `Body`."""
 
     x: float
     y: float
@@ -44,17 +54,58 @@ class Body3(NamedTuple):
     vy: float
     vz: float
     radius: float
+    gap: float
+    nx: float
+    ny: float
+    nz: float
+
+
+class Sight(NamedTuple):
+    """What perception adds to an obstacle: displacement [m], change of velocity [m/s]; visible is 1, or 0."""
+
+    x: float
+    y: float
+    z: float
+    vx: float
+    vy: float
+    vz: float
+    visible: float
+
+
+class Surroundings(NamedTuple):
+    """What the environment does to a vehicle: wind in the world frame [m/s], slope of the ground (rise per metre)."""
+
+    wind_x: float
+    wind_y: float
+    wind_z: float
+    slope_x: float
+    slope_y: float
+
+
+class Errors(NamedTuple):
+    """What navigation adds to the truth: position [m], heading [rad], speed [m/s]."""
+
+    x: float
+    y: float
+    z: float
+    heading: float
+    speed: float
 
 
 def _slot(*_: Any) -> Any:
     raise NotImplementedError("a slot that bind did not fill")
 
 
-begin = derivative = position = velocity = outside = pose = _slot
-prepare = command = references = derive = _slot
+begin = derivative = position = velocity = outside = pose = measured = settle = _slot
+prepare = command = references = derive = balance = _slot
 steer = remember = _slot
-body = before = bodies = demand = _slot
-sample = samples = value = excluded = _slot
+body = move = wake = before = demand = _slot
+bodies = perceived = sight = shifted = shown = samples = centre = centres = actuated = surroundings = errors = (
+    seen_at
+) = moved = _slot
+woken_obstacles = woken_environment = rested = _slot
+rest = act = blow = mistake = delay = see = _slot
+sample = value = excluded = _slot
 
 
 def as_given(p: Any) -> Any:
@@ -62,24 +113,152 @@ def as_given(p: Any) -> Any:
     return p
 
 
-def with_derived(p: Any) -> Any:
-    """The parameters as extended so far, and what one more component derives from its own."""
-    return before(p) + derive(Given(*p[E0:E1]))
-
-
-def no_bodies(t: float, p: tuple[float, ...]) -> tuple[Any, ...]:
-    """No obstacle at all."""
+def no_balance(p: Any) -> tuple[()]:
+    """The vehicle has no trim."""
     return ()
 
 
-def first_body(t: float, p: tuple[float, ...]) -> tuple[Any, ...]:
-    """One obstacle."""
-    return (body(t, Obstacle(*p[B0:B1])),)
+def balanced(p: Any) -> Any:
+    """The vehicle's trim at the nominal values."""
+    return Trimmed(*p[T0:T1])
 
 
-def more_bodies(t: float, p: tuple[float, ...]) -> tuple[Any, ...]:
-    """The obstacles before, and one more."""
-    return before(t, p) + (body(t, Obstacle(*p[B0:B1])),)  # type: ignore[no-any-return]  # noqa: RUF005
+def with_derived(p: Any) -> Any:
+    """The parameters as extended so far, and what one more component derives from its own."""
+    return before(p) + derive(Given(*p[E0:E1]), balance(p))
+
+
+# Chains. `x` is the part of the state that belongs to the chain, of which a link takes x[X0:X1].
+
+
+def nothing(*_: Any) -> tuple[()]:
+    """The start of a chain that gives a tuple."""
+    return ()
+
+
+def more_bodies(t: float, x: Any, q: Any, p: Any) -> Any:
+    """The obstacles before as they are, seen from q, and one more."""
+    return before(t, x, q, p) + (body(t, x[X0:X1], q, Own(*p[P0:P1])),)
+
+
+def first_body(t: float, x: Any, q: Any, p: Any) -> Any:
+    """One obstacle as it is, seen from q."""
+    return (body(t, x[X0:X1], q, Own(*p[P0:P1])),)
+
+
+def first_seen(t: float, x: Any, own: Any, q: Any, v: Any, p: Any) -> Any:
+    """The first obstacle as the avoider perceives it."""
+    at = seen_at(t, p)
+    there = body(at, x[X0:X1], q, Own(*p[P0:P1]))
+    error = sight(t, 0.0, own, v, there, p)
+    return (shown(body(at, x[X0:X1], shifted(q, error), Own(*p[P0:P1])), error, q),)
+
+
+def more_seen(t: float, x: Any, own: Any, q: Any, v: Any, p: Any) -> Any:
+    """The obstacles perceived before, and one more."""
+    at = seen_at(t, p)
+    there = body(at, x[X0:X1], q, Own(*p[P0:P1]))
+    error = sight(t, float(INDEX), own, v, there, p)
+    return before(t, x, own, q, v, p) + (shown(body(at, x[X0:X1], shifted(q, error), Own(*p[P0:P1])), error, q),)
+
+
+def first_centre(around: Any) -> Any:
+    """The first obstacle's centre."""
+    return centre(around[0])
+
+
+def more_centres(around: Any) -> Any:
+    """The centres of the obstacles before, and of one more."""
+    return before(around) + centre(around[INDEX])
+
+
+def centre2(b: Any) -> tuple[float, float, float]:
+    """The centre of an obstacle in the plane."""
+    return b.x, b.y, 0.0
+
+
+def centre3(b: Any) -> tuple[float, float, float]:
+    """The centre of an obstacle in space."""
+    return b.x, b.y, b.z
+
+
+def clear_sight(t: float, index: float, own: Any, v: Any, there: Any, p: Any) -> Sight:
+    """Perception without error."""
+    return Sight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def less_sight(t: float, index: float, own: Any, v: Any, there: Any, p: Any) -> Sight:
+    """The errors of perception before, and of one more fault."""
+    a = before(t, index, own, v, there, p)
+    b = see(t, index, own, v, there, Own(*p[P0:P1]))
+    return Sight(a.x + b.x, a.y + b.y, a.z + b.z, a.vx + b.vx, a.vy + b.vy, a.vz + b.vz, a.visible * b.visible)
+
+
+FAR = 1e7
+"""Where an obstacle that is not seen is shown: beyond the reach of any avoider [m]."""
+
+
+def shifted2(q: Any, error: Sight) -> Any:
+    """From where a displaced obstacle in the plane looks as it does."""
+    return q[0] - error.x, q[1] - error.y
+
+
+def shifted3(q: Any, error: Sight) -> Any:
+    """From where a displaced obstacle in space looks as it does."""
+    return q[0] - error.x, q[1] - error.y, q[2] - error.z
+
+
+def shown2(b: Any, error: Sight, q: Any) -> Body:
+    """An obstacle in the plane as perceived: displaced, or far away when it is not seen."""
+    seen = error.visible > 0.5
+    return Body(
+        b.x + error.x if seen else q[0] + FAR,
+        b.y + error.y if seen else q[1],
+        b.vx + error.vx if seen else 0.0,
+        b.vy + error.vy if seen else 0.0,
+        b.radius,
+        b.gap if seen else FAR,
+        b.nx,
+        b.ny,
+    )
+
+
+def shown3(b: Any, error: Sight, q: Any) -> Body3:
+    """An obstacle in space as perceived: displaced, or far away when it is not seen."""
+    seen = error.visible > 0.5
+    return Body3(
+        b.x + error.x if seen else q[0] + FAR,
+        b.y + error.y if seen else q[1],
+        b.z + error.z if seen else q[2],
+        b.vx + error.vx if seen else 0.0,
+        b.vy + error.vy if seen else 0.0,
+        b.vz + error.vz if seen else 0.0,
+        b.radius,
+        b.gap if seen else FAR,
+        b.nx,
+        b.ny,
+        b.nz,
+    )
+
+
+def no_move(t: float, x: Any, q: Any, v: Any, p: Any) -> tuple[()]:
+    """No obstacle has a state of its own."""
+    return ()
+
+
+def more_moves(t: float, x: Any, q: Any, v: Any, p: Any) -> Any:
+    """The derivatives of the obstacles' states before, and of one more."""
+    return before(t, x, q, v, p) + move(t, x[X0:X1], q, v, Own(*p[P0:P1]))
+
+
+def no_wake(p: Any) -> tuple[()]:
+    """No states at the start."""
+    return ()
+
+
+def more_wakes(p: Any) -> Any:
+    """The states of a chain at the start before, and of one more component."""
+    return before(p) + wake(Own(*p[P0:P1]))
 
 
 def first_sample(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
@@ -92,6 +271,68 @@ def more_samples(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) 
     return before(t, q, v, x, u, around, p) + sample(t, q, v, x, u, around[INDEX], p)
 
 
+def now(t: float, p: Any) -> float:
+    """Obstacles are seen where they are at this instant."""
+    return t
+
+
+def then(t: float, p: Any) -> float:
+    """The instant at which obstacles are seen, through the faults before and one more."""
+    return delay(before(t, p), Own(*p[P0:P1]))  # type: ignore[no-any-return]
+
+
+def no_error(t: float, p: Any) -> Errors:
+    """Navigation without error."""
+    return Errors(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def more_error(t: float, p: Any) -> Errors:
+    """The errors of navigation before, and of one more fault."""
+    a = before(t, p)
+    b = mistake(t, Own(*p[P0:P1]))
+    return Errors(a.x + b.x, a.y + b.y, a.z + b.z, a.heading + b.heading, a.speed + b.speed)
+
+
+def as_commanded(t: float, u: Any, x: Any, p: Any) -> Any:
+    """Actuators that do what they are told."""
+    return u, ()
+
+
+def more_actuated(t: float, u: Any, x: Any, p: Any) -> Any:
+    """The inputs behind the faults before, and one more fault on the input INDEX."""
+    u, dx = before(t, u, x, p)
+    changed, change = act(t, u[INDEX], x[X0:X1], Own(*p[P0:P1]))
+    return u[0:INDEX] + (changed,) + u[INDEX + 1 : N_U], dx + change
+
+
+def more_rests(u: Any, p: Any) -> Any:
+    """The states of the actuators before at the start, and of one more, given the first command."""
+    return before(u, p) + rest(u[INDEX], Own(*p[P0:P1]))
+
+
+def no_rest(u: Any, p: Any) -> tuple[()]:
+    """No actuator has a state of its own."""
+    return ()
+
+
+def still(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
+    """No wind, level ground."""
+    return Surroundings(0.0, 0.0, 0.0, 0.0, 0.0), ()
+
+
+def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
+    """What the environment does before, and one more part of it."""
+    a, dx = before(t, q, v, x, p)
+    b, change = blow(t, q, v, x[X0:X1], Own(*p[P0:P1]))
+    total = Surroundings(
+        a.wind_x + b.wind_x, a.wind_y + b.wind_y, a.wind_z + b.wind_z, a.slope_x + b.slope_x, a.slope_y + b.slope_y
+    )
+    return total, dx + change
+
+
+# The loop itself.
+
+
 def asked(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
     """Continuous guidance: the avoider is asked at every stage of the integrator."""
     return steer(t, q, v, Goal(*p[G0:G1]), around, g[DIMENSION:N_G], Avoider(*p[A0:A1]))[0]
@@ -102,13 +343,19 @@ def held(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
     return g[0:DIMENSION]
 
 
+def aware(t: float, x: Any, p: Any) -> Any:
+    """What the vehicle takes for the truth: its state, position, velocity, and the obstacles it sees."""
+    vp = Vehicle(*p[V0:V1])
+    xm = measured(x[0:N_V], errors(t, p), vp)
+    q = position(xm, vp)
+    v = velocity(xm, vp)
+    return xm, q, v, perceived(t, x[XO0:XO1], pose(xm, vp), q, v, p)
+
+
 def guide(t: float, x: Any, g: Any, p: Any) -> Any:
     """One guidance sample: demand and the avoider's memory."""
-    xv = x[0:N_V]
-    vp = Vehicle(*p[V0:V1])
-    want, memory = steer(
-        t, position(xv, vp), velocity(xv, vp), Goal(*p[G0:G1]), bodies(t, p), g[DIMENSION:N_G], Avoider(*p[A0:A1])
-    )
+    _, q, v, seen = aware(t, x, p)
+    want, memory = steer(t, q, v, Goal(*p[G0:G1]), seen, g[DIMENSION:N_G], Avoider(*p[A0:A1]))
     return want + memory
 
 
@@ -118,24 +365,41 @@ def blank(p: Any) -> Any:
 
 
 def initial(p: Any) -> Any:
-    """The state at the start: the vehicle's, then the controller's, which may depend on the first demand."""
+    """The state at the start: vehicle, controller, actuators, environment, obstacles, in this order."""
     vp = Vehicle(*p[V0:V1])
+    cp = Controller(*p[C0:C1])
     xv = begin(Start(*p[S0:S1]), vp)
-    want = guide(0.0, xv, blank(p), p)[0:DIMENSION]
-    return xv + prepare(xv, want, Controller(*p[C0:C1]))
+    xo = woken_obstacles(p)
+    xm = measured(xv, errors(0.0, p), vp)
+    q = position(xm, vp)
+    v = velocity(xm, vp)
+    seen = perceived(0.0, xo, pose(xm, vp), q, v, p)
+    want = steer(0.0, q, v, Goal(*p[G0:G1]), seen, blank(p)[DIMENSION:N_G], Avoider(*p[A0:A1]))[0]
+    xc = prepare(xm, want, cp)
+    u, _ = command(0.0, xm, xc, want, cp)
+    return xv + xc + rested(u, p) + woken_environment(p) + xo
 
 
 def closed_loop(t: float, x: Any, g: Any, p: Any) -> Any:
     """Derivative of the whole state, and the criterion's channels, at one instant."""
-    xv = x[0:N_V]
     vp = Vehicle(*p[V0:V1])
+    xm, q, v, seen = aware(t, x, p)
+    want = demand(t, q, v, seen, g, p)
+    u, dxc = command(t, xm, x[XC0:XC1], want, Controller(*p[C0:C1]))
+    u, dxa = actuated(t, u, x[XA0:XA1], p)
+    xv = x[0:N_V]
     q = position(xv, vp)
     v = velocity(xv, vp)
-    around = bodies(t, p)
-    want = demand(t, q, v, around, g, p)
-    u, dxc = command(t, xv, x[N_V:N_X], want, Controller(*p[C0:C1]))
-    dxv = derivative(t, xv, u, vp)
-    return dxv + dxc, samples(t, q, v, xv, u, around, Criterion(*p[K0:K1]))
+    env, dxe = surroundings(t, q, v, x[XE0:XE1], p)
+    dxv = derivative(t, xv, u, env, vp)
+    dxo = moved(t, x[XO0:XO1], q, v, p)
+    around = bodies(t, x[XO0:XO1], q, p)
+    return dxv + dxc + dxa + dxe + dxo, samples(t, q, v, xv, u, around, Criterion(*p[K0:K1]))
+
+
+def settled(x: Any, p: Any) -> Any:
+    """The state after a step, held within the vehicle's own stops."""
+    return settle(x[0:N_V], Vehicle(*p[V0:V1])) + x[N_V:N_X]
 
 
 def envelope(x: Any, p: Any) -> float:
@@ -154,13 +418,15 @@ def barred(first: Any, p: Any) -> bool:
 
 
 def observation(t: float, x: Any, g: Any, p: Any) -> Any:
-    """What a trace shows at one instant: pose (6), command, references, channels, centres of the obstacles."""
-    xv = x[0:N_V]
+    """What a trace shows at one instant: pose (6), inputs, references, the obstacles' centres (3 each), channels."""
     vp = Vehicle(*p[V0:V1])
-    q = position(xv, vp)
-    v = velocity(xv, vp)
-    around = bodies(t, p)
-    want = demand(t, q, v, around, g, p)
     cp = Controller(*p[C0:C1])
-    u, _ = command(t, xv, x[N_V:N_X], want, cp)
-    return pose(xv, vp) + u + references(xv, want, cp) + samples(t, q, v, xv, u, around, Criterion(*p[K0:K1]))
+    xm, q, v, seen = aware(t, x, p)
+    want = demand(t, q, v, seen, g, p)
+    u, _ = command(t, xm, x[XC0:XC1], want, cp)
+    u, _ = actuated(t, u, x[XA0:XA1], p)
+    xv = x[0:N_V]
+    q = position(xv, vp)
+    around = bodies(t, x[XO0:XO1], q, p)
+    seen_channels = samples(t, q, velocity(xv, vp), xv, u, around, Criterion(*p[K0:K1]))
+    return pose(xv, vp) + u + references(xm, want, cp) + centres(around) + seen_channels

@@ -14,7 +14,7 @@ from worker.kernels.maths import kernel
 
 N_X = N_P = N_E = N_G = N_Y = N_W = LANES = 0
 X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = STATUS = WHEN = SIZE = 0
-SAMPLED = False
+SETTLES = False
 
 OK = 0.0
 NOT_FINITE = 1.0
@@ -31,7 +31,7 @@ def _slot(*_: Any) -> Any:
 
 
 load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
-extend = initial = blank = guide = closed_loop = envelope = cost = barred = observation = _slot
+extend = initial = blank = guide = closed_loop = settled = envelope = cost = barred = observation = _slot
 
 
 @kernel
@@ -129,6 +129,9 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 x = advance(load_x(b, X, l), dt, load_x(b, C, l))
                 dx, y = closed_loop(t + dt, x, load_g(b, G, l), load_p(b, P, l))
                 store_x(b, X, l, combine(load_x(b, X, l), q, load_x(b, A, l), load_x(b, B, l), load_x(b, C, l), dx))
+            if SETTLES:
+                for l in range(LANES):
+                    store_x(b, X, l, settled(load_x(b, X, l), load_p(b, P, l)))
         for l in range(LANES):
             if first + l < n:
                 result = cost(load_y(b, LOW, l), load_p(b, P, l))

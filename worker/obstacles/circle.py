@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Obstacle, Parameter
 from worker.kernels.glue import Body
-from worker.kernels.maths import kernel
+from worker.kernels.maths import kernel, norm2
 
 
 class Circle(NamedTuple):
@@ -19,8 +19,12 @@ class Circle(NamedTuple):
 
 
 @kernel
-def body(t: float, p: Circle) -> Body:
-    return Body(p.position_x, p.position_y, 0.0, 0.0, p.radius)
+def body(t: float, o: tuple[()], q: tuple[float, float], p: Circle) -> Body:
+    dx = q[0] - p.position_x
+    dy = q[1] - p.position_y
+    d = norm2(dx, dy)
+    near = d + 1e-12
+    return Body(p.position_x, p.position_y, 0.0, 0.0, p.radius, d - p.radius, dx / near, dy / near)
 
 
 component = Obstacle(name="circle", title="Circle", dimension=2, parameters=Circle, body=body)

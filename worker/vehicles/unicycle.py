@@ -1,10 +1,11 @@
 """Unicycle: a point with a heading, driven by a force along it and a torque about it.
 
-    dx/dt = v cos(theta)        dv/dt = F / m
+    dx/dt = v cos(theta)        dv/dt = F / m - g s
     dy/dt = v sin(theta)        domega/dt = tau / J
     dtheta/dt = omega
 
-x, y [m], theta [rad], v [m/s], omega [rad/s]; F [N], tau [N m]; m mass, J moment of inertia.
+x, y [m], theta [rad], v [m/s], omega [rad/s]; F [N], tau [N m]; m mass, J moment of inertia;
+g = 9.81 m/s2, s the slope of the ground along the heading (0 on level ground).
 Source: Srikanthakumar, Optimisation-Based Verification Process of Obstacle Avoidance Systems for Unmanned Vehicles,
 equations 3.1 (kinematics) and 3.2 (dynamics). No wheel slip, no actuator limits, no friction.
 """
@@ -14,6 +15,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Limit, Parameter, Signal, Vehicle
+from worker.kernels.glue import Errors, Surroundings
 from worker.kernels.maths import kernel, sincos
 
 
@@ -36,11 +38,12 @@ class Start(NamedTuple):
 
 
 FASTEST_TURN = 1e3
+GRAVITY = 9.81
 FASTEST = 1e3
 
 
 @kernel
-def derive(p: Unicycle) -> tuple[float, float]:
+def derive(p: Unicycle, trim: tuple[()]) -> tuple[float, float]:
     return 1.0 / p.m, 1.0 / p.J
 
 
@@ -51,11 +54,12 @@ def begin(start: Start, p: Constants) -> tuple[float, float, float, float, float
 
 @kernel
 def derivative(
-    t: float, x: tuple[float, float, float, float, float], u: tuple[float, float], p: Constants
+    t: float, x: tuple[float, float, float, float, float], u: tuple[float, float], env: Surroundings, p: Constants
 ) -> tuple[float, float, float, float, float]:
     _, _, theta, v, omega = x
     s, c = sincos(theta)
-    return v * c, v * s, omega, u[0] * p.per_m, u[1] * p.per_J
+    climb = env.slope_x * c + env.slope_y * s
+    return v * c, v * s, omega, u[0] * p.per_m - GRAVITY * climb, u[1] * p.per_J
 
 
 @kernel
@@ -78,6 +82,13 @@ def pose(x: tuple[float, float, float, float, float], p: Constants) -> tuple[flo
 def outside(x: tuple[float, float, float, float, float], p: Constants) -> float:
     code = 1.0 if abs(x[3]) > FASTEST else 0.0
     return 2.0 if abs(x[4]) > FASTEST_TURN else code
+
+
+@kernel
+def measured(
+    x: tuple[float, float, float, float, float], e: Errors, p: Constants
+) -> tuple[float, float, float, float, float]:
+    return x[0] + e.x, x[1] + e.y, x[2] + e.heading, x[3] + e.speed, x[4]
 
 
 component = Vehicle(
@@ -104,5 +115,6 @@ component = Vehicle(
     velocity=velocity,
     pose=pose,
     outside=outside,
+    measured=measured,
     derived=Derived(Constants, derive),
 )

@@ -1,0 +1,1 @@
+"""One file, one part of the environment: wind, gusts, ground."""

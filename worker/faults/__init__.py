@@ -1,0 +1,1 @@
+"""One file, one fault: sensor, navigation, actuator, timing."""

@@ -1,0 +1,109 @@
+"""Components of which there may be several, as chains: obstacles, channels, faults, environment.
+
+Each link is a template of the glue bound to one component, its parameters' and states' slices, and the link before.
+Start reading at `chains`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from worker.kernels import glue
+from worker.kernels.bind import bind
+from worker.kernels.layout import Parts, Placed, Section
+
+
+def chains(parts: Parts, sections: Sequence[Section]) -> dict[str, Any]:
+    """The slots of the glue that hold chains."""
+    own = {s.prefix: {"Own": s.fields, "P0": s.first, "P1": s.last} for s in sections}
+    slots = _faults(parts, own) | _environment(parts, own)
+    space = parts.vehicle.dimension == 3
+    slots["shifted"] = bind(glue.shifted3 if space else glue.shifted2, {})
+    slots["shown"] = bind(glue.shown3 if space else glue.shown2, {})
+    return slots | _obstacles(parts, own, slots)
+
+
+def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, Any]) -> dict[str, Any]:
+    """All obstacles as they are, as they are seen, how they move, and the criterion's channels."""
+    bodies = seen = bind(glue.nothing, {})
+    woken, moved = bind(glue.no_wake, {}), bind(glue.no_move, {})
+    samples = centres = bind(glue.nothing, {})
+    centre = {"centre": bind(glue.centre3 if parts.vehicle.dimension == 3 else glue.centre2, {})}
+    sensed = {k: slots[k] for k in ("seen_at", "sight", "shifted", "shown")}
+    offset = 0
+    for i, obstacle in enumerate(parts.obstacles):
+        at = own[f"obstacles.{i}"] | {"X0": offset, "X1": offset + obstacle.states}
+        link = at | {"body": obstacle.body}
+        sample = {"sample": parts.criterion.sample[parts.vehicle.dimension]}
+        if i == 0:
+            bodies = bind(glue.first_body, link)
+            seen = bind(glue.first_seen, link | sensed)
+            samples = bind(glue.first_sample, sample)
+            centres = bind(glue.first_centre, centre)
+        else:
+            bodies = bind(glue.more_bodies, link | {"before": bodies})
+            seen = bind(glue.more_seen, link | sensed | {"before": seen, "INDEX": i})
+            samples = bind(glue.more_samples, sample | {"before": samples, "INDEX": i})
+            centres = bind(glue.more_centres, centre | {"before": centres, "INDEX": i})
+        if obstacle.states:
+            woken = bind(glue.more_wakes, own[f"obstacles.{i}"] | {"wake": obstacle.wake, "before": woken})
+            moved = bind(glue.more_moves, at | {"move": obstacle.move, "before": moved})
+        offset += obstacle.states
+    return {
+        "bodies": bodies,
+        "perceived": seen,
+        "samples": samples,
+        "centres": centres,
+        "woken_obstacles": woken,
+        "moved": moved,
+    }
+
+
+def _faults(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """Perception, timing, navigation and actuators through every fault on them, in the campaign's order."""
+    slots: dict[str, Any] = {
+        "sight": bind(glue.clear_sight, {}),
+        "seen_at": bind(glue.now, {}),
+        "errors": bind(glue.no_error, {}),
+        "actuated": bind(glue.as_commanded, {}),
+        "rested": bind(glue.no_rest, {}),
+    }
+    links: dict[str, tuple[str, Any, str]] = {
+        "perception": ("sight", glue.less_sight, "see"),
+        "timing": ("seen_at", glue.then, "delay"),
+        "navigation": ("errors", glue.more_error, "mistake"),
+    }
+    offset = 0
+    for i, placed in enumerate(parts.faults):
+        at = own[f"faults.{i}"]
+        if placed.fault.path == "actuator":
+            offset = _actuator(parts, placed, at, slots, offset)
+        else:
+            slot, template, kernel = links[placed.fault.path]
+            slots[slot] = bind(template, at | {kernel: placed.fault.kernel, "before": slots[slot]})
+    return slots
+
+
+def _actuator(parts: Parts, placed: Placed, at: dict[str, Any], slots: dict[str, Any], offset: int) -> int:
+    fault = placed.fault
+    link = at | {"INDEX": placed.on, "before": slots["actuated"], "act": fault.kernel}
+    size = {"X0": offset, "X1": offset + fault.states, "N_U": len(parts.vehicle.inputs)}
+    slots["actuated"] = bind(glue.more_actuated, link | size)
+    if fault.states:
+        rest = {"INDEX": placed.on, "before": slots["rested"], "rest": fault.rest}
+        slots["rested"] = bind(glue.more_rests, at | rest)
+    return offset + fault.states
+
+
+def _environment(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    surroundings, woken = bind(glue.still, {}), bind(glue.no_wake, {})
+    offset = 0
+    for i, part in enumerate(parts.environment):
+        at = own[f"environment.{i}"]
+        size = {"X0": offset, "X1": offset + part.states}
+        surroundings = bind(glue.more_surroundings, at | size | {"blow": part.blow, "before": surroundings})
+        if part.states:
+            woken = bind(glue.more_wakes, at | {"wake": part.wake, "before": woken})
+        offset += part.states
+    return {"surroundings": surroundings, "woken_environment": woken}

@@ -1,0 +1,142 @@
+"""Where everything stands: the flat vector of parameters, and the state of the whole loop.
+
+Parameters: vehicle, controller, avoider, start, goal, criterion, then obstacles, environment and faults as the
+campaign lists them; then the vehicle's trim; constants that components derive stand behind. State: vehicle, controller,
+actuators, environment, obstacles. Start reading at `Parts`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from worker.kernels.component import (
+    Avoider,
+    Controller,
+    Criterion,
+    Declared,
+    Environment,
+    Fault,
+    Obstacle,
+    Vehicle,
+    declared,
+)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A fault and, for an actuator's, the number of the input it is on."""
+
+    fault: Fault
+    on: int = 0
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The components of one closed loop."""
+
+    vehicle: Vehicle
+    controller: Controller
+    avoider: Avoider
+    obstacles: tuple[Obstacle, ...]
+    criterion: Criterion
+    environment: tuple[Environment, ...] = ()
+    faults: tuple[Placed, ...] = ()
+    sampled: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """Where a component's parameters stand in the flat vector, and under which prefix a campaign names them."""
+
+    prefix: str
+    fields: type
+    first: int
+    parameters: tuple[Declared, ...]
+
+    @property
+    def last(self) -> int:
+        return self.first + len(self.parameters)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a component's kernels find their parameters or derived constants in the extended vector."""
+
+    fields: type
+    first: int
+    last: int
+
+
+def sections(parts: Parts) -> tuple[Section, ...]:
+    """The sections of the flat vector, in order."""
+    named: list[tuple[str, type]] = [
+        ("vehicle", parts.vehicle.parameters),
+        ("controller", parts.controller.parameters),
+        ("avoider", parts.avoider.parameters),
+        ("start", parts.vehicle.start),
+        ("goal", parts.avoider.goal),
+        ("criterion", parts.criterion.parameters),
+        *((f"obstacles.{i}", o.parameters) for i, o in enumerate(parts.obstacles)),
+        *((f"environment.{i}", e.parameters) for i, e in enumerate(parts.environment)),
+        *((f"faults.{i}", f.fault.parameters) for i, f in enumerate(parts.faults)),
+    ]
+    found: list[Section] = []
+    for prefix, fields in named:
+        found.append(Section(prefix, fields, found[-1].last if found else 0, declared(fields)))
+    return tuple(found)
+
+
+def places(parts: Parts, flat: Sequence[Section]) -> dict[str, Place]:
+    """What vehicle, controller and avoider are given; trim and derived constants stand behind all parameters."""
+    end = flat[-1].last
+    found: dict[str, Place] = {}
+    if parts.vehicle.trim is not None:
+        fields: Any = parts.vehicle.trim.fields
+        found["trim"] = Place(fields, end, end + len(fields._fields))
+        end = found["trim"].last
+    for section in flat[:3]:
+        part = getattr(parts, section.prefix)
+        if part.derived is None:
+            found[section.prefix] = Place(part.parameters, section.first, section.last)
+        else:
+            constants: Any = part.derived.constants
+            found[section.prefix] = Place(constants, end, end + len(constants._fields))
+            end = found[section.prefix].last
+    return found
+
+
+@dataclass(frozen=True)
+class States:
+    """Lengths of the parts of the state, in their order."""
+
+    vehicle: int
+    controller: int
+    actuators: int
+    environment: int
+    obstacles: int
+
+    @property
+    def total(self) -> int:
+        return self.vehicle + self.controller + self.actuators + self.environment + self.obstacles
+
+    def slots(self) -> dict[str, int]:
+        """The constant slices of the glue."""
+        ends = [self.vehicle]
+        for length in (self.controller, self.actuators, self.environment, self.obstacles):
+            ends.append(ends[-1] + length)
+        names = ("XC", "XA", "XE", "XO")
+        slots = {f"{n}0": a for n, a in zip(names, ends, strict=False)}
+        return slots | {f"{n}1": b for n, b in zip(names, ends[1:], strict=True)} | {"N_V": self.vehicle}
+
+
+def states(parts: Parts) -> States:
+    """How many states each part of the loop has."""
+    return States(
+        len(parts.vehicle.states),
+        parts.controller.states,
+        sum(f.fault.states for f in parts.faults if f.fault.path == "actuator"),
+        sum(e.states for e in parts.environment),
+        sum(o.states for o in parts.obstacles),
+    )

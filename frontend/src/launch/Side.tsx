@@ -38,6 +38,7 @@ export function RunCard({ name, tags, campaign, criterion, onName, onTags, set }
           <TagsInput
             id={idOf('tags')}
             label="Tags"
+            labelProps={{ className: 'lbl' }}
             size="xs"
             value={tags}
             maxTags={20}

@@ -1,5 +1,4 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
-import { useRef } from 'react'
 import { resultOf } from '../api/results'
 import { Banner } from './Banner'
 import { Convergence } from './Convergence'
@@ -22,7 +21,6 @@ import { ValidationCard } from './ValidationCard'
 
 export function Finished({ data }: { data: RunData }) {
   const { run } = data
-  const grid = useRef<HTMLDivElement>(null)
   const finding = data.findings[0]
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
@@ -32,6 +30,8 @@ export function Finished({ data }: { data: RunData }) {
   const failures = data.evaluations?.failures ?? []
   const begun = run.stages.some((stage) => stage.evaluations > 0)
   const flown = data.nominalTrace !== undefined
+  // Two curves stand beside the separation, more take a row of their own.
+  const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
   const sections: Section[] = [
     ...(flown
       ? [
@@ -57,37 +57,46 @@ export function Finished({ data }: { data: RunData }) {
         </div>
       )}
       <SectionTabs sections={sections} />
-      <div className="grid" ref={grid}>
+      <div className="grid">
         {flown && <Flight data={data} className="c8" />}
         {(flown || finding) && (
-          <NominalWorst
-            data={data}
-            className="c4"
-            title="Nominal against worst"
-            column="Worst"
-            worst={
-              finding
-                ? {
-                    cost: finding.cost,
-                    parameters: finding.parameters,
-                    method: run.worst_method,
-                    atBounds: finding.at_bounds,
-                  }
-                : null
-            }
-          />
+          <div className={flown ? 'stack c4' : 'stack c6'}>
+            <NominalWorst
+              data={data}
+              className=""
+              title="Nominal against worst"
+              column="Worst"
+              worst={
+                finding
+                  ? {
+                      cost: finding.cost,
+                      parameters: finding.parameters,
+                      method: run.worst_method,
+                      atBounds: finding.at_bounds,
+                    }
+                  : null
+              }
+            />
+            {few && <Tornado data={data} result={sensitivity} className="" />}
+          </div>
         )}
-        {flown && <SeparationCard data={data} className="c12" />}
-        {sensitivity && <SensitivityCard data={data} result={sensitivity} className="c8" />}
-        {sensitivity && <Tornado data={data} result={sensitivity} className="c4" />}
-        {searches.length > 0 && <MethodsTable data={data} className="c7" id="methods" />}
-        {begun && searches.length > 0 && <Convergence data={data} className="c5" />}
-        {minima.map((search) => (
-          <Minima key={search.method} data={data} search={search} className="c7" />
-        ))}
-        {sample && <SampleCard data={data} sample={sample} className="c5" />}
-        {validation && <ValidationCard data={data} result={validation} className="c7" />}
-        <Published data={data} className="c5" />
+        {flown && <SeparationCard data={data} className={few ? 'c7' : 'c12'} />}
+        {sensitivity && (
+          <SensitivityCard data={data} result={sensitivity} className={few ? 'c5' : 'c8'} height={few ? 226 : 150} />
+        )}
+        {sensitivity && !few && <Tornado data={data} result={sensitivity} className="c4" />}
+        <div className="stack c7 wide">
+          {searches.length > 0 && <MethodsTable data={data} className="" id="methods" />}
+          {minima.map((search) => (
+            <Minima key={search.method} data={data} search={search} className="" />
+          ))}
+          {validation && <ValidationCard data={data} result={validation} className="" />}
+          {run.verdict && <Published data={data} className="" />}
+        </div>
+        <div className="stack c5 wide">
+          {begun && searches.length > 0 && <Convergence data={data} className="" />}
+          {sample && <SampleCard data={data} sample={sample} className="" />}
+        </div>
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />
       </div>

@@ -114,5 +114,5 @@ def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run
     assert store.found() == undisturbed.found()
     with read(engine) as connection:
         assert connection.scalar(sa.select(sa.func.count()).select_from(Finding)) == len(undisturbed.findings)
-        flights = dict(connection.execute(sa.select(Trace.name, Trace.data)).tuples().all())
+        flights = {row.name: row.data for row in connection.execute(sa.select(Trace.name, Trace.data))}
     assert flights == {t.name: t.data.tobytes() for t in undisturbed.traces.values()}

@@ -42,7 +42,7 @@ def search(first: int, count: int) -> Columns:
     index = first + np.arange(count)
     points = np.column_stack([(0.37 * index) % 1.0, (0.61 * index) % 1.0])
     failed = index % 10 == 9
-    costs = np.where(failed, np.nan, 1.0 + 1.0 / (1 + index // 7) - 1e-9 * (index % 7))
+    costs = np.where(failed, np.nan, 1.0 + 1.0 / (1 + index // 7) + 1.0 * (index % 7 > 0))
     reasons = {int(i): f"the speed exceeds 1000 m/s at {i} s" for i in index[failed]}
     return Columns(points, costs[:, None], failed.astype(np.uint8), 0.001 * (1 + index), reasons)
 

@@ -149,7 +149,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       </div>
       {curves.length === 0 ? (
         <p className="sec" style={{ minHeight: height }}>
-          No search has flown an evaluation yet.
+          {data.evaluations ? 'No search has flown an evaluation yet.' : 'Loading the evaluations …'}
         </p>
       ) : (
         <>

@@ -2,7 +2,7 @@
 import { resultOf } from '../api/results'
 import { Banner } from './Banner'
 import { Convergence } from './Convergence'
-import { type RunData, stageOf } from './data'
+import { bestOf, type RunData, stageOf } from './data'
 import { Failures } from './Failures'
 import { FiveFigures } from './FiveFigures'
 import { Flight } from './Flight'
@@ -28,7 +28,10 @@ export function Finished({ data }: { data: RunData }) {
   const minima = searches.filter((search) => search.minima.length > 0)
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const failures = data.evaluations?.failures ?? []
-  const begun = run.stages.some((stage) => stage.evaluations > 0)
+  const searched = run.stages.some((stage) => stage.kind === 'search' && stage.evaluations > 0)
+  const methods = run.stages.filter((stage) => stage.kind === 'search').length
+  // Without a validated finding the page shows the lowest flight, and says that it is no more than that.
+  const lowest = finding ? null : bestOf(data)
   const flown = data.nominalTrace !== undefined
   // Two curves stand beside the separation, more take a row of their own.
   const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
@@ -40,7 +43,7 @@ export function Finished({ data }: { data: RunData }) {
         ]
       : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
-    ...(searches.length ? [{ id: 'methods', name: 'Methods', count: searches.length }] : []),
+    ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
     ...(failures.length ? [{ id: 'failures', name: 'Failed evaluations', count: failures.length }] : []),
@@ -59,23 +62,14 @@ export function Finished({ data }: { data: RunData }) {
       <SectionTabs sections={sections} />
       <div className="grid">
         {flown && <Flight data={data} className="c8" />}
-        {(flown || finding) && (
-          <div className={flown ? 'stack c4' : 'stack c6'}>
+        {(flown || finding || lowest) && (
+          <div className={flown ? 'stack pair c4' : 'stack pair c6'}>
             <NominalWorst
               data={data}
               className=""
-              title="Nominal against worst"
-              column="Worst"
-              worst={
-                finding
-                  ? {
-                      cost: finding.cost,
-                      parameters: finding.parameters,
-                      method: run.worst_method,
-                      atBounds: finding.at_bounds,
-                    }
-                  : null
-              }
+              title={finding ? 'Nominal against worst' : 'Nominal and lowest flown'}
+              column={finding ? 'Worst' : 'Lowest, not validated'}
+              worst={finding ? { ...finding, method: run.worst_method, atBounds: finding.at_bounds } : lowest}
             />
             {few && <Tornado data={data} result={sensitivity} className="" />}
           </div>
@@ -86,7 +80,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {sensitivity && !few && <Tornado data={data} result={sensitivity} className="c4" />}
         <div className="stack c7 wide">
-          {searches.length > 0 && <MethodsTable data={data} className="" id="methods" />}
+          {searched && <MethodsTable data={data} className="" id="methods" />}
           {minima.map((search) => (
             <Minima key={search.method} data={data} search={search} className="" />
           ))}
@@ -94,7 +88,7 @@ export function Finished({ data }: { data: RunData }) {
           {run.verdict && <Published data={data} className="" />}
         </div>
         <div className="stack c5 wide">
-          {begun && searches.length > 0 && <Convergence data={data} className="" />}
+          {searched && <Convergence data={data} className="" />}
           {sample && <SampleCard data={data} sample={sample} className="" />}
         </div>
         {failures.length > 0 && <Failures data={data} className="c12" />}

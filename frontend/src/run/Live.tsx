@@ -27,7 +27,7 @@ export function Live({ data }: { data: RunData }) {
           <Convergence data={data} className="" height={330} />
           <MethodsTable data={data} className="" />
         </div>
-        <div className="stack c4">
+        <div className="stack pair c4">
           <NominalWorst
             data={data}
             className=""
@@ -88,8 +88,7 @@ function Figures({ data }: { data: RunData }) {
         <Stat
           name="Evaluations"
           value={count(run.evaluations)}
-          unit={`of at most ${count(run.planned)}`}
-          note={`${count(run.failed_evaluations)} failed`}
+          note={`of at most ${count(run.planned)}, ${count(run.failed_evaluations)} failed`}
         />
         <Stat
           name="Evaluations per second"

@@ -35,6 +35,7 @@ export function SampleCard({ data, sample, className }: SampleCardProps) {
         <>
           Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
           lowest {fixed(sample.lowest, decimals)} {run.unit}. {sample.text}.
+          {sample.failed ? ` ${count(sample.failed)} of them failed and count as violations.` : ''}
         </>
       }
     >

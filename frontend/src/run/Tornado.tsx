@@ -41,6 +41,7 @@ export function Tornado({ data, result, className }: TornadoProps) {
       footer={
         most && (
           <>
+            {bars.length < result.curves.length && 'Parameters without a value at one of their bounds are left out. '}
             <Sign text={most.symbol} /> moves it most:{' '}
             {signed(Math.min(most.low, most.high), decimalsFor([most.low, most.high], 2))} {run.unit} on its worse side.
           </>

@@ -30,12 +30,13 @@ GRACE = 1
 
 
 class Server(uvicorn.Server):
-    """Ends the streams of events first when it stops; they would otherwise hold it up for ever."""
+    """Ends the event streams and 3D views first when it stops; they would otherwise hold it up."""
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         app = self.config.app
         assert isinstance(app, FastAPI)
         app.state.hub.stop()
+        app.state.viewers.stop()
         await super().shutdown(sockets)
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
-from campaigns.load import Problem
+from campaigns.problem import Problem
 from campaigns.spec import Campaign, Part, Triangular, TruncatedNormal, Uncertain
 
 
@@ -123,9 +123,9 @@ def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float
     known = {e.name: e for e in entries}
     for name, value in values.items():
         if name not in known:
-            yield Problem(f"{field}.{name}", f"{value:g}", f"no such parameter; {_known(name, known)}")
+            yield Problem(f"{field}.{name}", _given_number(value), f"no such parameter; {_known(name, known)}")
         elif not known[name].low <= value <= known[name].high:
-            yield Problem(f"{field}.{name}", f"{value:g}", _limits(known[name]))
+            yield Problem(f"{field}.{name}", _given_number(value), _limits(known[name]))
     for name, entry in known.items():
         if entry.default is None and name not in values:
             yield Problem(f"{field}.{name}", "", f"this parameter is required: {entry.text} [{entry.unit}]")
@@ -139,6 +139,8 @@ def _uncertain(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parame
     entry, nominal = known[path]
     if uncertain.unit is not None and _unit(uncertain.unit) != _unit(entry.unit):
         yield Problem(f"{field}.unit", uncertain.unit, f"the unit of {path} is {entry.unit or '1 (no unit)'}")
+    if nominal != nominal:  # a required value is missing, which is said elsewhere
+        return
     low, high = uncertain.interval(nominal)
     if not low < high:
         yield Problem(
@@ -150,7 +152,7 @@ def _uncertain(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parame
     for name, bound in (("low", low), ("high", high)):
         if not entry.low <= bound <= entry.high:
             key = name if uncertain.plus_minus is None else "plus_minus"
-            yield Problem(f"{field}.{key}", f"{bound:g}", f"{name} bound: {_limits(entry)}")
+            yield Problem(f"{field}.{key}", _given_number(bound), f"{name} bound: {_limits(entry)}")
     if not low <= nominal <= high:
         yield Problem(
             field,
@@ -162,10 +164,10 @@ def _uncertain(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parame
 
 def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> Iterator[Problem]:
     given = uncertain.distribution
-    if isinstance(given, Triangular) and not low <= given.mode <= high:
-        yield Problem(f"{field}.distribution.mode", f"{given.mode:g}", f"must lie within {low:g} to {high:g}")
-    if isinstance(given, TruncatedNormal) and not low <= given.mean <= high:
-        yield Problem(f"{field}.distribution.mean", f"{given.mean:g}", f"must lie within {low:g} to {high:g}")
+    if isinstance(given, Triangular) and not _within(given.mode, low, high):
+        yield Problem(f"{field}.distribution.mode", _given_number(given.mode), f"must lie within {low:g} to {high:g}")
+    if isinstance(given, TruncatedNormal) and not _within(given.mean, low, high):
+        yield Problem(f"{field}.distribution.mean", _given_number(given.mean), f"must lie within {low:g} to {high:g}")
 
 
 def _searches(
@@ -191,8 +193,8 @@ def _started(
         yield Problem(field, path, f"not an uncertain parameter; {_known(path, campaign.uncertain)}")
     elif path in known:
         low, high = campaign.uncertain[path].interval(known[path][1])
-        if not low <= value <= high:
-            yield Problem(field, f"{value:g}", f"a start lies within the bounds {low:g} to {high:g}")
+        if not _within(value, low, high):
+            yield Problem(field, _given_number(value), f"a start lies within the bounds {low:g} to {high:g}")
 
 
 def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
@@ -234,6 +236,16 @@ def _values(
 ) -> dict[str, tuple[ParameterEntry, float]]:
     missing = float("nan")
     return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}
+
+
+def _within(value: float, low: float, high: float) -> bool:
+    """Within the bounds but for rounding: 10 % below 0.1 is 0.09000000000000001."""
+    slack = 1e-9 * (high - low)
+    return low - slack <= value <= high + slack
+
+
+def _given_number(value: float) -> str:
+    return f"{value:.15g}"
 
 
 def _limits(entry: ParameterEntry) -> str:

@@ -8,59 +8,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
-import re
-from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
-LARGEST = 1e12
-"""No quantity of a campaign may be larger than this, in its own unit."""
+from campaigns.values import Identifier, Name, Number, Option, Path, PlusMinus, Text, Values, Whole, around, whole
 
 MAX_STEPS = 2_000_000
 MAX_EVALUATIONS = 10_000_000
 
 
-def _number(value: Any) -> Any:
-    """Numbers only: YAML 1.1 reads 1e-3 as text, so text that is a number is taken for one."""
-    if isinstance(value, bool):
-        raise ValueError("expected a number, given true or false")
-    if isinstance(value, str):
-        try:
-            value = float(value)
-        except ValueError:
-            raise ValueError(f"expected a number, given the text {value!r}") from None
-    if isinstance(value, (int, float)) and not (math.isfinite(value) and abs(value) <= LARGEST):
-        raise ValueError(f"expected a finite number of at most {LARGEST:g} in magnitude, given {value!r}")
-    return value
-
-
-Number = Annotated[float, BeforeValidator(_number)]
-Name = Annotated[str, Field(min_length=1, max_length=120)]
-Identifier = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=60)]
-Path = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)+$", max_length=120)]
-"""Where a parameter stands in the scenario: `vehicle.m`, `obstacles.0.position.x`."""
-
-
 class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-def _flatten(value: Any, prefix: str = "") -> Any:
-    if not isinstance(value, Mapping):
-        return value
-    flat: dict[str, Any] = {}
-    for key, inner in value.items():
-        if isinstance(inner, Mapping):
-            flat.update(_flatten(inner, f"{prefix}{key}."))
-        else:
-            flat[f"{prefix}{key}"] = inner
-    return flat
-
-
-Values = Annotated[dict[str, Number], BeforeValidator(_flatten), Field(max_length=500)]
-"""Parameter values by name; nested mappings are read as dotted names, `position: {x: 4}` as `position.x: 4`."""
 
 
 class Part(Strict):
@@ -94,15 +53,15 @@ class Scenario(Strict):
     obstacles: Annotated[list[Part], Field(max_length=64)] = []
     environment: Annotated[list[Part], Field(max_length=16)] = []
     faults: Annotated[list[FaultPart], Field(max_length=32)] = []
-    guidance: Guidance = Guidance()
     horizon: Annotated[Number, Field(gt=0)]
     """[s]"""
     step: Annotated[Number, Field(gt=0)]
     """[s]"""
+    guidance: Guidance = Guidance()
 
     @model_validator(mode="after")
     def _sizes(self) -> Scenario:
-        steps = self.horizon / self.step
+        steps, period = self.horizon / self.step, self.guidance.period
         if steps < 1:
             raise ValueError(f"the step of {self.step:g} s is longer than the horizon of {self.horizon:g} s")
         if steps > MAX_STEPS:
@@ -110,14 +69,15 @@ class Scenario(Strict):
                 f"horizon / step = {steps:.3g} steps, at most {MAX_STEPS:,} are allowed: "
                 "lengthen the step or shorten the horizon"
             )
-        if abs(steps - round(steps)) > 1e-6 * steps:
+        if not _is_whole(steps):
             raise ValueError(f"the horizon of {self.horizon:g} s is not a whole number of steps of {self.step:g} s")
-        every = self.guidance.period / self.step
-        if abs(every - round(every)) > 1e-6 * max(every, 1.0):
-            raise ValueError(
-                f"the guidance period of {self.guidance.period:g} s is not a whole number of steps of {self.step:g} s"
-            )
+        if period > 0 and not _is_whole(period / self.step):
+            raise ValueError(f"the guidance period of {period:g} s is not a whole number of steps of {self.step:g} s")
         return self
+
+
+def _is_whole(ratio: float) -> bool:
+    return ratio >= 0.5 and abs(ratio - round(ratio)) <= 1e-6 * ratio
 
 
 class Uniform(Strict):
@@ -146,9 +106,6 @@ def _distribution(value: Any) -> Any:
     return {"kind": value} if isinstance(value, str) else value
 
 
-_PERCENT = re.compile(r"^\s*([0-9.eE+-]+)\s*%\s*$")
-
-
 class Uncertain(Strict):
     """The bounds of one uncertain parameter: `low` and `high`, or `plus_minus` around the nominal value.
 
@@ -157,50 +114,31 @@ class Uncertain(Strict):
 
     low: Number | None = None
     high: Number | None = None
-    plus_minus: Number | str | None = None
-    unit: Annotated[str, Field(max_length=30)] | None = None
+    plus_minus: PlusMinus | None = None
+    unit: Annotated[Text, Field(max_length=30)] | None = None
     distribution: Annotated[Distribution, BeforeValidator(_distribution)] = Uniform()
 
     @model_validator(mode="after")
     def _one_form(self) -> Uncertain:
-        interval = (self.low is not None, self.high is not None)
-        if self.plus_minus is None:
-            if interval != (True, True):
-                raise ValueError("give both low and high, or plus_minus")
-            if not self.low < self.high:  # type: ignore[operator]
-                kind = "empty" if self.low == self.high else "reversed"
-                raise ValueError(
-                    f"the interval from low = {self.low:g} to high = {self.high:g} is {kind}: low must be below high"
-                )
+        if self.plus_minus is not None:
+            if self.low is not None or self.high is not None:
+                raise ValueError("give either low and high, or plus_minus, not both")
             return self
-        if any(interval):
-            raise ValueError("give either low and high, or plus_minus, not both")
-        if self._share()[0] <= 0:
-            raise ValueError(f"plus_minus must be above 0, given {self.plus_minus!r}")
+        if self.low is None or self.high is None:
+            raise ValueError("give both low and high, or plus_minus")
+        if not self.low < self.high:
+            kind = "empty" if self.low == self.high else "reversed"
+            raise ValueError(
+                f"the interval from low = {self.low:g} to high = {self.high:g} is {kind}: low must be below high"
+            )
         return self
-
-    def _share(self) -> tuple[float, bool]:
-        if isinstance(self.plus_minus, str):
-            match = _PERCENT.match(self.plus_minus)
-            try:
-                share = float(match[1]) / 100 if match else math.nan
-            except ValueError:
-                share = math.nan
-            if not math.isfinite(share):
-                raise ValueError(f"plus_minus must be a number or a percentage such as 20%, given {self.plus_minus!r}")
-            return share, True
-        assert self.plus_minus is not None
-        return float(self.plus_minus), False
 
     def interval(self, nominal: float) -> tuple[float, float]:
         """Low and high around the given nominal value, in its unit."""
         if self.low is not None and self.high is not None:
             return self.low, self.high
-        amount, relative = self._share()
-        if not relative:
-            return nominal - amount, nominal + amount
-        ends = nominal * (1.0 - amount), nominal * (1.0 + amount)
-        return min(ends), max(ends)
+        assert self.plus_minus is not None
+        return around(nominal, self.plus_minus)
 
 
 class Criterion(Strict):
@@ -214,15 +152,15 @@ class Criterion(Strict):
 class Sensitivity(Strict):
     """One parameter at a time over its bounds, the others nominal."""
 
-    points: Annotated[int, Field(ge=2, le=2001)] = 21
+    points: Annotated[Whole, Field(ge=2, le=2001)] = 21
 
 
 class Search(Strict):
     """One search stage: a method, its budget of evaluations, its options and, where it uses them, its starts."""
 
     method: Identifier
-    evaluations: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS)]
-    options: dict[str, Any] = {}
+    evaluations: Annotated[Whole, Field(ge=1, le=MAX_EVALUATIONS)]
+    options: Annotated[dict[str, Option], Field(max_length=100)] = {}
     starts: Annotated[list[dict[Path, Number]], Field(max_length=10_000)] = []
     """Points to start from, by path in the parameters' units; a path left out is nominal."""
 
@@ -232,7 +170,7 @@ class Validate(Strict):
 
     tolerance: Annotated[Number, Field(gt=0, le=1)] = 1e-3
     """Share of the criterion's value; a tenth of the margin holds as well."""
-    neighbours: Annotated[int, Field(ge=0, le=100_000)] = 300
+    neighbours: Annotated[Whole, Field(ge=0, le=100_000)] = 300
     reach: Annotated[Number, Field(gt=0, le=0.5)] = 1e-3
     """Share of each range within which the neighbours lie."""
 
@@ -244,9 +182,7 @@ class Stages(Strict):
     search: Annotated[list[Search], Field(min_length=1, max_length=32)]
     validate_: Validate = Field(default=Validate(), alias="validate")
 
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, validate_by_name=True, validate_by_alias=True
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Published(Strict):
@@ -255,7 +191,7 @@ class Published(Strict):
     label: Name
     value: Number
     at: dict[Path, Number] = {}
-    source: Annotated[str, Field(max_length=300)] = ""
+    source: Annotated[Text, Field(max_length=300)] = ""
 
 
 class Campaign(Strict):
@@ -265,10 +201,10 @@ class Campaign(Strict):
     they came from.
     """
 
-    version: Literal[1] = 1
+    version: Annotated[Literal[1], BeforeValidator(whole)] = 1
     name: Name
-    summary: Annotated[str, Field(max_length=400)] = ""
-    notes: Annotated[str, Field(max_length=20_000)] = ""
+    summary: Annotated[Text, Field(max_length=400)] = ""
+    notes: Annotated[Text, Field(max_length=20_000)] = ""
     tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
     scenario: Scenario
     uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
@@ -279,8 +215,14 @@ class Campaign(Strict):
     target_probability: Annotated[Number, Field(gt=0, lt=1)] | None = None
     """Where given, the 95 % bound on P(violation) from the random sample must be at most this."""
     confidence: Annotated[Number, Field(gt=0.5, lt=1)] = 0.95
-    seed: Annotated[int, Field(ge=0, le=2**53)] = 1
+    seed: Annotated[Whole, Field(ge=0, le=2**53)] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
+
+    @field_validator("uncertain")
+    @classmethod
+    def _in_order(cls, uncertain: dict[str, Uncertain]) -> dict[str, Uncertain]:
+        """By name, small letters first (m, J): the search's axes must not depend on how a file orders its keys."""
+        return dict(sorted(uncertain.items(), key=lambda item: item[0].swapcase()))
 
     @field_validator("tags")
     @classmethod

@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 from pydantic import BaseModel
 
+from campaigns.reading import Dumper
 from campaigns.spec import Campaign
 
 _ALWAYS = frozenset({"version", "component", "kind", "seed"})
@@ -15,7 +16,7 @@ _ALWAYS = frozenset({"version", "component", "kind", "seed"})
 
 def to_yaml(campaign: Campaign) -> str:
     """YAML text that reads back as an equal campaign (the same digest)."""
-    text: str = yaml.safe_dump(_said(campaign), sort_keys=False, allow_unicode=True, width=100)
+    text: str = yaml.dump(_said(campaign), Dumper=Dumper, sort_keys=False, allow_unicode=True, width=100)
     return text
 
 

@@ -33,15 +33,17 @@ def main() -> None:
     os.dup2(2, 1)
     _say(answers, {"ready": True})
     problems: OrderedDict[str, Problem] = OrderedDict()
-    for line in sys.stdin:
+    for line in sys.stdin.buffer:
         _say(answers, answer(line, problems))
 
 
-def answer(line: str, problems: OrderedDict[str, Problem]) -> dict[str, Any]:
+def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, Any]:
     """The response to one request; whatever is wrong with it is an error with a sentence."""
     number = None
     try:
         request = json.loads(line)
+        if not isinstance(request["id"], int | str):
+            raise TypeError("id is a whole number or text")
         number = request["id"]
         problem = _problem(request["campaign"], problems)
         return {"id": number} | _flight(problem, request.get("parameters", {}), request.get("rows", ROWS))
@@ -63,10 +65,8 @@ def _problem(document: Any, problems: OrderedDict[str, Problem]) -> Problem:
 
 
 def _flight(problem: Problem, parameters: dict[str, float], rows: int) -> dict[str, Any]:
-    unknown = [path for path in parameters if path not in problem.paths]
-    if unknown:
-        raise ValueError(f"the scenario has no parameter {unknown[0]!r}")
-    flown = trace(problem, "live", {path: float(value) for path, value in parameters.items()}, rows)
+    values = {path: _value(problem, path, value) for path, value in parameters.items()}
+    flown = trace(problem, "live", values, rows)
     cost = flown.meta["cost"]
     return {
         "status": flown.meta["status"],
@@ -77,6 +77,18 @@ def _flight(problem: Problem, parameters: dict[str, float], rows: int) -> dict[s
         "data": {c["name"]: _plain(flown.data[:, k]) for k, c in enumerate(flown.columns)},
         "meta": _finite(flown.meta),
     }
+
+
+def _value(problem: Problem, path: str, value: Any) -> float:
+    """The value of a parameter, which must exist and lie within its component's limits."""
+    if path not in problem.paths:
+        raise ValueError(f"the scenario has no parameter {path!r}")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{path} takes a number, given {value!r}")
+    limits = next(p for s in problem.loop.sections for p in s.parameters if f"{s.prefix}.{p.name}" == path)
+    if not limits.low <= value <= limits.high:
+        raise ValueError(f"{path} lies within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
+    return float(value)
 
 
 def _plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:

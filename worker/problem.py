@@ -27,6 +27,9 @@ from worker.search.base import EXCLUDED, FAILED, OK, Batch
 
 Floats = NDArray[np.float64]
 
+FLAT = 1e5
+"""A normal distribution so many ranges wide is uniform to 1e-11."""
+
 
 class CampaignUnusable(ValueError):
     """The campaign cannot be run with the components of this installation; the message says why."""
@@ -219,9 +222,11 @@ def _quantile(r: Range, u: Floats) -> Floats:
     width = r.high - r.low
     if isinstance(r.distribution, TruncatedNormal):
         mean, deviation = (r.distribution.mean - r.low) / width, r.distribution.deviation / width
+        if deviation > FLAT:  # the truncated tails cancel, what is left is level
+            return u
         shaped = stats.truncnorm.ppf(u, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
     elif isinstance(r.distribution, Triangular):
-        shaped = stats.triang.ppf(u, (r.distribution.mode - r.low) / width)
+        shaped = stats.triang.ppf(u, float(np.clip((r.distribution.mode - r.low) / width, 0.0, 1.0)))
     else:
         return u
     return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)

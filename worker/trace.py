@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from worker.problem import Floats, Problem
-from worker.search.base import STATUS
+from worker.search.base import FAILED, STATUS
 from worker.store import Trace
 
 POSE = 6
@@ -29,6 +29,8 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
     states = flown.trace[0]
     flying = np.isfinite(states).all(axis=1)
     states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
+    if status[0] == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
+        states = states[: round(float(flown.when[0]) / problem.step) + 1]
     seen = _Seen(problem, problem.loop.observe(states, vector, problem.step), vector)
     closest = _closest(problem, seen)
     kept = _kept(len(states), rows, closest)

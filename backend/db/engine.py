@@ -34,7 +34,10 @@ def connect(url: str) -> sa.Engine:
 
     Every transaction of SQLite is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for another database.
     """
-    parsed = sa.make_url(url)
+    try:
+        parsed = sa.make_url(url)
+    except sa.exc.ArgumentError:
+        raise ValueError("the database is given as sqlite:///FILE or postgresql://..., not as this text") from None
     backend = parsed.get_backend_name()
     if backend == "sqlite":
         return _sqlite(parsed)

@@ -32,7 +32,7 @@ _SILENT = "its worker was lost without a sign"
 _CLAIMED = (Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.started, Run.campaign_digest)
 
 
-class LostLease(RuntimeError):  # noqa: N818 - it says what happened
+class LostLease(RuntimeError):
     """The run was given to another worker or has ended; nothing was written."""
 
     def __init__(self, message: str | None = None) -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import gzip
+import logging
 from pathlib import Path
 
 import viser
 from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import RedirectResponse, Response
+from starlette.websockets import WebSocketDisconnect
 
 from backend.db.engine import read
 from backend.deps import Reader
@@ -29,8 +33,10 @@ CSP = (
 )
 """viser's page is one file with everything in it. `connect-src 'self'` keeps it from attaching to another server."""
 
+FAILED = 1011
 BUSY = 1013
 REFUSED = 1008
+_log = logging.getLogger(__name__)
 
 
 @router.get("/view/{run}")
@@ -78,9 +84,13 @@ async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
         await socket.close(BUSY)
         return
     try:
-        await relay(socket, lambda server: _build(server, socket, run_id, address))
+        await relay(socket, lambda server: _build(server, socket, run_id, address), state.viewers.stopping)
     except RefusedError:
         await socket.close(REFUSED)
+    except Exception:
+        _log.exception("the 3D view of %s failed", run)
+        with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+            await socket.close(FAILED)
     finally:
         state.viewers.leave()
 
@@ -108,6 +118,8 @@ class Viewers:
 
     def __init__(self, most: int) -> None:
         self.open, self._most = 0, most
+        self.stopping = asyncio.Event()
+        """Set when all of them are to end."""
 
     def enter(self) -> bool:
         """Whether there is room for one more, which then counts."""
@@ -115,6 +127,11 @@ class Viewers:
             return False
         self.open += 1
         return True
+
+    def stop(self) -> None:
+        """End all of them, and let none in any more."""
+        self._most = 0
+        self.stopping.set()
 
     def leave(self) -> None:
         """One is gone."""

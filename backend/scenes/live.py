@@ -89,7 +89,7 @@ class _Child:
     """
 
     def __init__(self, command: Sequence[str]) -> None:
-        self.over = False
+        self.over, self._why = False, ""
         self.flown: set[str] = set()
         self._command = command
         self._numbers = itertools.count(1)
@@ -107,7 +107,7 @@ class _Child:
         line = json.dumps({"id": number, **request}, allow_nan=False).encode() + b"\n"
         with self._lock:
             if self.over:
-                asked.answer.set_exception(LiveError(_ENDED))
+                asked.answer.set_exception(LiveError(self._why))
                 return asked
             self._asked[number] = asked
         try:
@@ -133,7 +133,8 @@ class _Child:
     def end(self, why: str) -> None:
         """Kill it and fail everything that was asked."""
         with self._lock:
-            self.over = True
+            if not self.over:
+                self.over, self._why = True, why
             asked, self._asked = list(self._asked.values()), {}
         if self._process is not None:
             self._process.kill()

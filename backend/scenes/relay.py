@@ -44,8 +44,8 @@ def open_server(secret: str) -> viser.ViserServer:
     return server
 
 
-async def relay(socket: WebSocket, build: Callable[[viser.ViserServer], Viewer]) -> None:
-    """Serve one viewer until its browser goes, and clear everything away."""
+async def relay(socket: WebSocket, build: Callable[[viser.ViserServer], Viewer], stopping: asyncio.Event) -> None:
+    """Serve one viewer until its browser goes or the service stops, and clear everything away."""
     secret = secrets.token_urlsafe(32)
     server: viser.ViserServer | None = None
     viewer: Viewer | None = None
@@ -62,7 +62,7 @@ async def relay(socket: WebSocket, build: Callable[[viser.ViserServer], Viewer])
             proxy=None,
         ) as back:
             await socket.accept(subprotocol=back.subprotocol)
-            await _carry(socket, back)
+            await _carry(socket, back, stopping)
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):  # the browser closed it
             await socket.close(GOING_AWAY)
     finally:
@@ -72,8 +72,8 @@ async def relay(socket: WebSocket, build: Callable[[viser.ViserServer], Viewer])
             await to_thread.run_sync(server.stop)
 
 
-async def _carry(socket: WebSocket, back: websockets.ClientConnection) -> None:
-    """Both directions, until either end closes."""
+async def _carry(socket: WebSocket, back: websockets.ClientConnection, stopping: asyncio.Event) -> None:
+    """Both directions, until either end closes or the service stops."""
 
     async def up() -> None:
         while (message := await socket.receive())["type"] != "websocket.disconnect":
@@ -83,7 +83,7 @@ async def _carry(socket: WebSocket, back: websockets.ClientConnection) -> None:
         async for message in back:
             await socket.send_bytes(message if isinstance(message, bytes) else message.encode())
 
-    tasks = [asyncio.create_task(up()), asyncio.create_task(down())]
+    tasks = [asyncio.create_task(work) for work in (up(), down(), stopping.wait())]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:

@@ -50,9 +50,9 @@ class Viewer:
             dark_mode=address.dark,
             show_logo=False,
             show_share_button=False,
-            control_layout="collapsible",
             brand_color=rgb(palette.soft),
         )
+        server.gui.main_panel.dock_right()
         server.gui.set_panel_label(f"{setting.run} · {setting.title}")
         self._lock = threading.RLock()
         with server.atomic():

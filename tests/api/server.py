@@ -57,10 +57,10 @@ class Service:
         self._thread.join(10)
         assert not self._thread.is_alive()
 
-    def publish(self) -> None:
+    def publish(self, document: dict[str, Any] | None = None) -> None:
         """Have a catalogue, as a worker would publish it."""
+        values = {"id": 1, "document": document or CATALOGUE.model_dump(mode="json"), "published": time.time()}
         with self.engine.begin() as connection:
-            values = {"id": 1, "document": CATALOGUE.model_dump(mode="json"), "published": time.time()}
             connection.execute(sa.insert(CatalogueDocument).values(**values))
 
     def login_code(self, lifetime: float = 60.0) -> str:

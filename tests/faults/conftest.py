@@ -14,17 +14,17 @@ from tests.faults import postgres
 
 
 @pytest.fixture(scope="session")
-def server() -> Iterator[str]:
-    """The URL of a PostgreSQL server."""
-    with postgres.server() as url:
-        yield url
+def server() -> Iterator[postgres.Server]:
+    """A PostgreSQL server."""
+    with postgres.server() as running:
+        yield running
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
 def database(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[sa.Engine]:
     """An empty database of each kind."""
     file = f"sqlite:///{tmp_path}/clearance.sqlite3"
-    url = file if request.param == "sqlite" else request.getfixturevalue("server")
+    url = file if request.param == "sqlite" else request.getfixturevalue("server").url
     migrate(url)
     engine = connect(url)
     yield engine

@@ -23,6 +23,9 @@ from worker.store import Store
 SEARCH = 400
 CHUNK = 20
 
+LINGER = 1.0
+"""How long `linger` takes to say that it has finished: longer than the time between two beats [s]."""
+
 
 def execute(campaign: Campaign, store: Store) -> Conclusion | None:
     """Two stages; in the second, once half is flown, what the campaign's name says: `crash ...`."""
@@ -41,6 +44,8 @@ def execute(campaign: Campaign, store: Store) -> Conclusion | None:
     store.finish(1, {"method": "direct"}, 1.0)
     conclusion = Conclusion("inconclusive", "A test.", 0.9, 0.8, "direct", {})
     store.conclude(conclusion)
+    if campaign.name.startswith("linger"):
+        threading.Event().wait(LINGER)
     return conclusion
 
 
@@ -94,6 +99,7 @@ def talk() -> None:
 
 ACCIDENTS: dict[str, Any] = {
     "none": lambda: None,
+    "linger": lambda: None,
     "segfault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
     "kill": lambda: os.kill(os.getpid(), signal.SIGKILL),
     "exit": lambda: os._exit(7),

@@ -16,9 +16,24 @@ from pathlib import Path
 import pytest
 
 
+class Server:
+    """A running server: its URL, and a way to take it down."""
+
+    def __init__(self, url: str, control: list[str], options: str) -> None:
+        self.url, self._control, self._options = url, control, options
+
+    def start(self) -> None:
+        """Returns once it takes connections."""
+        _run([*self._control, "-o", self._options, "start"])
+
+    def stop(self) -> None:
+        """Ends it as a crash would: connections are cut."""
+        _run([*self._control, "-m", "immediate", "stop"])
+
+
 @contextmanager
-def server() -> Iterator[str]:
-    """The URL of a running, empty server; skips the test where there is none to start."""
+def server() -> Iterator[Server]:
+    """A running, empty server; skips the test where there is none to start."""
     binaries = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
     found = shutil.which("initdb") or (str(binaries[-1]) if binaries else None)
     if found is None:
@@ -32,11 +47,12 @@ def server() -> Iterator[str]:
         _run([*as_user, str(bin_folder / "initdb"), "-D", str(data), "-U", "clearance", "-A", "trust", "-N"])
         options = f"-c listen_addresses='' -c unix_socket_directories='{folder}' -c fsync=off"
         control = [*as_user, str(bin_folder / "pg_ctl"), "-D", str(data), "-l", str(folder / "log"), "-w"]
-        _run([*control, "-o", options, "start"])
+        running = Server(f"postgresql://clearance@/postgres?host={folder}", control, options)
+        running.start()
         try:
-            yield f"postgresql://clearance@/postgres?host={folder}"
+            yield running
         finally:
-            _run([*control, "-m", "immediate", "stop"])
+            running.stop()
     finally:
         shutil.rmtree(folder)
 

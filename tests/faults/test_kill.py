@@ -7,11 +7,12 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db.engine import read
+from backend.db.engine import connect, migrate, read
 from backend.db.queue import Claim, submit
 from backend.db.store import RunStore
 from backend.db.tables import Finding, Run, Stage, Trace
 from campaigns import Campaign, library, load_file
+from tests.faults import postgres
 from tests.faults.processes import alive, kill, until, worker
 from worker.runner import execute
 from worker.store import MemoryStore
@@ -67,6 +68,30 @@ def test_a_search_killed_twice_ends_as_if_it_never_had_been(database: sa.Engine,
     _same_as_undisturbed(database, run_id, campaign, run(), stages())
 
 
+def test_a_database_server_that_goes_down_is_waited_for(tmp_path: Path) -> None:
+    campaign = case()
+    with postgres.server() as server:
+        migrate(server.url)
+        engine = connect(server.url)
+        with engine.begin() as connection:
+            run_id = submit(connection, campaign, name="cut off", tags=[], owner="", planned=0)
+
+        def run() -> Any:
+            with read(engine) as connection:
+                return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
+
+        with worker(server.url, tmp_path, "patient", "--lease", "2") as patient:
+            until(lambda: run().evaluations > SAMPLE // 6, "well under way")
+            engine.dispose()
+            server.stop()
+            until(lambda: "the database did not answer" in patient.text(), "the worker notices")
+            server.start()
+            until(lambda: run().state != "running", "the run ends", 120)
+            assert (run().state, run().attempts, run().fence) == ("done", 1, 1), patient.text()
+            assert patient.process.poll() is None
+        engine.dispose()
+
+
 def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run: Any, stages: Any) -> None:
     undisturbed = MemoryStore()
     conclusion = execute(campaign, undisturbed)
@@ -89,5 +114,5 @@ def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run
     assert store.found() == undisturbed.found()
     with read(engine) as connection:
         assert connection.scalar(sa.select(sa.func.count()).select_from(Finding)) == len(undisturbed.findings)
-        flights = dict(connection.execute(sa.select(Trace.name, Trace.data)).tuples().all())
+        flights = {row.name: row.data for row in connection.execute(sa.select(Trace.name, Trace.data))}
     assert flights == {t.name: t.data.tobytes() for t in undisturbed.traces.values()}

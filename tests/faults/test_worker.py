@@ -130,6 +130,22 @@ def test_an_error_in_the_physics_leaves_the_child_warm(bench: Bench) -> None:
     assert bench.worker.child() == child
 
 
+def test_a_beat_between_the_last_write_and_the_answer_does_not_kill_the_child(bench: Bench) -> None:
+    bench.ended(bench.submit("none"))
+    child = bench.worker.child()
+    assert bench.ended(bench.submit("linger")).state == "done"
+    assert bench.ended(bench.submit("none")).state == "done"
+    assert bench.worker.child() == child
+
+
+def test_a_child_that_cannot_start_ends_the_worker_with_its_reason(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/clearance.sqlite3"
+    with worker(url, tmp_path, "broken", "--runner", "tests.faults.nowhere:execute") as broken:
+        assert broken.process.wait(60) == 4
+        assert "No module named 'tests.faults.nowhere'" in broken.text()
+        assert "ended with exit code 1 before it was ready, 3 times in a row" in broken.text()
+
+
 def test_what_the_physics_prints_and_reads_never_reaches_the_supervisor(bench: Bench) -> None:
     run_id = bench.submit("talk")
     assert bench.ended(run_id).state == "done"

@@ -31,7 +31,7 @@ def url_of(data: Path, database: str) -> str:
     url = database or default_url(data)
     try:
         connect(url).dispose()
-    except (ValueError, sa.exc.ArgumentError) as error:
+    except ValueError as error:
         raise WrongInputError(f"{error}") from None
     except OSError as error:
         raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None

@@ -79,17 +79,26 @@ class Method:
     repeats: bool = False
 
 
-def side_by_side(searches: list[Search]) -> Generator[Floats, Batch, list[str]]:
+AT_ONCE = 256
+"""Searches that `side_by_side` keeps going at a time: each may hold a thread."""
+
+
+def side_by_side(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats, Batch, list[str]]:
     """Advance several searches together: one request holds the points that all of them want next.
 
-    Their order is the order given, so that the outcome depends on nothing else. Returns their sentences.
+    Where there are more than `at_once`, the next begins when one has ended. Their order is the order given, so that
+    the outcome depends on nothing else. Returns their sentences.
     """
     said = [""] * len(searches)
     wanted: dict[int, Floats] = {}
-    for i, search in enumerate(searches):
-        _advance(i, search, None, wanted, said)
+    begun = 0
     try:
-        while wanted:
+        while True:
+            while len(wanted) < at_once and begun < len(searches):
+                _advance(begun, searches[begun], None, wanted, said)
+                begun += 1
+            if not wanted:
+                return said
             order = sorted(wanted)
             batch = yield np.concatenate([wanted[i] for i in order])
             ends = np.cumsum([len(wanted[i]) for i in order])
@@ -99,7 +108,6 @@ def side_by_side(searches: list[Search]) -> Generator[Floats, Batch, list[str]]:
     finally:
         for search in searches:
             search.close()
-    return said
 
 
 def _advance(i: int, search: Search, batch: Batch | None, wanted: dict[int, Floats], said: list[str]) -> None:

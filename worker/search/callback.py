@@ -11,14 +11,16 @@ from collections.abc import Callable, Generator
 from queue import SimpleQueue
 from typing import TypeVar
 
+import numpy as np
+
 from worker.search.base import Batch, Floats
 
 T = TypeVar("T")
 Ask = Callable[[Floats], Batch]
 
 
-class Abandoned(Exception):
-    """Raised inside the library's thread when the driver wants no more of it."""
+class Abandoned(BaseException):
+    """Raised inside the library's thread when the driver wants no more of it; no `except Exception` keeps it."""
 
 
 class _Raised:
@@ -37,12 +39,14 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
     When the generator is closed, `ask` raises `Abandoned` in the thread and the thread ends before close returns.
     """
     requests: SimpleQueue[Floats | _Raised | _Returned] = SimpleQueue()
-    answers: SimpleQueue[Batch | None] = SimpleQueue()
+    answers: SimpleQueue[Batch] = SimpleQueue()
+    nothing = Batch(np.empty((0, 0)), np.empty(0, dtype=np.uint8))
+    abandoned = threading.Event()
 
     def ask(points: Floats) -> Batch:
         requests.put(points)
-        answer = answers.get()
-        if answer is None:
+        answer = nothing if abandoned.is_set() else answers.get()
+        if abandoned.is_set():
             raise Abandoned
         return answer
 
@@ -54,7 +58,6 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
 
     thread = threading.Thread(target=work, name="search", daemon=True)
     thread.start()
-    waiting = False
     try:
         while True:
             request = requests.get()
@@ -62,11 +65,9 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
                 return request.value  # type: ignore[return-value]
             if isinstance(request, _Raised):
                 raise request.error
-            waiting = True
-            batch = yield request
-            waiting = False
-            answers.put(batch)
+            answers.put((yield request))
     finally:
-        if waiting:
-            answers.put(None)
+        # An interrupt may come at any moment: whether the thread waits for an answer now or will ask again, it ends.
+        abandoned.set()
+        answers.put(nothing)
         thread.join()

@@ -47,12 +47,14 @@ class Boxes:
         self.level: Ints = np.empty(capacity, dtype=np.int64)
         self.value: Floats = np.empty(capacity)
         self.lost: NDArray[np.bool_] = np.empty(capacity, dtype=np.bool_)
+        self.near: Floats = np.empty(capacity)
+        """Of a lost one: the lowest value that exists nearby, infinity where there is none."""
 
     def add(self, centre: Floats, depth: Ints, value: Floats) -> None:
         """Append m rectangles."""
         last = self.count + len(value)
         while last > len(self.value):
-            for name in ("centre", "depth", "level", "value", "lost"):
+            for name in ("centre", "depth", "level", "value", "lost", "near"):
                 held = getattr(self, name)
                 setattr(self, name, np.concatenate([held, np.empty_like(held)]))
         self.centre[self.count : last] = centre
@@ -113,14 +115,16 @@ def search(space: Space, options: Options) -> Search:
     centre = np.full((1, n), 0.5)
     batch = yield centre
     boxes.add(centre, np.zeros((1, n), dtype=np.int64), batch.ranked())
+    _rescue(boxes, np.empty(0, dtype=np.int64), 0)
     for done in range(1, options.iterations + 1):
-        _rescue(boxes)
         parents = promising(boxes, options.epsilon)
         if len(parents) == 0:
             return f"every rectangle is as small as numbers allow after {done - 1} iterations"
         points, owners, sides = _new_centres(boxes, parents)
         batch = yield points
+        first = boxes.count
         _divide(boxes, parents, points, owners, sides, batch.ranked())
+        _rescue(boxes, parents, first)
         if options.smallest > 0.0:
             best = int(np.argmin(boxes.value[: boxes.count]))
             if float(sizes(boxes.level[best : best + 1], n)[0]) < options.smallest:
@@ -159,23 +163,41 @@ def _divide(boxes: Boxes, parents: Ints, points: Floats, owners: Ints, sides: In
     boxes.add(points[children], np.repeat(depth, 2, axis=0), values[children])
 
 
-def _rescue(boxes: Boxes) -> None:
+def _rescue(boxes: Boxes, divided: Ints, first: int) -> None:
     """Rank the rectangles whose centre has no value, after Gablonsky (2001, section 3.4.3).
 
     Such a rectangle takes the lowest value among the feasible centres inside it at twice its size, a touch raised: it
     is divided in turn but never before that neighbour. Where there is none, it takes more than the highest value seen.
+    `divided` have shrunk and those from `first` on are new since the last time; the others' neighbours stand.
     """
-    lost = boxes.lost[: boxes.count]
-    if not lost.any():
+    lost = np.flatnonzero(boxes.lost[: boxes.count])
+    if len(lost) == 0:
         return
-    centre, value = boxes.centre[: boxes.count], boxes.value[: boxes.count]
-    feasible = np.flatnonzero(~lost)
-    highest = float(value[feasible].max()) if len(feasible) else 0.0
-    for i in np.flatnonzero(lost):
-        reach = 3.0 ** -boxes.depth[i].astype(np.float64)
-        near = feasible[(np.abs(centre[feasible] - centre[i]) <= reach).all(axis=1)]
-        nearest = float(value[near].min()) if len(near) else highest + max(abs(highest), 1.0)
-        value[i] = nearest + 1e-6 * abs(nearest)
+    feasible = np.flatnonzero(~boxes.lost[: boxes.count])
+    changed = np.concatenate([divided[boxes.lost[divided]], lost[lost >= first]])
+    same = lost[lost < first]
+    boxes.near[same] = np.minimum(boxes.near[same], _lowest_near(boxes, same, feasible[feasible >= first]))
+    boxes.near[changed] = _lowest_near(boxes, changed, feasible)
+    highest = float(boxes.value[feasible].max()) if len(feasible) else 0.0
+    near = boxes.near[lost]
+    value = np.where(np.isfinite(near), near, highest + max(abs(highest), 1.0))
+    boxes.value[lost] = value + 1e-6 * np.abs(value)
+
+
+def _lowest_near(boxes: Boxes, rows: Ints, feasible: Ints) -> Floats:
+    """The lowest value of these feasible centres within each rectangle at twice its size; infinity for none."""
+    found = np.full(len(rows), np.inf)
+    if len(feasible) == 0:
+        return found
+    centre, value = boxes.centre[feasible], boxes.value[feasible]
+    for some in np.array_split(np.arange(len(rows)), -(-len(rows) * len(feasible) // 1_000_000) or 1):
+        # Centres of equal rectangles are exactly one reach apart but for rounding.
+        reach = 3.0 ** -boxes.depth[rows[some]].astype(np.float64) * (1.0 + 1e-9)
+        inside = np.ones((len(some), len(feasible)), dtype=np.bool_)
+        for k in range(centre.shape[1]):
+            inside &= np.abs(boxes.centre[rows[some], k, None] - centre[None, :, k]) <= reach[:, k, None]
+        found[some] = np.where(inside, value, np.inf).min(axis=1)
+    return found
 
 
 method = Method(

@@ -85,6 +85,8 @@ def drive(context: Context, position: int, search: Search, budget: int, repeats:
     try:
         points = next(search)
         while True:
+            if context.cancelled():
+                raise Cancelled
             batch, spent = driver.answer(points)
             if spent:
                 return driver.end("budget", f"used its budget of {count(budget)} evaluations")
@@ -125,6 +127,8 @@ class _Driver:
         return Batch(np.array([r[0] for r in rows]), np.array([r[1] for r in rows], dtype=np.uint8)), False
 
     def end(self, stop: str, text: str) -> Driven:
+        if self.stored is not None and self.tally.evaluations < len(self.stored.status):
+            raise ReplayMismatch(self.position, self.tally.evaluations)
         self.flush()
         self.tally.seconds = self._seconds()
         columns = join(self.held)

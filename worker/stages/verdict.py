@@ -144,24 +144,23 @@ def _agreement(campaign: Campaign, evidence: Evidence) -> Check:
     if not titles:
         return Check("agreement", False, "no global method searched; add one, such as DIRECT")
     allowed = max(campaign.agreement * (nominal - finding.cost), 1e-9 * max(abs(finding.cost), 1.0))
-    aiming = [s for s in evidence.searches if s["kind"] != "random" and s["best"] is not None]
-    apart = {s["title"]: s["best"]["cost"] - finding.cost for s in aiming}
+    aiming = [s for s in evidence.searches if s["kind"] != "random"]
+    above = [float("inf") if s["best"] is None else s["best"]["cost"] - finding.cost for s in aiming]
     late = [
-        f"{t} stopped {number(apart.get(t, float('inf')))} above it"
-        for t in titles
-        if not apart.get(t, 1e300) <= allowed
+        f"{s['title']} stopped {number(by)} above it" if s["best"] is not None else f"{s['title']} found no flight"
+        for s, by in zip(aiming, above, strict=True)
+        if s["kind"] == "global" and by > allowed
     ]
     if late:
         return Check("agreement", False, f"the worst case is {number(finding.cost)}, but {' and '.join(late)}")
-    reached = [title for title, above in apart.items() if above <= allowed]
+    reached = {s["method"]: s["title"] for s, by in zip(aiming, above, strict=True) if by <= allowed}
     if len(reached) < 2:
+        (only,) = reached.values()
         return Check(
-            "agreement",
-            False,
-            f"only {reached[0]} reached the worst case; a verdict needs a second method to confirm it",
+            "agreement", False, f"only {only} reached the worst case; a verdict needs a second method to confirm it"
         )
-    spread = number(max(apart[t] for t in reached))
-    return Check("agreement", True, f"{listed(reached)} agree on the worst case within {spread}")
+    spread = number(max(by for by in above if by <= allowed))
+    return Check("agreement", True, f"{listed(list(reached.values()))} agree on the worst case within {spread}")
 
 
 def _validated(evidence: Evidence) -> Check:

@@ -47,13 +47,7 @@ export const runsQuery = (filter: calls.RunFilter) =>
     placeholderData: (before) => before,
   })
 
-/** A live run is asked for every two seconds besides the stream: its rate and time left come from nowhere else. */
-export const runQuery = (id: string) =>
-  queryOptions({
-    queryKey: ['run', id],
-    queryFn: () => calls.getRun(id),
-    refetchInterval: (query) => (query.state.data && isLive(query.state.data) ? 2000 : false),
-  })
+export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], queryFn: () => calls.getRun(id) })
 
 export const stagesQuery = (id: string) =>
   queryOptions({ queryKey: ['stages', id], queryFn: () => calls.getStages(id) })

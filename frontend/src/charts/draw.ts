@@ -36,37 +36,39 @@ export function drawCriterion(u: uPlot, spec: PlotSpec): void {
   ctx.lineTo(bbox.left + bbox.width, y)
   ctx.stroke()
   ctx.restore()
-  if (criterion.label) text(u, criterion.label, bbox.left + 6 * ratio, y - 7 * ratio, '--ink', 'left')
+  if (!criterion.label) return
+  const x = criterion.right ? bbox.left + bbox.width - 6 * ratio : bbox.left + 6 * ratio
+  text(u, criterion.label, x, y - 8 * ratio, '--ink', criterion.right ? 'right' : 'left')
 }
 
+/** Points with their names. Names stand below, and below each other where the points are near. */
 export function drawPoints(u: uPlot, points: readonly Point[]): void {
   const ratio = devicePixelRatio
-  for (const point of points) {
-    const x = u.valToPos(point.x, 'x', true)
-    const y = u.valToPos(point.y, 'y', true)
-    const { ctx, bbox } = u
-    ctx.save()
-    ctx.beginPath()
-    ctx.arc(x, y, 3.8 * ratio, 0, 2 * Math.PI)
-    ctx.fillStyle = colour(point.colour)
-    ctx.strokeStyle = colour('--surface')
-    ctx.lineWidth = 1.6 * ratio
-    ctx.fill()
-    ctx.stroke()
-    ctx.restore()
-    if (!point.label) continue
-    const half = measure(u, point.label) / 2
-    const at = clamp(x, bbox.left + half + 2, bbox.left + bbox.width - half - 2)
-    const below = point.place !== 'above'
-    text(
-      u,
-      point.label,
-      at,
-      y + (below ? 16 : -10) * ratio,
-      point.colour === '--c-worst' ? '--bad' : '--ink-2',
-      'center',
-    )
+  const placed = points.map((p) => ({ ...p, px: u.valToPos(p.x, 'x', true), py: u.valToPos(p.y, 'y', true) }))
+  for (const point of placed) dot(u, point.px, point.py, point.colour)
+  let last = { x: Number.NEGATIVE_INFINITY, y: Number.NEGATIVE_INFINITY, half: 0 }
+  for (const { label, px, py, colour: name } of placed) {
+    if (!label) continue
+    const half = measure(u, label) / 2
+    const x = clamp(px, u.bbox.left + half + 2, u.bbox.left + u.bbox.width - half - 2)
+    const beside = Math.abs(x - last.x) < half + last.half + 8 * ratio
+    const y = beside ? Math.max(py + 16 * ratio, last.y + 15 * ratio) : py + 16 * ratio
+    text(u, label, x, y, name === '--c-worst' ? '--bad' : '--ink-2', 'center')
+    last = { x, y, half }
   }
+}
+
+function dot(u: uPlot, x: number, y: number, name: string): void {
+  const { ctx } = u
+  ctx.save()
+  ctx.beginPath()
+  ctx.arc(x, y, 3.8 * devicePixelRatio, 0, 2 * Math.PI)
+  ctx.fillStyle = colour(name)
+  ctx.strokeStyle = colour('--surface')
+  ctx.lineWidth = 1.6 * devicePixelRatio
+  ctx.fill()
+  ctx.stroke()
+  ctx.restore()
 }
 
 export function drawEnds(u: uPlot, spec: PlotSpec): void {

@@ -21,8 +21,6 @@ export interface Point {
   y: number
   colour: string
   label?: string
-  /** Where the label stands; below by default. */
-  place?: 'above' | 'below'
   line?: string
 }
 
@@ -40,7 +38,7 @@ export interface PlotSpec {
   yRange?: [number, number]
   /** Ticks of x where the usual ones will not do. */
   xTicks?: readonly number[]
-  criterion?: { value: number; label?: string; tint?: boolean }
+  criterion?: { value: number; label?: string; tint?: boolean; right?: boolean }
   height: number
   /** The head of the tooltip. */
   xText: (x: number) => string

@@ -118,7 +118,7 @@ export function Editor({ start, from, catalogue, library, chosen, tab, onChoose,
               text={draft.text}
               ok={draft.problems.length === 0}
               checking={draft.checking}
-              problems={draft.problems.length}
+              problems={draft.problems}
               onChange={draft.setText}
             />
           ) : draft.readable ? (
@@ -140,6 +140,7 @@ export function Editor({ start, from, catalogue, library, chosen, tab, onChoose,
             name={name}
             tags={tags}
             campaign={draft.campaign}
+            readable={draft.readable}
             criterion={criterion}
             onName={setName}
             onTags={setTags}

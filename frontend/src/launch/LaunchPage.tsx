@@ -14,7 +14,7 @@ export function LaunchPage() {
   const navigate = useNavigate()
   const catalogue = useQuery(catalogueQuery)
   const library = useQuery(libraryQuery)
-  const earlier = useQuery({ ...runQuery(search.from ?? ''), enabled: Boolean(search.from), refetchInterval: false })
+  const earlier = useQuery({ ...runQuery(search.from ?? ''), enabled: Boolean(search.from) })
   const chosen = search.from ? null : (search.case ?? library.data?.[0]?.id ?? null)
 
   const start = useMemo(() => {

@@ -1,6 +1,6 @@
 // The shipped campaigns as cards to choose from.
 import type { KeyboardEvent } from 'react'
-import { asCampaign } from '../api/campaign'
+import { asCampaign, type Campaign } from '../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../client'
 import { plain } from '../format/numbers'
 import { Sign } from '../ui/Sign'
@@ -23,19 +23,34 @@ export function Library({ campaigns, catalogue, chosen, onChoose }: LibraryProps
     onChoose(next)
     document.getElementById(`case-${next.id}`)?.focus()
   }
+  const shown = campaigns.find((item) => item.id === chosen)
   return (
-    <div className="lib" role="radiogroup" aria-label="Case">
-      {campaigns.map((item, i) => (
-        <Card
-          key={item.id}
-          item={item}
-          catalogue={catalogue}
-          chosen={item.id === chosen}
-          tabbable={item.id === chosen || (chosen === null && i === 0)}
-          onChoose={() => onChoose(item)}
-          onKey={(event) => keys(event, i)}
-        />
-      ))}
+    <div className="lib">
+      <div className="cases" role="radiogroup" aria-label="Case">
+        {campaigns.map((item, i) => (
+          <Card
+            key={item.id}
+            item={item}
+            catalogue={catalogue}
+            chosen={item.id === chosen}
+            tabbable={item.id === chosen || (chosen === null && i === 0)}
+            onChoose={() => onChoose(item)}
+            onKey={(event) => keys(event, i)}
+          />
+        ))}
+      </div>
+      {shown && <About campaign={asCampaign(shown.document)} />}
+    </div>
+  )
+}
+
+/** What the chosen campaign is about and where it comes from. */
+function About({ campaign }: { campaign: Campaign }) {
+  return (
+    <div className="aboutcase">
+      <h3>{campaign.name}</h3>
+      {campaign.summary && <p>{campaign.summary}</p>}
+      {campaign.notes && <p className="small mut">{campaign.notes}</p>}
     </div>
   )
 }

@@ -38,6 +38,7 @@ export function PlanView({ campaign, height = 150 }: PlanViewProps) {
       width="100%"
       height={height}
       preserveAspectRatio="xMidYMid slice"
+      style={{ display: 'block' }}
       role="img"
       aria-label={`Plan of ${campaign.name}: start, goal and ${circles.length} obstacles`}
     >

@@ -124,7 +124,7 @@ function ParameterField({ parameter, set }: { parameter: Parameter; set: Set }) 
       <span className="t">
         <Sign text={entry.symbol} /> {entry.text}
         <small>
-          {plain(entry.low)} to {plain(entry.high)} {unit}
+          {entry.low === -entry.high ? `±${plain(entry.high)}` : `${plain(entry.low)} to ${plain(entry.high)}`} {unit}
         </small>
       </span>
       <NumberCell

@@ -15,13 +15,15 @@ interface RunCardProps {
   name: string
   tags: string[]
   campaign: Campaign
+  /** Whether the campaign shown is the one in the text: else its criterion cannot be edited here. */
+  readable: boolean
   criterion: ComponentEntry | undefined
   onName: (name: string) => void
   onTags: (tags: string[]) => void
   set: (at: readonly (string | number)[], value: unknown) => void
 }
 
-export function RunCard({ name, tags, campaign, criterion, onName, onTags, set }: RunCardProps) {
+export function RunCard({ name, tags, campaign, readable, criterion, onName, onTags, set }: RunCardProps) {
   return (
     <Card title="Run">
       <div style={{ display: 'grid', gap: 12 }}>
@@ -38,6 +40,7 @@ export function RunCard({ name, tags, campaign, criterion, onName, onTags, set }
           <TagsInput
             id={idOf('tags')}
             label="Tags"
+            labelProps={{ className: 'lbl' }}
             size="xs"
             value={tags}
             maxTags={20}
@@ -56,6 +59,7 @@ export function RunCard({ name, tags, campaign, criterion, onName, onTags, set }
             field="criterion.threshold"
             label="Criterion, threshold"
             value={campaign.criterion.threshold}
+            disabled={!readable}
             onChange={(value) => set(['criterion', 'threshold'], value ?? '')}
           />
           <FieldErrors field="criterion.threshold" />
@@ -87,7 +91,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         {bound !== null && (
           <>
             <dt>Bound on P(violation)</dt>
-            <dd>{percent(bound)}</dd>
+            <dd>{percent(bound, 3)}</dd>
           </>
         )}
         {target !== null && (

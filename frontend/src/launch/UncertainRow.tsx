@@ -35,6 +35,7 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
   const [low, high] = boundsOf(shown, nominal)
   const distribution = shown.distribution ?? { kind: 'uniform' }
   const name = parameter?.entry.text ?? path
+  const shaped = on && distribution.kind !== 'uniform'
   // A bound typed by hand replaces a plus-minus; the other bound stays where it is.
   const bound = (which: 'low' | 'high') => (value: Raw | null) =>
     set(['uncertain', path], { ...shown, plus_minus: null, low, high, [which]: value })
@@ -44,7 +45,11 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
     set(['uncertain', path], { ...shown, distribution: distributionOf(kind ?? 'uniform', numbers) })
   return (
     <>
-      <tr className={`${on ? '' : 'off'} ${problems.length ? 'has-error' : ''}`} id={idOf(field)} tabIndex={-1}>
+      <tr
+        className={`${on ? '' : 'off'} ${problems.length || shaped ? 'has-error' : ''}`}
+        id={idOf(field)}
+        tabIndex={-1}
+      >
         <td>
           <input
             type="checkbox"
@@ -110,8 +115,8 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
           <Density {...numbers} distribution={distribution} />
         </td>
       </tr>
-      {on && distribution.kind !== 'uniform' && (
-        <tr className="has-error">
+      {shaped && (
+        <tr className={problems.length ? 'has-error' : undefined}>
           <td colSpan={7} />
           <td colSpan={2}>
             <DistributionFields field={field} path={path} name={name} distribution={distribution} set={set} />

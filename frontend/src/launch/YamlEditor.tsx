@@ -1,15 +1,16 @@
 // The campaign as text: a plain editor with line numbers; a campaign file can be pasted, dropped or opened.
 import { IconCircleCheck, IconDownload, IconFileText, IconLoader } from '@tabler/icons-react'
 import { type DragEvent, useRef, useState } from 'react'
+import type { FieldProblem } from '../api/problems'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
-import { FieldErrors } from './problems'
+import { Message } from './problems'
 
 interface YamlEditorProps {
   text: string
   ok: boolean
   checking: boolean
-  problems: number
+  problems: readonly FieldProblem[]
   onChange: (text: string) => void
 }
 
@@ -30,7 +31,7 @@ export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEdito
   return (
     <Card
       title="campaign.yaml"
-      note={<State ok={ok} checking={checking} problems={problems} />}
+      note={<State ok={ok} checking={checking} problems={problems.length} />}
       flush
       right={
         <>
@@ -52,9 +53,13 @@ export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEdito
       }
       footer="YAML or JSON. Paste a campaign, or drop its file here. Tab moves on; the form shows the same campaign."
     >
-      <div style={{ padding: '0 16px' }}>
-        <FieldErrors field="" />
-      </div>
+      {problems.length > 0 && (
+        <div style={{ padding: '0 16px 8px' }}>
+          {problems.slice(0, 8).map((problem) => (
+            <Message key={problem.field + problem.message} problem={problem} named />
+          ))}
+        </div>
+      )}
       <div className={dropping ? 'editor drop' : 'editor'}>
         <span className="lines" aria-hidden>
           {Array.from({ length: lines }, (_, i) => i + 1).join('\n')}

@@ -82,5 +82,7 @@ export function boundsOf(uncertain: Uncertain, nominal: Raw | null): [Raw | null
   const amount = share ? Number(share[1]) / 100 : numberOf(given)
   if (middle === null || amount === null || !Number.isFinite(amount)) return [null, null]
   const reach = share ? amount * Math.abs(middle) : amount
-  return [middle - reach, middle + reach]
+  // 0.05 + 20 % is 0.06 to everybody but a computer.
+  const round = (value: number) => Number(value.toPrecision(12))
+  return [round(middle - reach), round(middle + reach)]
 }

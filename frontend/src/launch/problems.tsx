@@ -19,11 +19,21 @@ export function useProblems(field: string, deep = false): FieldProblem[] {
 /** An identifier of an element for a field. */
 export const idOf = (field: string): string => `f-${field.replace(/[^\w-]/g, '-')}`
 
-export function Message({ problem }: { problem: FieldProblem }) {
+interface MessageProps {
+  problem: FieldProblem
+  /** Says the field's name, where the message does not stand beside the field. */
+  named?: boolean
+}
+
+export function Message({ problem, named }: MessageProps) {
+  const words = problem.message.charAt(0).toUpperCase() + problem.message.slice(1)
   return (
     <p className="ferr" data-problem={problem.field}>
       <IconAlertCircle className="i" aria-hidden />
-      <span>{problem.message.charAt(0).toUpperCase() + problem.message.slice(1)}</span>
+      <span>
+        {named && problem.field && <span className="mono">{problem.field} </span>}
+        {named ? problem.message : words}
+      </span>
     </p>
   )
 }

@@ -3,6 +3,7 @@ import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
 import { summaryOf } from '../api/results'
 import type { RunDetail } from '../client'
 import { count } from '../format/numbers'
+import { Prose } from '../ui/Prose'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
 
 export function Banner({ run }: { run: RunDetail }) {
@@ -16,7 +17,12 @@ export function Banner({ run }: { run: RunDetail }) {
         <div className="w" data-testid="verdict">
           {run.verdict ? word : `${word}: no verdict`}
         </div>
-        <p>{run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)}</p>
+        <p>
+          <Prose
+            text={(run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''}
+            quantity={run.quantity}
+          />
+        </p>
         {run.verdict && scope && <p className="scope">Scope: {lower(scope)}</p>}
         {checks && checks.length > 0 && (
           <ul className="checks" aria-label="Checks">

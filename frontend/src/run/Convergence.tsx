@@ -113,45 +113,43 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       id={id}
       run={run.id}
       data={table}
-      right={
-        <>
-          {far && (
-            <Seg
-              label="Vertical axis"
-              options={[
-                { value: 'near', label: 'Values' },
-                { value: 'all', label: 'With criterion' },
-              ]}
-              value={near}
-              onChange={setNear}
-            />
-          )}
-          {by === 'evaluations' && (
-            <Seg
-              label="Scale of evaluations"
-              options={[
-                { value: 'log', label: 'Log' },
-                { value: 'linear', label: 'Linear' },
-              ]}
-              value={scale}
-              onChange={setScale}
-            />
-          )}
-          <Seg
-            label="Horizontal axis"
-            options={[
-              { value: 'evaluations', label: 'Evaluations' },
-              { value: 'seconds', label: 'Time' },
-            ]}
-            value={by}
-            onChange={setBy}
-          />
-        </>
-      }
     >
+      <div className="tools">
+        {far && (
+          <Seg
+            label="Vertical axis"
+            options={[
+              { value: 'near', label: 'Values' },
+              { value: 'all', label: 'With criterion' },
+            ]}
+            value={near}
+            onChange={setNear}
+          />
+        )}
+        {by === 'evaluations' && (
+          <Seg
+            label="Scale of evaluations"
+            options={[
+              { value: 'log', label: 'Log' },
+              { value: 'linear', label: 'Linear' },
+            ]}
+            value={scale}
+            onChange={setScale}
+          />
+        )}
+        <Seg
+          label="Horizontal axis"
+          options={[
+            { value: 'evaluations', label: 'Evaluations' },
+            { value: 'seconds', label: 'Time' },
+          ]}
+          value={by}
+          onChange={setBy}
+        />
+      </div>
       {curves.length === 0 ? (
         <p className="sec" style={{ minHeight: height }}>
-          No search has flown an evaluation yet.
+          {data.evaluations ? 'No search has flown an evaluation yet.' : 'Loading the evaluations …'}
         </p>
       ) : (
         <>

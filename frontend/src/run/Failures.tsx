@@ -1,14 +1,17 @@
 // Evaluations that gave no value: which, why, and with which parameters.
+import { useState } from 'react'
 import { count, plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
 
-const MOST = 50
+const FIRST = 12
 
 export function Failures({ data, className }: { data: RunData; className: string }) {
   const { run, parameters, evaluations } = data
+  const [all, setAll] = useState(false)
   const failures = evaluations?.failures ?? []
+  const shown = all ? failures : failures.slice(0, FIRST)
   const total = run.stages.reduce((sum, stage) => sum + stage.failed + stage.excluded, 0)
   return (
     <Card
@@ -17,7 +20,16 @@ export function Failures({ data, className }: { data: RunData; className: string
       className={className}
       id="failures"
       flush
-      footer={total > MOST ? `The first ${Math.min(MOST, failures.length)} of ${count(total)}.` : undefined}
+      footer={
+        failures.length > FIRST && (
+          <span className="row" style={{ justifyContent: 'space-between' }}>
+            {count(shown.length)} of {count(total)} shown
+            <button type="button" className="btn s" onClick={() => setAll(!all)}>
+              {all ? `Show the first ${FIRST}` : `Show ${count(failures.length)}`}
+            </button>
+          </span>
+        )
+      }
     >
       <table className="tight">
         <thead>
@@ -34,7 +46,7 @@ export function Failures({ data, className }: { data: RunData; className: string
           </tr>
         </thead>
         <tbody>
-          {failures.slice(0, MOST).map((failure) => {
+          {shown.map((failure) => {
             const stage = run.stages.find((s) => s.position === failure.position)
             return (
               <tr key={`${failure.position}-${failure.index}`}>

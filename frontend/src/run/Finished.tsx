@@ -1,9 +1,8 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
-import { useRef } from 'react'
 import { resultOf } from '../api/results'
 import { Banner } from './Banner'
 import { Convergence } from './Convergence'
-import { type RunData, stageOf } from './data'
+import { bestOf, type RunData, stageOf } from './data'
 import { Failures } from './Failures'
 import { FiveFigures } from './FiveFigures'
 import { Flight } from './Flight'
@@ -22,7 +21,6 @@ import { ValidationCard } from './ValidationCard'
 
 export function Finished({ data }: { data: RunData }) {
   const { run } = data
-  const grid = useRef<HTMLDivElement>(null)
   const finding = data.findings[0]
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
@@ -30,8 +28,13 @@ export function Finished({ data }: { data: RunData }) {
   const minima = searches.filter((search) => search.minima.length > 0)
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const failures = data.evaluations?.failures ?? []
-  const begun = run.stages.some((stage) => stage.evaluations > 0)
+  const searched = run.stages.some((stage) => stage.kind === 'search' && stage.evaluations > 0)
+  const methods = run.stages.filter((stage) => stage.kind === 'search').length
+  // Without a validated finding the page shows the lowest flight, and says that it is no more than that.
+  const lowest = finding ? null : bestOf(data)
   const flown = data.nominalTrace !== undefined
+  // Two curves stand beside the separation, more take a row of their own.
+  const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
   const sections: Section[] = [
     ...(flown
       ? [
@@ -40,7 +43,7 @@ export function Finished({ data }: { data: RunData }) {
         ]
       : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
-    ...(searches.length ? [{ id: 'methods', name: 'Methods', count: searches.length }] : []),
+    ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
     ...(failures.length ? [{ id: 'failures', name: 'Failed evaluations', count: failures.length }] : []),
@@ -57,37 +60,37 @@ export function Finished({ data }: { data: RunData }) {
         </div>
       )}
       <SectionTabs sections={sections} />
-      <div className="grid" ref={grid}>
+      <div className="grid">
         {flown && <Flight data={data} className="c8" />}
-        {(flown || finding) && (
-          <NominalWorst
-            data={data}
-            className="c4"
-            title="Nominal against worst"
-            column="Worst"
-            worst={
-              finding
-                ? {
-                    cost: finding.cost,
-                    parameters: finding.parameters,
-                    method: run.worst_method,
-                    atBounds: finding.at_bounds,
-                  }
-                : null
-            }
-          />
+        {(flown || finding || lowest) && (
+          <div className={flown ? 'stack pair c4' : 'stack pair c6'}>
+            <NominalWorst
+              data={data}
+              className=""
+              title={finding ? 'Nominal against worst' : 'Nominal and lowest flown'}
+              column={finding ? 'Worst' : 'Lowest, not validated'}
+              worst={finding ? { ...finding, method: run.worst_method, atBounds: finding.at_bounds } : lowest}
+            />
+            {few && <Tornado data={data} result={sensitivity} className="" />}
+          </div>
         )}
-        {flown && <SeparationCard data={data} className="c12" />}
-        {sensitivity && <SensitivityCard data={data} result={sensitivity} className="c8" />}
-        {sensitivity && <Tornado data={data} result={sensitivity} className="c4" />}
-        {searches.length > 0 && <MethodsTable data={data} className="c7" id="methods" />}
-        {begun && searches.length > 0 && <Convergence data={data} className="c5" />}
-        {minima.map((search) => (
-          <Minima key={search.method} data={data} search={search} className="c7" />
-        ))}
-        {sample && <SampleCard data={data} sample={sample} className="c5" />}
-        {validation && <ValidationCard data={data} result={validation} className="c7" />}
-        <Published data={data} className="c5" />
+        {flown && <SeparationCard data={data} className={few ? 'c7' : 'c12'} />}
+        {sensitivity && (
+          <SensitivityCard data={data} result={sensitivity} className={few ? 'c5' : 'c8'} height={few ? 226 : 150} />
+        )}
+        {sensitivity && !few && <Tornado data={data} result={sensitivity} className="c4" />}
+        <div className="stack c7 wide">
+          {searched && <MethodsTable data={data} className="" id="methods" />}
+          {minima.map((search) => (
+            <Minima key={search.method} data={data} search={search} className="" />
+          ))}
+          {validation && <ValidationCard data={data} result={validation} className="" />}
+          {run.verdict && <Published data={data} className="" />}
+        </div>
+        <div className="stack c5 wide">
+          {searched && <Convergence data={data} className="" />}
+          {sample && <SampleCard data={data} sample={sample} className="" />}
+        </div>
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />
       </div>

@@ -16,7 +16,7 @@ export function FiveFigures({ data }: { data: RunData }) {
   const at = run.stages.find((stage) => stage.kind === 'search' && stage.method === run.worst_method)
   const target = numberOf(campaign.target_probability)
   const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
-  const percentOf = percent(statistics?.upper_bound).split('\u202f')
+  const percentOf = percent(statistics?.upper_bound, 3).split('\u202f')
   return (
     <div className="card" style={{ marginTop: 'var(--gap)' }}>
       <div className="stats">

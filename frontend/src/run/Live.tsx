@@ -1,13 +1,13 @@
 // A run that works: figures, stages, convergence, best so far, methods, improvements.
 import type { RunDetail } from '../client'
-import { count, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
+import { count, decimalsApart, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
 import { Card, Stat } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { useNow } from '../ui/useNow'
 import { Convergence } from './Convergence'
-import { bestOf, type RunData, searchesOf } from './data'
+import { bestOf, leaderOf, type RunData, searchesOf } from './data'
 import { MethodsTable } from './MethodsTable'
 import { NominalWorst } from './NominalWorst'
 import { StageStrip } from './StageStrip'
@@ -23,16 +23,20 @@ export function Live({ data }: { data: RunData }) {
         <StageStrip run={run} />
       </div>
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <Convergence data={data} className="c8" height={330} />
-        <NominalWorst
-          data={data}
-          className="c4"
-          title="Best so far"
-          column="Best so far"
-          worst={best && { cost: best.cost, parameters: best.parameters, method: best.method }}
-        />
-        <MethodsTable data={data} className="c8" />
-        <Improvements data={data} className="c4" />
+        <div className="stack c8">
+          <Convergence data={data} className="" height={330} />
+          <MethodsTable data={data} className="" />
+        </div>
+        <div className="stack pair c4">
+          <NominalWorst
+            data={data}
+            className=""
+            title="Best so far"
+            column="Best so far"
+            worst={best && { cost: best.cost, parameters: best.parameters, method: best.method }}
+          />
+          <Improvements data={data} className="" />
+        </div>
       </div>
     </>
   )
@@ -52,8 +56,8 @@ function Queued({ data }: { data: RunData }) {
 function Figures({ data }: { data: RunData }) {
   const { run } = data
   const now = useNow(1000)
-  const best = bestOf(data)
-  const cost = run.worst_cost ?? best?.cost ?? null
+  const leader = leaderOf(run)
+  const cost = run.worst_cost ?? leader?.best ?? null
   const decimals = decimalsFor([cost, run.nominal_cost, run.threshold])
   const margin = cost === null || run.threshold === null ? null : cost - run.threshold
   return (
@@ -67,7 +71,11 @@ function Figures({ data }: { data: RunData }) {
           }
           value={fixed(cost, decimals)}
           unit={cost === null ? undefined : run.unit}
-          note={best ? `${methodLook(best.method).title}, evaluation ${count(best.evaluation)}` : 'no search yet'}
+          note={
+            leader
+              ? `${methodLook(leader.method).title}, evaluation ${count((leader.best_index ?? 0) + 1)}`
+              : 'no search yet'
+          }
           testId="best"
         />
         <Stat
@@ -80,8 +88,7 @@ function Figures({ data }: { data: RunData }) {
         <Stat
           name="Evaluations"
           value={count(run.evaluations)}
-          unit={`of at most ${count(run.planned)}`}
-          note={`${count(run.failed_evaluations)} failed`}
+          note={`of at most ${count(run.planned)}, ${count(run.failed_evaluations)} failed`}
         />
         <Stat
           name="Evaluations per second"
@@ -113,9 +120,10 @@ function Improvements({ data, className }: { data: RunData; className: string })
     })
     .reverse()
     .slice(0, 9)
-  const decimals = decimalsFor(
+  const decimals = decimalsApart(
     rows.map((row) => row.cost),
     5,
+    8,
   )
   return (
     <Card title="Improvements" note="Newest first" className={className} flush>

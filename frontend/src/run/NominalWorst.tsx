@@ -104,13 +104,17 @@ function Row({ parameter, worst }: { parameter: UncertainParameter; worst: Worst
         </span>
       </td>
       <td className="num sec">{fixed(nominal, span)}</td>
-      <td className="num b">{value === null ? NONE : fixed(value, span)}</td>
+      <td className="num b">
+        <span className="rn">
+          {value === null ? NONE : fixed(value, span)}
+          {at && <span className="atbound">at {at} bound</span>}
+        </span>
+      </td>
       <td style={{ width: 118 }}>
         <span className="rn">
           <WithinBounds low={low} high={high} nominal={nominal} value={value} />
           <span className="bounds">
             <span>{plain(low)}</span>
-            {at && <span className="atbound">at {at} bound</span>}
             <span>{plain(high)}</span>
           </span>
         </span>

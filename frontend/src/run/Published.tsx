@@ -1,13 +1,26 @@
 // Published values beside ours, where the campaign repeats a study. Ours is flown at the published point where one is given.
-import type { Published as PublishedValue } from '../api/campaign'
+import { IconAlertTriangle } from '@tabler/icons-react'
+import { useQuery } from '@tanstack/react-query'
+import { asCampaign, type Campaign, type Published as PublishedValue } from '../api/campaign'
+import { libraryQuery } from '../api/queries'
+import type { Minimum } from '../api/results'
 import { decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { type RunData, searchesOf } from './data'
 
+/** Whether this campaign still asks what the shipped one asks: budgets may differ, scenario and bounds may not. */
+function useChanged(campaign: Campaign): boolean {
+  const { data } = useQuery(libraryQuery)
+  const part = ({ scenario, uncertain }: Campaign) => JSON.stringify([scenario, uncertain])
+  const shipped = data?.map((item) => asCampaign(item.document)).find((item) => item.name === campaign.name)
+  return shipped !== undefined && part(shipped) !== part(campaign)
+}
+
 export function Published({ data, className }: { data: RunData; className: string }) {
   const { run, campaign } = data
   const rows = campaign.published ?? []
+  const changed = useChanged(campaign)
   if (rows.length === 0) return null
   const decimals = decimalsFor(
     rows.map((row) => row.value),
@@ -21,6 +34,12 @@ export function Published({ data, className }: { data: RunData; className: strin
       flush
       footer={campaign.notes ? <Notes text={campaign.notes} /> : undefined}
     >
+      {changed && (
+        <p className="note warn" style={{ margin: '4px 16px 8px' }}>
+          <IconAlertTriangle className="i" aria-hidden />
+          Scenario or bounds of this run differ from the study: the values need not agree.
+        </p>
+      )}
       <table className="tight">
         <thead>
           <tr>
@@ -62,7 +81,9 @@ export function Published({ data, className }: { data: RunData; className: strin
                   </span>
                 </td>
                 <td className="num">{fixed(row.value, decimals)}</td>
-                <td className="num b">{ours === null ? NONE : fixed(ours, decimals + 1)}</td>
+                <td className={ours === null ? 'num mut' : 'num b'}>
+                  {ours === null ? 'not run' : fixed(ours, decimals + 1)}
+                </td>
                 <td className="num sec">{ours === null ? NONE : signed(ours - row.value, decimals + 1)}</td>
               </tr>
             )
@@ -93,20 +114,28 @@ function where({ parameters }: RunData, row: PublishedValue) {
   ))
 }
 
-/** Our value for a published one, by the method its label names; a start it names picks that start's own minimum. */
+/** Our value for a published one: from the start its label names, or by the method it begins with. */
 function oursFor(data: RunData, row: PublishedValue): number | null {
   const label = row.label.toLowerCase()
   if (label.startsWith('nominal')) return data.run.nominal_cost
-  const search = searchesOf(data).find(({ title, stage }) => {
+  const searches = searchesOf(data)
+  if (label.includes(' from ')) {
+    const minima = searches.flatMap((search) => search.result?.minima ?? [])
+    return minimumFrom(minima, row.label)?.cost ?? null
+  }
+  const search = searches.find(({ title, stage }) => {
     const words = [title, stage.method?.replaceAll('_', ' ') ?? ''].map((word) => word.toLowerCase())
     return words.some((word) => word && label.startsWith(word.split(' ')[0] ?? word))
   })
-  if (!search) return null
-  if (!label.includes(' from ')) return search.stage.best
-  const numbers = [...row.label.matchAll(/=\s*([\d.]+)/g)].map((match) => Number(match[1]))
-  const minimum = search.result?.minima.find(({ start }) => {
+  return search?.stage.best ?? null
+}
+
+/** The minimum reached from the start whose numbers the label names. */
+function minimumFrom(minima: Minimum[], label: string): Minimum | undefined {
+  const numbers = [...label.matchAll(/=\s*([\d.]+)/g)].map((match) => Number(match[1]))
+  const near = (a: number, b: number) => Math.abs(a - b) < 1e-6 * Math.max(1, Math.abs(b))
+  return minima.find(({ start }) => {
     const values = Object.values(start ?? {})
-    return numbers.every((n) => values.some((v) => Math.abs(v - n) < 1e-6 * Math.max(1, Math.abs(n))))
+    return numbers.length > 0 && numbers.every((n) => values.some((v) => near(v, n)))
   })
-  return minimum?.cost ?? null
 }

@@ -6,6 +6,7 @@ import { isLive, runQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
 import type { RunDetail } from '../client'
+import { usePolling } from '../ui/usePolling'
 import { useRunData } from './data'
 import { Finished } from './Finished'
 import { Head } from './Head'
@@ -15,7 +16,10 @@ export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
   useTitle(id)
   const query = useQuery(runQuery(id))
-  useStream(id, query.data !== undefined && isLive(query.data))
+  const live = query.data !== undefined && isLive(query.data)
+  useStream(id, live)
+  // The stream has no rate and no time left; and where it fails, this goes on.
+  usePolling(query.refetch, 2000, live)
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what={id} />
   return <Page run={query.data} stale={query.isError} />

@@ -4,7 +4,7 @@ import type { Sample } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
-import { symbolText } from '../ui/Sign'
+import { SvgSign, symbolText } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import type { RunData } from './data'
 
@@ -35,6 +35,7 @@ export function SampleCard({ data, sample, className }: SampleCardProps) {
         <>
           Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
           lowest {fixed(sample.lowest, decimals)} {run.unit}. {sample.text}.
+          {sample.failed ? ` ${count(sample.failed)} of them failed and count as violations.` : ''}
         </>
       }
     >
@@ -108,7 +109,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
           </text>
         ))}
         <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 3} textAnchor="middle">
-          {symbolText(run.quantity)}, {run.unit}
+          <SvgSign text={run.quantity || 'value'} />, {run.unit}
         </text>
         {!off && (
           <Marker

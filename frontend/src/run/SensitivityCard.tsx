@@ -15,9 +15,11 @@ interface SensitivityCardProps {
   data: RunData
   result: SensitivityResult
   className: string
+  /** Of each plot [px]. */
+  height: number
 }
 
-export function SensitivityCard({ data, result, className }: SensitivityCardProps) {
+export function SensitivityCard({ data, result, className, height }: SensitivityCardProps) {
   const { run, parameters } = data
   const [axis, setAxis] = useState<'near' | 'all'>('near')
   const costs = result.curves.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
@@ -71,6 +73,7 @@ export function SensitivityCard({ data, result, className }: SensitivityCardProp
               parameter={parameter}
               yRange={yRange}
               criterion={withCriterion}
+              height={height}
             />
           ) : null
         })}
@@ -92,9 +95,10 @@ interface SmallProps {
   parameter: UncertainParameter
   yRange: [number, number]
   criterion: boolean
+  height: number
 }
 
-function Small({ data, curve, parameter, yRange, criterion }: SmallProps) {
+function Small({ data, curve, parameter, yRange, criterion, height }: SmallProps) {
   const { run } = data
   const { symbol, unit, text, nominal, low, high } = parameter
   const [y0, y1] = yRange
@@ -123,7 +127,7 @@ function Small({ data, curve, parameter, yRange, criterion }: SmallProps) {
       yTicks: 4,
       left: 52,
       criterion: criterion && run.threshold !== null ? { value: run.threshold, tint: true } : undefined,
-      height: 148,
+      height,
       xText: (x) => `${symbolText(symbol)} = ${fixed(x, digits)} ${unitText(unit)}`,
       yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
     }
@@ -142,6 +146,7 @@ function Small({ data, curve, parameter, yRange, criterion }: SmallProps) {
     y0,
     y1,
     criterion,
+    height,
   ])
   return <Plot spec={spec} />
 }

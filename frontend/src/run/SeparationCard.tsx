@@ -103,13 +103,12 @@ function specOf(all: Drawn[], threshold: number | null, unit: string, window: 'e
         y: closest.value,
         colour,
         label: words,
-        place: key === 'nominal' ? ('above' as const) : ('below' as const),
         line: key,
       },
     ]
   })
-  // The encounter: as far as separation stays within three times the larger of the criterion and the lowest value.
-  const reach = 3 * Math.max(threshold ?? 0, Number.isFinite(lowest) ? lowest : 0)
+  // The encounter: as far as separation stays within twice the larger of the criterion and the lowest value.
+  const reach = 2 * Math.max(threshold ?? 0, Number.isFinite(lowest) ? lowest : 0)
   const inside = drawn.flatMap(({ curve }) =>
     curve.x.filter((_, i) => (curve.y[i] ?? Number.POSITIVE_INFINITY) <= reach),
   )
@@ -134,7 +133,7 @@ function specOf(all: Drawn[], threshold: number | null, unit: string, window: 'e
     criterion:
       threshold === null
         ? undefined
-        : { value: threshold, label: `Criterion, ${plain(threshold)} ${unit}`, tint: true },
+        : { value: threshold, label: `Criterion, ${plain(threshold)} ${unit}`, tint: true, right: true },
     height: 280,
     xText: (x) => `${fixed(x, 2)} s`,
     yText: (y) => `${fixed(y, decimals)} ${unit}`,

@@ -1,5 +1,6 @@
 // The stages of a run in a row: nominal, sensitivity, the searches together, validation, verdict.
 import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoader } from '@tabler/icons-react'
+import { asCampaign } from '../api/campaign'
 import { isLive } from '../api/queries'
 import type { RunDetail, StageProgress } from '../client'
 import { count, decimalsFor, fixed } from '../format/numbers'
@@ -61,6 +62,7 @@ function StepIcon({ state, cancelled }: { state: State; cancelled: boolean }) {
 
 function stepsOf(run: RunDetail): Step[] {
   const kinds = [...new Set(run.stages.map((stage) => stage.kind))]
+  if (kinds.length === 0) kinds.push('nominal', 'sensitivity', 'search', 'validate')
   const steps = kinds.map((kind) =>
     step(
       run,
@@ -82,7 +84,7 @@ function stepsOf(run: RunDetail): Step[] {
 function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): Step {
   const flown = stages.reduce((sum, stage) => sum + stage.evaluations, 0)
   const planned = stages.reduce((sum, stage) => sum + stage.planned, 0)
-  const ended = stages.every((stage) => stage.state === 'done')
+  const ended = stages.length > 0 && stages.every((stage) => stage.state === 'done')
   const begun = stages.some((stage) => stage.state !== 'waiting')
   const state: State = ended ? 'done' : begun ? (isLive(run) ? 'act' : 'fail') : 'todo'
   const share = ended ? 1 : stages.reduce((sum, stage) => sum + shareOf(stage), 0) / Math.max(1, stages.length)
@@ -113,7 +115,8 @@ function textOf(run: RunDetail, kind: StageProgress['kind'], stages: StageProgre
       : `${fixed(run.nominal_cost, decimalsFor([run.nominal_cost]))} ${run.unit}`
   if (kind === 'sensitivity') return 'one parameter at a time over its bounds'
   if (kind === 'search') {
-    const methods = `${stages.length} ${stages.length === 1 ? 'method' : 'methods'}`
+    const number = asCampaign(run.campaign).stages.search.length
+    const methods = `${number} ${number === 1 ? 'method' : 'methods'}`
     return working?.method ? `${working.method.replaceAll('_', ' ')}, ${methods} in all` : methods
   }
   if (kind === 'validate') return 'half step, second integrator, neighbours'

@@ -4,7 +4,7 @@ import type { SensitivityResult } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'
 import { decimalsFor, fixed, signed } from '../format/numbers'
-import { Sign, split } from '../ui/Sign'
+import { Sign, SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import type { RunData } from './data'
 
@@ -34,13 +34,14 @@ export function Tornado({ data, result, className }: TornadoProps) {
   return (
     <ChartCard
       title="Tornado"
-      note={`Limits of each parameter, from nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}
+      note={`From nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}
       className={className}
       run={run.id}
       data={table}
       footer={
         most && (
           <>
+            {bars.length < result.curves.length && 'Parameters without a value at one of their bounds are left out. '}
             <Sign text={most.symbol} /> moves it most:{' '}
             {signed(Math.min(most.low, most.high), decimalsFor([most.low, most.high], 2))} {run.unit} on its worse side.
           </>
@@ -74,7 +75,7 @@ function Bars({ bars, quantity, unit }: { bars: Bar[]; quantity: string; unit: s
   const most = Math.max(...bars.map(reach), 1e-12)
   const plot = width - LEFT - 2 * SIDE
   const x = (change: number) => LEFT + SIDE + plot / 2 + (change / most) * (plot / 2)
-  const ticks = linearTicks(-most, most, width > 380 ? 4 : 2)
+  const ticks = linearTicks(-most, most, 3)
   const decimals = tickDecimals(ticks)
   const bottom = bars.length * ROW + 6
   return (
@@ -95,14 +96,10 @@ function Bars({ bars, quantity, unit }: { bars: Bar[]; quantity: string; unit: s
         ))}
         {bars.map((bar, i) => {
           const y = i * ROW + 8
-          const [base, index] = split(bar.symbol)
           return (
             <g key={bar.path}>
-              <text x={4} y={y + 12} className="lab" fontStyle="italic">
-                {base}
-                <tspan fontSize={9} dy={3} fontStyle="normal">
-                  {index}
-                </tspan>
+              <text x={4} y={y + 12} className="lab">
+                <SvgSign text={bar.symbol} />
               </text>
               <Half bar={bar} side="low" x={x} y={y} />
               <Half bar={bar} side="high" x={x} y={y} />
@@ -111,7 +108,7 @@ function Bars({ bars, quantity, unit }: { bars: Bar[]; quantity: string; unit: s
         })}
         <path className="a" d={`M${x(0)} 0V${bottom}`} style={{ stroke: 'var(--ink)' }} strokeWidth={1.5} />
         <text x={LEFT + SIDE + plot / 2} y={bottom + 34} textAnchor="middle">
-          Change of {split(quantity).join(' ')}, {unit}
+          Change of <SvgSign text={quantity || 'value'} />, {unit}
         </text>
       </svg>
     </div>

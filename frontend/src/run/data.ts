@@ -22,6 +22,7 @@ import type {
   TraceData,
 } from '../client'
 import { boundsOf, numberOf, parametersOf } from '../launch/parameters'
+import { usePolling } from '../ui/usePolling'
 
 export interface UncertainParameter {
   path: string
@@ -50,8 +51,9 @@ export function useRunData(run: RunDetail): RunData {
   const over = !isLive(run)
   const catalogue = useQuery(catalogueQuery).data
   const stages = useQuery(stagesQuery(run.id)).data ?? []
+  const evaluations = useQuery(evaluationsQuery(run.id))
   // The stream brings every improvement at once, but not its parameters: those are asked for now and then.
-  const evaluations = useQuery({ ...evaluationsQuery(run.id), refetchInterval: over ? false : 3000 }).data
+  usePolling(evaluations.refetch, 3000, !over)
   const findings = useQuery(findingsQuery(run.id)).data ?? []
   const traces = useQuery({ ...tracesQuery(run.id), enabled: over }).data ?? []
   const has = (name: string) => over && traces.some((trace) => trace.name === name)
@@ -59,7 +61,17 @@ export function useRunData(run: RunDetail): RunData {
   const worstTrace = useQuery({ ...traceQuery(run.id, 'F1'), enabled: has('F1') }).data
   const campaign = asCampaign(run.campaign)
   const parameters = uncertainOf(campaign, catalogue)
-  return { run, campaign, catalogue, parameters, stages, evaluations, findings, nominalTrace, worstTrace }
+  return {
+    run,
+    campaign,
+    catalogue,
+    parameters,
+    stages,
+    evaluations: evaluations.data,
+    findings,
+    nominalTrace,
+    worstTrace,
+  }
 }
 
 /** The uncertain parameters in the campaign's order, as the catalogue of today describes them. */
@@ -142,4 +154,13 @@ export function bestOf({ evaluations }: RunData): Best | null {
     })
   }
   return best
+}
+
+/** The search stage that has found the lowest value so far. */
+export function leaderOf(run: RunDetail): StageProgress | null {
+  let leader: StageProgress | null = null
+  for (const stage of run.stages)
+    if (stage.kind === 'search' && stage.best !== null && (leader?.best == null || stage.best < leader.best))
+      leader = stage
+  return leader
 }

@@ -43,3 +43,22 @@ export function Sign({ text }: { text: string }) {
     </span>
   )
 }
+
+/** The same inside an SVG text. */
+export function SvgSign({ text }: { text: string }) {
+  const [base, index] = split(text)
+  return (
+    <>
+      <tspan fontStyle="italic">{base}</tspan>
+      {index && (
+        <>
+          <tspan fontSize="0.8em" dy="0.28em">
+            {index}
+          </tspan>
+          {/* An empty span cannot move the line back up: a space of no width can. */}
+          <tspan dy="-0.22em">{'\u200b'}</tspan>
+        </>
+      )}
+    </>
+  )
+}

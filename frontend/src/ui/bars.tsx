@@ -25,7 +25,7 @@ export function MarginBar({ margin, threshold }: { margin: number; threshold: nu
   const share = Math.max(-1, Math.min(1, margin / (0.3 * Math.abs(threshold) || 1)))
   const length = Math.max(1.5, Math.abs(share) * 24)
   return (
-    <svg width={50} height={12} viewBox="0 0 50 12" aria-hidden="true">
+    <svg width={50} height={12} viewBox="0 0 50 12" style={{ display: 'block' }} aria-hidden="true">
       <path d="M25 0v12" stroke="var(--line-2)" strokeWidth={1} />
       <rect
         x={share < 0 ? 25 - length : 25}

@@ -1,0 +1,153 @@
+"""Text to plain JSON values: JSON by RFC 8259, YAML by the core schema of YAML 1.2 (section 10.3), without its traps.
+
+No aliases, no tags, no repeated keys, no keys but text, nothing deeper than a campaign can be: `1e-3` is a number, and
+`no`, `012:30` and `2026-01-31` are text. Start reading at `parse`; `Dumper` writes what it reads.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Hashable, Iterator
+from typing import Any
+
+import yaml
+
+from campaigns.problem import Problem, shown
+
+DEEPEST = 16
+"""A campaign nests 6 deep; parameters may be written nested."""
+
+LONGEST_KEY = 200
+LARGEST_WHOLE = 2**63
+
+
+class UnreadableError(ValueError):
+    """The text is no document; `problem` says where and why."""
+
+    def __init__(self, where: str, message: str) -> None:
+        self.problem = Problem(where, "", message)
+        super().__init__(str(self.problem))
+
+
+def parse(text: str) -> Any:
+    """The document as plain values; raises `UnreadableError`."""
+    text = text.removeprefix("\ufeff")
+    try:
+        if text.lstrip().startswith("{"):
+            try:
+                return json.loads(text, object_pairs_hook=_distinct)
+            except json.JSONDecodeError:
+                pass  # a YAML mapping may begin with a brace too
+        return yaml.load(text, Loader=_Loader)
+    except UnreadableError:
+        raise
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise UnreadableError(where, f"not readable as YAML: {error.problem or error.context}") from None
+    except RecursionError:
+        raise UnreadableError("", "not readable as YAML: nested too deeply") from None
+    except (yaml.YAMLError, ValueError, ArithmeticError) as error:
+        said = str(error).partition("\n")[0]
+        raise UnreadableError("", f"not readable as YAML: {said}") from None
+
+
+def misshapen(document: Any) -> Iterator[Problem]:
+    """Where a document is not plain JSON values of a sane depth; whatever passes is safe to walk recursively."""
+    waiting: list[tuple[str, Any, int]] = [("", document, 0)]
+    while waiting:
+        field, value, depth = waiting.pop()
+        if isinstance(value, dict | list) and depth > DEEPEST:
+            yield Problem(field[:LONGEST_KEY], "", f"nested deeper than {DEEPEST} levels")
+            return
+        below = f"{field}." if field else ""
+        if isinstance(value, dict):
+            for key in value:
+                if not isinstance(key, str) or len(key) > LONGEST_KEY or not _is_unicode(key):
+                    yield Problem(field, shown(key), f"a key is Unicode text of at most {LONGEST_KEY} characters")
+                    return
+            waiting += [(f"{below}{key}", inner, depth + 1) for key, inner in reversed(value.items())]
+        elif isinstance(value, list):
+            waiting += [(f"{below}{i}", inner, depth + 1) for i, inner in reversed(list(enumerate(value)))]
+        elif isinstance(value, str) and not _is_unicode(value):
+            yield Problem(field, shown(value), "this text holds half a surrogate pair, which is no Unicode text")
+        elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+            yield Problem(field, "", "a whole number of more than 64 bits")
+        elif value is not None and not isinstance(value, str | int | float | bool):
+            yield Problem(field, shown(value), "expected text, a number, true, false, null, a list or a mapping")
+
+
+def _is_unicode(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise UnreadableError("", f"not readable as JSON: the key {twice!r} is given twice")
+    return found
+
+
+class _Loader(yaml.SafeLoader):
+    """The safe loader without aliases (a small file must stay small), tags and repeated keys."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        if isinstance(event, yaml.AliasEvent):
+            raise yaml.MarkedYAMLError(
+                problem="aliases (*name) are not allowed, write the value out",
+                problem_mark=event.start_mark,  # type: ignore[arg-type]
+            )
+        if getattr(event, "tag", None) is not None:
+            raise yaml.MarkedYAMLError(
+                problem=f"tags ({event.tag}) are not allowed, write the plain value",
+                problem_mark=event.start_mark,
+            )
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, str):
+                raise yaml.MarkedYAMLError(problem=f"keys are text, given {key!r}", problem_mark=key_node.start_mark)
+            if key in seen:
+                raise yaml.MarkedYAMLError(problem=f"the key {key!r} is given twice", problem_mark=key_node.start_mark)
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+    def construct_whole(self, node: yaml.ScalarNode) -> int:
+        """A whole number is decimal: 012 is 12."""
+        return int(node.value)
+
+
+class Dumper(yaml.SafeDumper):
+    """Quotes whatever text `parse` would take for something else."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+
+
+_CORE = (
+    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+    ("bool", r"true|True|TRUE|false|False|FALSE", list("tTfF")),
+    ("int", r"[-+]?[0-9]+", list("-+0123456789")),
+    (
+        "float",
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+        list("-+.0123456789"),
+    ),
+)
+
+for _kind, _pattern, _first in _CORE:
+    for _reader in (_Loader, Dumper):
+        _reader.add_implicit_resolver(f"tag:yaml.org,2002:{_kind}", re.compile(f"^(?:{_pattern})$"), _first)
+_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_whole)

@@ -1,0 +1,15 @@
+// Asks again at an interval while a page is shown. Not the query's own interval: that one starts anew with every event
+// that the stream writes into the cache, and would never end.
+import { useEffect, useRef } from 'react'
+
+export function usePolling(ask: () => unknown, interval: number, on: boolean): void {
+  const latest = useRef(ask)
+  useEffect(() => {
+    latest.current = ask
+  })
+  useEffect(() => {
+    if (!on) return
+    const timer = setInterval(() => document.hidden || latest.current(), interval)
+    return () => clearInterval(timer)
+  }, [interval, on])
+}

@@ -1,0 +1,192 @@
+"""Progress as server-sent events: told at once, at most four times a second, from one poller for all."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.queue import Queue
+from backend.events import hub
+from backend.events.watch import Event, Watch
+from backend.results import thin
+from tests.api.finished import Work, search
+from tests.api.server import Service, until
+from tests.api.test_access import problem
+from tests.api.test_runs import fill, submit
+
+
+class Stream:
+    """The events of one connection, as they come."""
+
+    def __init__(self, response: httpx.Response) -> None:
+        self._lines = response.iter_lines()
+
+    def blocks(self) -> Iterator[list[str]]:
+        block: list[str] = []
+        for line in self._lines:
+            if line:
+                block.append(line)
+            else:
+                yield block
+                block = []
+
+    def next(self, name: str) -> Any:
+        """The data of the next event of that name."""
+        for block in self.blocks():
+            if f"event: {name}" in block:
+                return json.loads(block[1].removeprefix("data: "))
+        pytest.fail(f"the stream ended without an event {name!r}")
+
+
+@contextmanager
+def listening(client: httpx.Client, **query: str) -> Iterator[Stream]:
+    with client.stream("GET", "/api/v1/events", params=query) as response:
+        assert response.status_code == 200
+        assert response.headers["content-type"].startswith("text/event-stream")
+        assert response.headers["cache-control"] == "no-store"
+        yield Stream(response)
+
+
+def test_a_listener_to_all_runs_is_told_what_is_active_and_what_changes(service: Service, client: httpx.Client) -> None:
+    first = submit(client)
+    with listening(client) as stream:
+        assert (told := stream.next("run"))["id"] == first
+        assert told == client.get(f"/api/v1/runs?q={first}").json()["items"][0]
+        second = submit(client, seed=2)
+        assert stream.next("run")["id"] == second
+        client.post(f"/api/v1/runs/{first}/cancel")
+        assert (told := stream.next("run"))["id"] == first
+        assert told["state"] == "cancelled"
+
+
+def test_a_listener_to_a_run_hears_of_its_stages_and_improvements(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    submit(client, seed=2)
+    with listening(client, run=run) as stream:
+        assert stream.next("run")["state"] == "queued"
+        assert stream.next("stages") == []
+        work = Work(service)
+        assert stream.next("run")["state"] == "running"
+        assert [s["kind"] for s in stream.next("stages")] == ["nominal", "sensitivity", "search"]
+        work.search(0, 50)
+        heard = stream.next("evaluations")["2"]
+        work.search(50, 100)
+        more = stream.next("evaluations")["2"]
+    flown = search(0, 150)
+    better = thin.improvements(flown.costs[:, 0])
+    assert heard["index"] + more["index"] == better.tolist()
+    assert heard["cost"] + more["cost"] == flown.costs[better, 0].tolist()
+    assert heard["seconds"] + more["seconds"] == flown.seconds[better].tolist()
+    assert (heard["evaluations"], more["evaluations"], more["elapsed"]) == (50, 150, flown.seconds[-1])
+
+
+def test_whoever_comes_late_is_told_everything(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    work = Work(service)
+    work.search(0, 50)
+    with listening(client, run=run) as early:
+        assert early.next("evaluations")["2"]["evaluations"] == 50
+        work.search(50, 100)
+        assert early.next("evaluations")["2"]["evaluations"] == 150
+        with listening(client, run=run) as late:
+            told = late.next("evaluations")["2"]
+    assert told["index"] == thin.improvements(search(0, 150).costs[:, 0]).tolist()
+
+
+def test_a_finished_run_is_told_once(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    client.post(f"/api/v1/runs/{run}/cancel")
+    with listening(client, run=run) as stream:
+        assert stream.next("run")["state"] == "cancelled"
+
+
+def test_the_end_of_a_run_is_heard(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    work = Work(service)
+    with listening(client, run=run) as stream:
+        assert stream.next("run")["verdict"] is None
+        work.conclude()
+        assert (told := stream.next("run"))["verdict"] == "violated"
+        assert told["state"] == "done"
+
+
+def test_an_unknown_run_is_refused(guest: httpx.Client) -> None:
+    problem(guest.get("/api/v1/events", params={"run": "R-0099"}), 404)
+    problem(guest.get("/api/v1/events", params={"run": "x"}), 404)
+
+
+def test_a_listener_that_goes_is_forgotten_and_the_poller_rests(service: Service, client: httpx.Client) -> None:
+    submit(client)
+    with listening(client) as stream:
+        stream.next("run")
+        assert service.app.state.hub.listeners == 1
+    until(lambda: service.app.state.hub.listeners == 0)
+    until(lambda: service.app.state.hub._poller.done())
+    with listening(client) as stream:
+        stream.next("run")
+
+
+def test_a_silent_stream_carries_comments(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hub, "HEARTBEAT", 0.05)
+    with listening(client) as stream:
+        blocks = stream.blocks()
+        assert next(blocks) == ["retry: 2000"]
+        assert next(blocks) == [": still here"]
+
+
+def test_at_most_four_times_a_second(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    work = Work(service)
+    with listening(client, run=run) as stream:
+        stream.next("stages")
+        begun, events, heard = time.monotonic(), 0, 0
+        for first in range(0, 600, 10):
+            work.search(first, 10)
+        while heard < 600:
+            heard = stream.next("evaluations").get("2", {}).get("evaluations", 0)
+            events += 1
+    assert events <= 2 + (time.monotonic() - begun) / hub.PERIOD
+
+
+def test_a_listener_too_far_behind_is_let_go() -> None:
+    listener = hub._Listener(None)
+    listener.tell([Event(1, "run", "{}")] * (hub.BACKLOG + 1))
+    assert [listener.queue.get_nowait() for _ in range(hub.BACKLOG)][-1] is None
+
+
+def test_nothing_is_read_while_nothing_is_written(service: Service, client: httpx.Client) -> None:
+    run = int(submit(client)[2:])
+    watch = Watch(service.engine)
+    queries: list[str] = []
+    sa.event.listen(service.engine, "before_cursor_execute", lambda *args: queries.append(args[2]))
+    assert watch.look([run])
+    queries.clear()
+    assert watch.look([run]) == []
+    assert queries == []
+    assert Queue(service.engine).claim("w1") is not None
+    queries.clear()
+    assert [e.name for e in watch.look([run])] == ["run"]
+    assert queries
+    watch.close()
+
+
+def test_a_look_at_many_runs_stays_cheap(service: Service, client: httpx.Client) -> None:
+    fill(service, 2000)
+    watch = Watch(service.engine)
+    watch.look([])
+    assert watch.everything(None)
+    submit(client, seed=3)
+    begun = time.process_time()
+    events = watch.look([])
+    assert time.process_time() - begun < 0.5
+    assert [e.run_id for e in events] == [2001]
+    watch.close()

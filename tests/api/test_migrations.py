@@ -1,0 +1,71 @@
+"""The migrations make the very tables that the code describes, from nothing, and however many start at once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+from alembic import command
+from alembic.autogenerate import compare_metadata
+from alembic.runtime.migration import MigrationContext
+
+from backend.db.engine import connect, default_url, migrate, migration_lock
+from backend.db.migrate import config
+from backend.db.tables import Base
+
+
+@pytest.fixture
+def engine(tmp_path: Path) -> Iterator[sa.Engine]:
+    engine = connect(default_url(tmp_path))
+    yield engine
+    engine.dispose()
+
+
+def difference(engine: sa.Engine) -> list[object]:
+    with engine.connect() as connection:
+        return list(compare_metadata(MigrationContext.configure(connection), Base.metadata))
+
+
+def test_the_newest_form_is_that_of_the_code(engine: sa.Engine, tmp_path: Path) -> None:
+    assert difference(engine)
+    migrate(default_url(tmp_path))
+    assert difference(engine) == []
+
+
+def test_migrating_again_changes_nothing(engine: sa.Engine, tmp_path: Path) -> None:
+    migrate(default_url(tmp_path))
+    with engine.begin() as connection:
+        connection.execute(sa.text("insert into catalogue (id, document, published) values (1, '{}', 0)"))
+    migrate(default_url(tmp_path))
+    with engine.connect() as connection:
+        assert connection.scalar(sa.text("select count(*) from catalogue")) == 1
+
+
+def test_the_way_back_leaves_no_table(engine: sa.Engine, tmp_path: Path) -> None:
+    migrate(default_url(tmp_path))
+    with migration_lock(engine) as connection:
+        command.downgrade(config(connection), "base")
+    with engine.connect() as connection:
+        assert sa.inspect(connection).get_table_names() == ["alembic_version"]
+
+
+def test_a_migration_that_fails_leaves_nothing(engine: sa.Engine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sa.Engine, "dispose", lambda _: None)
+    monkeypatch.setattr("backend.db.engine.connect", lambda _: engine)
+    with engine.begin() as connection:
+        connection.execute(sa.text("create table tokens (id integer)"))  # in the way of the first revision
+    with pytest.raises(sa.exc.OperationalError):
+        migrate("sqlite:///ignored")
+    with engine.connect() as connection:
+        assert sa.inspect(connection).get_table_names() == ["tokens"]
+
+
+def test_three_processes_on_a_fresh_file_all_succeed(engine: sa.Engine, tmp_path: Path) -> None:
+    program = "import sys; from backend.db.engine import migrate; migrate(sys.argv[1])"
+    started = [subprocess.Popen([sys.executable, "-c", program, default_url(tmp_path)]) for _ in range(3)]
+    assert [process.wait(60) for process in started] == [0, 0, 0]
+    assert difference(engine) == []

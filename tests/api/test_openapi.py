@@ -1,0 +1,106 @@
+"""The OpenAPI document: complete, up to date beside the front end, and true of what is answered."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from backend import openapi
+from campaigns.version import VERSION
+from tests.api.finished import finish
+from tests.api.server import Service
+from tests.api.test_runs import submit
+
+ROOT = Path(__file__).parents[2]
+DOCUMENT = json.loads(openapi.text())
+OPERATIONS = [
+    (path, method, operation) for path, methods in DOCUMENT["paths"].items() for method, operation in methods.items()
+]
+
+
+def test_the_copy_beside_the_front_end_is_up_to_date() -> None:
+    kept = (ROOT / "frontend" / "openapi.json").read_text(encoding="utf-8")
+    assert kept == openapi.text(), "run `python -m backend.openapi frontend/openapi.json`"
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    assert f'version = "{VERSION}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert DOCUMENT["info"]["version"] == VERSION
+
+
+@pytest.mark.parametrize(("path", "method", "operation"), OPERATIONS, ids=lambda v: v if isinstance(v, str) else "")
+def test_every_operation_is_described(path: str, method: str, operation: dict[str, Any]) -> None:
+    assert path.startswith("/api/v1/")
+    assert operation["tags"]
+    assert operation["summary"]
+    assert operation["description"]
+    assert "application/problem+json" in operation["responses"]["default"]["content"]
+    assert ("requestBody" in operation) == (path in ("/api/v1/runs", "/api/v1/campaigns/check") and method == "post")
+
+
+def test_operation_ids_are_short_and_distinct() -> None:
+    ids = [operation["operationId"] for _, _, operation in OPERATIONS]
+    assert len(ids) == len(set(ids))
+    assert all(len(i) < 20 for i in ids)
+
+
+def test_every_reference_leads_somewhere() -> None:
+    text = json.dumps(DOCUMENT)
+    names = {part.split('"')[0] for part in text.split("#/components/schemas/")[1:]}
+    assert names <= DOCUMENT["components"]["schemas"].keys()
+
+
+def test_the_service_answers_with_the_same_document(guest: httpx.Client) -> None:
+    assert guest.get("/api/v1/openapi.json").json() == DOCUMENT
+
+
+def conforms(value: Any, schema: dict[str, Any], where: str = "") -> None:
+    """Hold a value against the few words of JSON Schema that decide the generated types."""
+    if "$ref" in schema:
+        schema = DOCUMENT["components"]["schemas"][schema["$ref"].rsplit("/", 1)[-1]]
+    for choice in ("anyOf", "oneOf"):
+        if choice in schema:
+            for option in schema[choice]:
+                try:
+                    return conforms(value, option, where)
+                except AssertionError:
+                    continue
+            raise AssertionError(f"{where}: {value!r} fits none")
+    kinds = {"object": dict, "array": list, "string": str, "integer": int, "number": (int, float), "boolean": bool}
+    if schema.get("type") == "null":
+        assert value is None, where
+    elif "type" in schema:
+        assert isinstance(value, kinds[schema["type"]]), f"{where}: {value!r} is no {schema['type']}"
+    if "enum" in schema:
+        assert value in schema["enum"], where
+    if isinstance(value, dict):
+        assert set(schema.get("required", [])) <= value.keys(), where
+        for key, inner in value.items():
+            rule = schema.get("properties", {}).get(key, schema.get("additionalProperties", True))
+            assert rule is not False, f"{where}.{key} is not described"
+            if isinstance(rule, dict):
+                conforms(inner, rule, f"{where}.{key}")
+    if isinstance(value, list) and isinstance(schema.get("items"), dict):
+        for i, inner in enumerate(value):
+            conforms(inner, schema["items"], f"{where}.{i}")
+    return None
+
+
+def test_answers_are_as_described(service: Service, client: httpx.Client) -> None:
+    submit(client)
+    finish(service)
+    submit(client, seed=2)
+    seen = 0
+    for path, method, operation in OPERATIONS:
+        if method != "get" or path.endswith("/events"):
+            continue
+        address = path.replace("{run}", "R-0001").replace("{name}", "F1" if "traces" in path else "unicycle_static")
+        answer = client.get(address)
+        assert answer.status_code == 200, address
+        conforms(answer.json(), operation["responses"]["200"]["content"]["application/json"]["schema"], address)
+        seen += 1
+    assert seen >= 13

@@ -1,0 +1,73 @@
+"""The built front end: deep links, caching, nothing outside its folder; and the plain page where it is not built."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import httpx
+import pytest
+
+from tests.api.server import Service
+from tests.api.test_access import problem
+
+HTML = {"accept": "text/html,application/xhtml+xml"}
+
+
+@pytest.fixture
+def built(service: Service) -> Path:
+    """The folder of a front end as the build leaves it."""
+    folder = service.settings.pages
+    (folder / "assets").mkdir(parents=True)
+    (folder / "index.html").write_text("<!doctype html><title>Clearance</title>")
+    (folder / "assets" / "index-abc123.js").write_text("console.log(1)")
+    (folder / "favicon.svg").write_text("<svg/>")
+    (folder.parent / "secret.txt").write_text("secret")
+    return folder
+
+
+@pytest.mark.parametrize("path", ["/runs", "/runs/R-0001", "/runs/R-0001?t=3.2", "/launch", "/compare", "/index.html"])
+def test_deep_links_open_the_application(built: Path, client: httpx.Client, path: str) -> None:
+    answer = client.get(path, headers=HTML)
+    assert (answer.status_code, answer.headers["cache-control"]) == (200, "no-cache")
+    assert "Clearance" in answer.text
+
+
+def test_the_root_leads_to_the_runs(client: httpx.Client) -> None:
+    answer = client.get("/", headers=HTML)
+    assert (answer.status_code, answer.headers["location"]) == (307, "/runs")
+
+
+def test_assets_are_open_and_kept_for_long(built: Path, service: Service) -> None:
+    with service.visitor() as stranger:
+        answer = stranger.get("/assets/index-abc123.js")
+        assert answer.status_code == 200
+        assert "immutable" in answer.headers["cache-control"]
+        assert answer.headers["content-type"].startswith("text/javascript")
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert stranger.get("/favicon.svg").status_code == 200
+
+
+@pytest.mark.parametrize("path", ["/assets/gone.js", "/assets/../secret.txt", "/assets/..%2f..%2fsecret.txt", "/api/x"])
+def test_what_is_not_there_is_a_problem_and_not_the_application(built: Path, client: httpx.Client, path: str) -> None:
+    answer = client.get(path, headers=HTML)
+    if answer.status_code == 200:  # the client itself took the dots out of the path
+        assert answer.text.startswith("<!doctype html>")
+    else:
+        problem(answer, 404)
+    assert "secret" not in answer.text.replace("secret.txt", "")
+
+
+def test_nothing_outside_the_folder_is_served(built: Path, client: httpx.Client) -> None:
+    for path in ("/%2e%2e/secret.txt", "/..%2fsecret.txt", "/assets%2f..%2f..%2fsecret.txt", "/%00"):
+        answer = client.get(path)
+        assert answer.status_code == 404, path
+
+
+def test_a_program_asking_for_a_page_that_is_not_there_gets_a_problem(built: Path, client: httpx.Client) -> None:
+    problem(client.get("/runs", headers={"accept": "application/json"}), 404)
+
+
+def test_where_nothing_is_built_a_plain_page_says_what_to_do(client: httpx.Client) -> None:
+    answer = client.get("/runs", headers=HTML)
+    assert answer.status_code == 503
+    assert "make install" in answer.text

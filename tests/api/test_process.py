@@ -1,0 +1,111 @@
+"""`python -m backend` as a process: settings, the link it prints, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+
+from backend.settings import Settings
+
+
+def environment(data: Path, **settings: str) -> dict[str, str]:
+    own = {k: v for k, v in os.environ.items() if not k.startswith("CLEARANCE_")}
+    return {**own, "CLEARANCE_DATA": str(data), "CLEARANCE_PORT": "0", **settings}
+
+
+@contextmanager
+def started(data: Path, **settings: str) -> Iterator[subprocess.Popen[str]]:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "backend"],
+        env=environment(data, **settings),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    yield process
+    process.kill()
+    process.communicate()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_it_migrates_prints_a_link_serves_and_ends_within_two_seconds(tmp_path: Path, number: int) -> None:
+    with started(tmp_path / "new") as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        assert line.startswith("Open http://127.0.0.1:")
+        link = line.removeprefix("Open ").strip()
+        kept = tmp_path / "new" / "login-link"
+        assert kept.read_text().strip() == link
+        assert stat.S_IMODE(kept.stat().st_mode) == 0o600
+        base = link.partition("/login")[0]
+        with httpx.Client(base_url=base, trust_env=False, timeout=20) as client:
+            assert client.get(link).status_code == 303
+            assert client.get("/api/v1/runs").json()["items"] == []
+            with client.stream("GET", "/api/v1/events") as stream:
+                assert next(stream.iter_lines()) == "retry: 2000"
+                begun = time.monotonic()
+                process.send_signal(number)
+                assert process.wait(10) == 0
+                assert time.monotonic() - begun < 2.0
+        out, err = process.communicate()
+        assert (out, err) == ("", "")
+
+
+def refused(data: Path, **settings: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "backend"], env=environment(data, **settings), capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    return done.stderr
+
+
+def test_a_bind_beyond_loopback_is_refused_with_a_sentence(tmp_path: Path) -> None:
+    said = refused(tmp_path, CLEARANCE_HOST="0.0.0.0")
+    assert "CLEARANCE_ALLOW_ANY_HOST=true" in said
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_taken_port_and_an_unknown_database_are_said_in_a_sentence(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        said = refused(tmp_path, CLEARANCE_PORT=str(taken.getsockname()[1]))
+    assert "cannot listen on 127.0.0.1:" in said
+    assert "mysql" in refused(tmp_path, CLEARANCE_DATABASE="mysql://x/y")
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "::1", "127.1.2.3"])
+def test_loopback_needs_no_permission(host: str) -> None:
+    assert Settings.load({"CLEARANCE_HOST": host}).host == host
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "example.org", "127.0.0.1.example.org"])
+def test_any_other_address_needs_permission(host: str) -> None:
+    with pytest.raises(ValueError, match="ALLOW_ANY_HOST"):
+        Settings.load({"CLEARANCE_HOST": host})
+    allowed = Settings.load({"CLEARANCE_HOST": host, "CLEARANCE_ALLOW_ANY_HOST": "true"})
+    assert allowed.url(80) == "http://127.0.0.1:80"
+
+
+def test_settings_come_from_the_environment_and_mistakes_are_named() -> None:
+    given = {
+        "CLEARANCE_DATA": "/srv/x",
+        "CLEARANCE_PORT": "9000",
+        "CLEARANCE_PUBLIC_URL": "https://c.example/",
+        "HOME": "/",
+    }
+    settings = Settings.load(given)
+    assert settings.database_url == "sqlite:////srv/x/clearance.sqlite3"
+    assert (settings.cookie, settings.url(9000)) == ("clearance_9000", "https://c.example")
+    with pytest.raises(ValueError, match=r"CLEARANCE_PORT: .* given '99999'"):
+        Settings.load({"CLEARANCE_PORT": "99999"})

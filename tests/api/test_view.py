@@ -1,0 +1,217 @@
+"""The 3D view over the service's own port: its page, its socket, and that both are behind the login."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+import viser
+import websockets
+import zstandard
+from websockets.sync.client import ClientConnection, connect
+
+from tests.api.finished import Work, finish
+from tests.api.server import Service, until
+from tests.api.test_access import problem
+from tests.api.test_runs import submit
+
+PROTOCOL = f"viser-v{viser.__version__}"
+
+
+@contextmanager
+def viewing(service: Service, client: httpx.Client, path: str, **changes: str | None) -> Iterator[ClientConnection]:
+    """A viewer's socket, as a browser on our own page opens it, but for the changed headers."""
+    headers = {
+        "Cookie": f"{service.settings.cookie}={client.cookies[service.settings.cookie]}",
+        "Origin": service.url,
+        **changes,
+    }
+    with connect(
+        f"ws://127.0.0.1:{service.port}{path}",
+        additional_headers={k: v for k, v in headers.items() if v is not None},
+        subprotocols=[websockets.Subprotocol(PROTOCOL)],
+        compression=None,
+        max_size=None,
+        proxy=None,
+    ) as connection:
+        yield connection
+
+
+def frames_until(connection: ClientConnection, *wanted: bytes) -> bytes:
+    """Everything that arrives until all of these texts did."""
+    received = b""
+    deadline = time.monotonic() + 10
+    while not all(text in received for text in wanted):
+        message = connection.recv(timeout=max(0.0, deadline - time.monotonic()))
+        assert isinstance(message, bytes)
+        packed = int.from_bytes(message[8:16], "little")
+        received += zstandard.ZstdDecompressor().decompress(message[16 : 16 + packed])
+    return received
+
+
+def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    answer = client.get(f"/view/{run}/")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"].startswith("text/html")
+    policy = answer.headers["content-security-policy"]
+    assert "connect-src 'self' data: blob:" in policy
+    assert "frame-ancestors 'self'" in policy
+    assert "unsafe-eval'" not in policy.replace("wasm-unsafe-eval'", "")
+    assert client.get(f"/view/{run}").headers["location"] == f"/view/{run}/"
+    assert client.get(f"/view/{run}/t/3.25/cam/encounter/dark").status_code == 200
+    plain = client.get(f"/view/{run}/", headers={"accept-encoding": "identity"})
+    assert plain.content == answer.content
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("/view/R-0099/", 404),
+        ("/view/nothing/", 404),
+        ("/view/R-0001/?websocket=ws://evil.example", 400),
+        ("/view/R-0001/?playbackPath=//evil.example/x.viser", 400),
+        ("/view/R-0001/t/nan", 404),
+        ("/view/R-0001/t/", 404),
+        ("/view/R-0001/purple", 404),
+    ],
+)
+def test_other_addresses_are_refused(service: Service, client: httpx.Client, path: str, status: int) -> None:
+    submit(client)
+    problem(client.get(path), status)
+
+
+def test_the_scene_of_a_finished_run_arrives(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    with viewing(service, client, f"/view/{run}/t/3.2/dark") as connection:
+        assert connection.subprotocol == PROTOCOL
+        received = frames_until(
+            connection, b"/flights/nominal/path", b"/flights/worst/path", b"/obstacles/0/ring", b"/goal/label"
+        )
+    assert b"Nominal 0.9000 m" in received
+    assert b"Worst 0.8000 m" in received
+    assert b"vehicle.J [kg m2]" in received
+    assert b"Convergence" in received
+
+
+def test_what_is_found_while_watching_appears(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    work = Work(service)
+    with viewing(service, client, f"/view/{run}/") as connection:
+        before = frames_until(connection, b"/obstacles/0/ring", b"Convergence")
+        assert b"/flights/nominal/path" not in before
+        work.nominal()
+        frames_until(connection, b"/flights/nominal/path")
+        work.search(0, 100)
+        work.found()
+        frames_until(connection, b"/flights/worst/path", b"Worst 0.8000 m")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"Cookie": None},
+        {"Cookie": "clearance_8000=wrong"},
+        {"Origin": "http://evil.example"},
+        {"Origin": None},
+        {"Origin": "null"},
+    ],
+    ids=str,
+)
+def test_a_socket_without_cookie_or_from_elsewhere_is_refused(
+    service: Service, client: httpx.Client, changes: dict[str, str | None]
+) -> None:
+    run = submit(client)
+    with pytest.raises(websockets.InvalidStatus) as refused, viewing(service, client, f"/view/{run}/", **changes):
+        pass
+    assert refused.value.response.status_code == 403
+    assert service.app.state.viewers.open == 0
+
+
+@pytest.mark.parametrize("path", ["/view/R-0001/?websocket=x", "/view/R-0099/", "/view/x/", "/view/R-0001/purple"])
+def test_a_socket_to_nowhere_is_refused(service: Service, client: httpx.Client, path: str) -> None:
+    submit(client)
+    with pytest.raises(websockets.InvalidStatus), viewing(service, client, path):
+        pass
+
+
+def test_there_is_a_most_of_viewers_and_one_gone_makes_room(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    service.app.state.viewers._most = 1
+    with viewing(service, client, f"/view/{run}/"):
+        with pytest.raises(websockets.InvalidStatus), viewing(service, client, f"/view/{run}/"):
+            pass
+        assert service.app.state.viewers.open == 1
+    until(lambda: service.app.state.viewers.open == 0)
+    with viewing(service, client, f"/view/{run}/"):
+        pass
+
+
+def test_nothing_of_a_viewer_is_left_when_its_browser_goes(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+
+    def open_and_close() -> None:
+        with viewing(service, client, f"/view/{run}/") as connection:
+            frames_until(connection, b"/flights/nominal/path")
+        until(lambda: service.app.state.viewers.open == 0)
+
+    open_and_close()
+    known = set(threading.enumerate())
+    for _ in range(3):
+        open_and_close()
+    until(lambda: not {t for t in threading.enumerate() if t not in known and "AnyIO" not in t.name})
+
+
+def test_visers_own_port_takes_nobody_else(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    before = listening()
+    with viewing(service, client, f"/view/{run}/") as connection:
+        frames_until(connection, b"/flights/nominal/path")
+        (port,) = listening() - before
+        with connect(
+            f"ws://127.0.0.1:{port}/", subprotocols=[websockets.Subprotocol(PROTOCOL)], compression=None, proxy=None
+        ) as stranger:
+            with pytest.raises(websockets.ConnectionClosed) as closed:
+                stranger.recv(timeout=5)
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == 1008
+
+
+def listening() -> set[int]:
+    """The TCP ports that this process listens on."""
+    own = {_target(link) for link in Path("/proc/self/fd").iterdir()}
+    lines = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
+    return {int(row[1].split(":")[1], 16) for row in lines if row[3] == "0A" and f"socket:[{row[9]}]" in own}
+
+
+def _target(link: Path) -> str:
+    try:
+        return str(link.readlink())
+    except OSError:  # closed meanwhile
+        return ""
+
+
+def test_the_service_stops_at_once_with_streams_and_viewers_open(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    with (
+        viewing(service, client, f"/view/{run}/") as connection,
+        socket.create_connection(("127.0.0.1", service.port)) as raw,
+    ):
+        frames_until(connection, b"/flights/nominal/path")
+        cookie = f"{service.settings.cookie}={client.cookies[service.settings.cookie]}"
+        raw.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: x\r\nCookie: {cookie}\r\n\r\n".encode())
+        until(lambda: service.app.state.hub.listeners == 1)
+        begun = time.monotonic()
+        service.stop()
+        stopping = time.monotonic() - begun
+    assert stopping < 2.0

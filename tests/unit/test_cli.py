@@ -1,0 +1,107 @@
+"""The command line without any service: exit codes, tokens, login links."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+from backend.db.access import hashed
+from backend.db.engine import connect, default_url, read
+from backend.db.tables import LoginLink, Token
+from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([], ""),
+        (["bogus"], "No such command 'bogus'"),
+        (["run"], "Missing argument"),
+        (["run", "--bogus"], "No such option: --bogus"),
+        (["serve", "--port", "70000"], "--port"),
+        (["token"], ""),
+        (["token", "create"], "Missing argument"),
+        (["token", "list", "--database", "mysql://x"], "sqlite:///FILE and postgresql://..."),
+        (["worker", "--database", "nonsense"], "database"),
+        (["worker", "--database", "sqlite://"], "sqlite:///path/to/file"),
+    ],
+)
+def test_wrong_usage_is_3_and_says_what_is_wrong(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert invoke(arguments) == WRONG_INPUT
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir()), "nothing was left behind"
+
+
+def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["--help"]) == 0
+    shown = capsys.readouterr().out
+    for command in ("run", "validate", "serve", "worker", "token", "login-link"):
+        assert f" {command} " in shown
+
+
+@pytest.mark.parametrize(("raised", "code"), [(RuntimeError("a bug"), INTERNAL), (KeyboardInterrupt(), INTERRUPTED)])
+def test_what_goes_wrong_inside(raised: BaseException, code: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise raised
+
+    token = importlib.import_module("worker.cli.token")
+    monkeypatch.setattr(token.access, "tokens", broken)
+    monkeypatch.setattr(token, "opened", lambda *_: _Nothing())
+    assert build() is not None
+    assert invoke(["token", "list"]) == code
+
+
+class _Nothing:
+    def __enter__(self) -> None: ...
+    def __exit__(self, *_: object) -> None: ...
+
+
+def test_a_token_is_shown_once_and_kept_as_its_hash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = ["--data", str(tmp_path)]
+    assert invoke(["token", "create", "ci", *data]) == 0
+    secret = capsys.readouterr().out.strip()
+    assert secret.startswith("clr_")
+    assert len(secret) > 40
+    engine = connect(default_url(tmp_path))
+    with read(engine) as connection:
+        [row] = connection.execute(Token.__table__.select()).all()
+    assert (row.name, row.hash, row.revoked) == ("ci", hashed(secret), None)
+    assert secret.encode() not in b"".join(file.read_bytes() for file in tmp_path.iterdir())
+
+    assert invoke(["token", "create", "ci", *data]) == WRONG_INPUT
+    assert "there is, or was, a token named 'ci'" in capsys.readouterr().err
+    assert invoke(["token", "revoke", "ci", *data]) == 0
+    assert invoke(["token", "list", *data]) == 0
+    *_, line = capsys.readouterr().out.splitlines()
+    assert line.split()[0] == "ci"
+    assert line.split()[-1] != "-", "it is shown as revoked"
+    assert invoke(["token", "revoke", "other", *data]) == WRONG_INPUT
+    engine.dispose()
+
+
+def test_a_login_link_for_the_service_of_that_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = ["--data", str(tmp_path)]
+    assert invoke(["login-link", *data]) == WRONG_INPUT
+    assert "there is no database at" in capsys.readouterr().err
+    invoke(["token", "create", "ci", *data])
+    (tmp_path / "login-link").write_text("http://127.0.0.1:8123/login?code=used\n")
+    capsys.readouterr()
+    for options, address in (([], "http://127.0.0.1:8123"), (["--url", "https://a.example/"], "https://a.example")):
+        assert invoke(["login-link", *data, *options]) == 0
+        link = capsys.readouterr().out.strip()
+        assert link.startswith(f"{address}/login?code=")
+        engine = connect(default_url(tmp_path))
+        with read(engine) as connection:
+            known = {row.hash for row in connection.execute(LoginLink.__table__.select())}
+        engine.dispose()
+        assert hashed(link.partition("=")[2]) in known
+
+
+def test_nobody_is_alive_where_no_worker_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    invoke(["token", "create", "ci", "--data", str(tmp_path)])
+    assert invoke(["worker", "--check", "--data", str(tmp_path)]) == 1

@@ -16,7 +16,7 @@ from worker.kernels.bind import Function, bind, compile_loop, digest, filled, pl
 from worker.kernels.chains import chains
 from worker.kernels.component import Signal
 from worker.kernels.lanes import LaneOps, lane_ops, plain_ops
-from worker.kernels.layout import Parts, places, sections, states
+from worker.kernels.layout import Parts, derivations, places, sections, states
 
 Floats = NDArray[np.float64]
 
@@ -162,7 +162,7 @@ def _ops(make: Any, rows: int, lanes: int) -> LaneOps:
 
 def _glue(made: Loop) -> dict[str, Any]:
     """The parts of the glue that the loop calls, every slot filled."""
-    slots = _constants(made) | _components(made.parts) | chains(made.parts, made.sections)
+    slots = _constants(made) | _components(made.parts) | chains(made.parts, made.extended)
     slots["demand"] = _filled(glue.held if made.parts.sampled else glue.asked, slots)
     parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
     names = (
@@ -187,7 +187,6 @@ def _filled(template: Function, slots: dict[str, Any]) -> Any:
 
 
 def _constants(made: Loop) -> dict[str, Any]:
-    sections = {s.prefix: s for s in made.sections}
     slots: dict[str, Any] = {
         **made.states.slots(),
         "N_X": made.n_state,
@@ -197,7 +196,7 @@ def _constants(made: Loop) -> dict[str, Any]:
     }
     letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}
     for letter, prefix in letters.items():
-        place = made.extended.get(prefix, sections[prefix])
+        place = made.extended[prefix]
         slots[prefix.title()] = place.fields
         slots[f"{letter}0"], slots[f"{letter}1"] = place.first, place.last
     return slots
@@ -226,9 +225,7 @@ def _extend(made: Loop) -> Any:
     trim = made.extended.get("trim")
     if trim is not None:
         balance = bind(glue.balanced, {"Trimmed": trim.fields, "T0": trim.first, "T1": trim.last})
-    for section in made.sections[:3]:
-        derived = getattr(made.parts, section.prefix).derived
-        if derived is not None:
-            own = {"Given": section.fields, "derive": derived.derive, "E0": section.first, "E1": section.last}
-            extend = bind(glue.with_derived, own | {"before": extend, "balance": balance})
+    for section, derived in derivations(made.parts, made.sections):
+        own = {"Given": section.fields, "derive": derived.derive, "E0": section.first, "E1": section.last}
+        extend = bind(glue.with_derived, own | {"before": extend, "balance": balance})
     return extend

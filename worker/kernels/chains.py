@@ -6,17 +6,17 @@ Start reading at `chains`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from worker.kernels import glue
 from worker.kernels.bind import bind
-from worker.kernels.layout import Parts, Placed, Section
+from worker.kernels.layout import Parts, Place, Placed
 
 
-def chains(parts: Parts, sections: Sequence[Section]) -> dict[str, Any]:
+def chains(parts: Parts, places: Mapping[str, Place]) -> dict[str, Any]:
     """The slots of the glue that hold chains."""
-    own = {s.prefix: {"Own": s.fields, "P0": s.first, "P1": s.last} for s in sections}
+    own = {prefix: {"Own": at.fields, "P0": at.first, "P1": at.last} for prefix, at in places.items()}
     slots = _faults(parts, own) | _environment(parts, own)
     space = parts.vehicle.dimension == 3
     slots["shifted"] = bind(glue.shifted3 if space else glue.shifted2, {})

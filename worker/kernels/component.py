@@ -200,6 +200,7 @@ class Obstacle:
     wake: Kernel | None = None
     move: Kernel | None = None
     moving: bool = False
+    derived: Derived | None = None
     role: Literal["obstacle"] = "obstacle"
 
 

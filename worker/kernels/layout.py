@@ -7,7 +7,7 @@ actuators, environment, obstacles. Start reading at `Parts`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +16,7 @@ from worker.kernels.component import (
     Controller,
     Criterion,
     Declared,
+    Derived,
     Environment,
     Fault,
     Obstacle,
@@ -88,22 +89,32 @@ def sections(parts: Parts) -> tuple[Section, ...]:
     return tuple(found)
 
 
+def derivations(parts: Parts, flat: Sequence[Section]) -> Iterator[tuple[Section, Derived]]:
+    """The sections whose components derive constants from them, in order."""
+    known: dict[str, Vehicle | Controller | Avoider | Obstacle] = {
+        "vehicle": parts.vehicle,
+        "controller": parts.controller,
+        "avoider": parts.avoider,
+        **{f"obstacles.{i}": o for i, o in enumerate(parts.obstacles)},
+    }
+    for section in flat:
+        part = known.get(section.prefix)
+        if part is not None and part.derived is not None:
+            yield section, part.derived
+
+
 def places(parts: Parts, flat: Sequence[Section]) -> dict[str, Place]:
-    """What vehicle, controller and avoider are given; trim and derived constants stand behind all parameters."""
+    """What each component is given; trim and derived constants stand behind all parameters."""
     end = flat[-1].last
-    found: dict[str, Place] = {}
+    found = {s.prefix: Place(s.fields, s.first, s.last) for s in flat}
     if parts.vehicle.trim is not None:
         fields: Any = parts.vehicle.trim.fields
         found["trim"] = Place(fields, end, end + len(fields._fields))
         end = found["trim"].last
-    for section in flat[:3]:
-        part = getattr(parts, section.prefix)
-        if part.derived is None:
-            found[section.prefix] = Place(part.parameters, section.first, section.last)
-        else:
-            constants: Any = part.derived.constants
-            found[section.prefix] = Place(constants, end, end + len(constants._fields))
-            end = found[section.prefix].last
+    for section, derived in derivations(parts, flat):
+        constants: Any = derived.constants
+        found[section.prefix] = Place(constants, end, end + len(constants._fields))
+        end = found[section.prefix].last
     return found
 
 

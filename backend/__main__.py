@@ -20,6 +20,7 @@ from fastapi import FastAPI
 from backend.app import create
 from backend.db.access import create_login_code
 from backend.db.engine import migrate
+from backend.frame import LARGEST_BODY
 from backend.settings import Settings
 
 LINK_FILE = "login-link"
@@ -71,6 +72,7 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         access_log=False,
         ws="websockets-sansio",
         ws_per_message_deflate=False,
+        ws_max_size=LARGEST_BODY,
         server_header=False,
         timeout_graceful_shutdown=GRACE,
     )

@@ -69,9 +69,22 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from _dimensions(campaign, catalogue)
     yield from _fits(campaign, catalogue)
     known = parameters(campaign, catalogue)
+    unknown = _unknown(campaign, catalogue)
     for path, uncertain in campaign.uncertain.items():
-        yield from _uncertain(path, uncertain, known)
+        if not path.startswith(unknown):
+            yield from _uncertain(path, uncertain, known)
     yield from _searches(campaign, catalogue, known)
+
+
+def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
+    """Beginnings of the paths of unknown components: one problem is enough for each."""
+    also = {"vehicle": ("start.",), "avoider": ("goal.",)}
+    return tuple(
+        beginning
+        for prefix, _, role, part in parts(campaign)
+        if catalogue.component(role, part.component) is None
+        for beginning in (f"{prefix}.", *also.get(role, ()))
+    )
 
 
 def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
@@ -93,7 +106,8 @@ def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     scenario = campaign.scenario
     controller = catalogue.component("controller", scenario.controller.component)
-    if controller is not None and scenario.vehicle.component not in controller.fits:
+    vehicle = catalogue.component("vehicle", scenario.vehicle.component)
+    if controller is not None and vehicle is not None and vehicle.name not in controller.fits:
         flown = ", ".join(controller.fits)
         yield Problem(
             "scenario.controller.component",

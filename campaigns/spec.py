@@ -12,7 +12,22 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
-from campaigns.values import Identifier, Name, Number, Option, Path, PlusMinus, Text, Values, Whole, around, whole
+from campaigns.values import (
+    AS_NUMBER,
+    AS_WHOLE,
+    Identifier,
+    Name,
+    Notes,
+    Number,
+    Option,
+    Path,
+    PlusMinus,
+    Source,
+    Summary,
+    Unit,
+    Values,
+    around,
+)
 
 MAX_STEPS = 2_000_000
 MAX_EVALUATIONS = 10_000_000
@@ -38,7 +53,7 @@ class FaultPart(Part):
 class Guidance(Strict):
     """How often the avoider is asked: at every stage of the integrator, or at its own period with a hold between."""
 
-    period: Annotated[Number, Field(ge=0)] = 0.0
+    period: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
     """[s]; 0 is continuous."""
 
 
@@ -53,9 +68,9 @@ class Scenario(Strict):
     obstacles: Annotated[list[Part], Field(max_length=64)] = []
     environment: Annotated[list[Part], Field(max_length=16)] = []
     faults: Annotated[list[FaultPart], Field(max_length=32)] = []
-    horizon: Annotated[Number, Field(gt=0)]
+    horizon: Annotated[float, Field(gt=0), AS_NUMBER]
     """[s]"""
-    step: Annotated[Number, Field(gt=0)]
+    step: Annotated[float, Field(gt=0), AS_NUMBER]
     """[s]"""
     guidance: Guidance = Guidance()
 
@@ -89,7 +104,7 @@ class TruncatedNormal(Strict):
 
     kind: Literal["truncated_normal"] = "truncated_normal"
     mean: Number
-    deviation: Annotated[Number, Field(gt=0)]
+    deviation: Annotated[float, Field(gt=0), AS_NUMBER]
 
 
 class Triangular(Strict):
@@ -115,7 +130,7 @@ class Uncertain(Strict):
     low: Number | None = None
     high: Number | None = None
     plus_minus: PlusMinus | None = None
-    unit: Annotated[Text, Field(max_length=30)] | None = None
+    unit: Unit | None = None
     distribution: Annotated[Distribution, BeforeValidator(_distribution)] = Uniform()
 
     @model_validator(mode="after")
@@ -152,14 +167,14 @@ class Criterion(Strict):
 class Sensitivity(Strict):
     """One parameter at a time over its bounds, the others nominal."""
 
-    points: Annotated[Whole, Field(ge=2, le=2001)] = 21
+    points: Annotated[int, Field(ge=2, le=2001), AS_WHOLE] = 21
 
 
 class Search(Strict):
     """One search stage: a method, its budget of evaluations, its options and, where it uses them, its starts."""
 
     method: Identifier
-    evaluations: Annotated[Whole, Field(ge=1, le=MAX_EVALUATIONS)]
+    evaluations: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS), AS_WHOLE]
     options: Annotated[dict[str, Option], Field(max_length=100)] = {}
     starts: Annotated[list[dict[Path, Number]], Field(max_length=10_000)] = []
     """Points to start from, by path in the parameters' units; a path left out is nominal."""
@@ -168,10 +183,10 @@ class Search(Strict):
 class Validate(Strict):
     """How the findings are flown again: tolerance against the other integrator and half the step, and neighbours."""
 
-    tolerance: Annotated[Number, Field(gt=0, le=1)] = 1e-3
+    tolerance: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 1e-3
     """Share of the criterion's value; a tenth of the margin holds as well."""
-    neighbours: Annotated[Whole, Field(ge=0, le=100_000)] = 300
-    reach: Annotated[Number, Field(gt=0, le=0.5)] = 1e-3
+    neighbours: Annotated[int, Field(ge=0, le=100_000), AS_WHOLE] = 300
+    reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
     """Share of each range within which the neighbours lie."""
 
 
@@ -191,7 +206,7 @@ class Published(Strict):
     label: Name
     value: Number
     at: dict[Path, Number] = {}
-    source: Annotated[Text, Field(max_length=300)] = ""
+    source: Source = ""
 
 
 class Campaign(Strict):
@@ -201,21 +216,21 @@ class Campaign(Strict):
     they came from.
     """
 
-    version: Annotated[Literal[1], BeforeValidator(whole)] = 1
+    version: Annotated[Literal[1], AS_WHOLE] = 1
     name: Name
-    summary: Annotated[Text, Field(max_length=400)] = ""
-    notes: Annotated[Text, Field(max_length=20_000)] = ""
+    summary: Summary = ""
+    notes: Notes = ""
     tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
     scenario: Scenario
     uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
     criterion: Criterion
     stages: Stages
-    agreement: Annotated[Number, Field(gt=0, le=1)] = 0.05
+    agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 0.05
     """Share of nominal minus worst within which the global methods must agree."""
-    target_probability: Annotated[Number, Field(gt=0, lt=1)] | None = None
+    target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
     """Where given, the 95 % bound on P(violation) from the random sample must be at most this."""
-    confidence: Annotated[Number, Field(gt=0.5, lt=1)] = 0.95
-    seed: Annotated[Whole, Field(ge=0, le=2**53)] = 1
+    confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = 0.95
+    seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
 
     @field_validator("uncertain")

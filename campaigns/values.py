@@ -35,7 +35,7 @@ def _number(value: Any) -> float:
     return float(value) + 0.0  # -0.0 is 0.0: equal campaigns have equal digests
 
 
-def whole(value: Any) -> int:
+def _whole(value: Any) -> int:
     """A whole number, 100.0 and the text `100` included."""
     number = _number(value) if isinstance(value, str) else value
     if isinstance(number, bool) or not isinstance(number, int | float):
@@ -57,10 +57,16 @@ def _text(text: str) -> str:
     return text
 
 
-Number = Annotated[float, BeforeValidator(_number)]
-Whole = Annotated[int, BeforeValidator(whole)]
+AS_NUMBER = BeforeValidator(_number)
+AS_WHOLE = BeforeValidator(_whole)
+"""Stand last, so that the limits before them are those of the number and reach the JSON Schema."""
+
+Number = Annotated[float, AS_NUMBER]
 Name = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_line)]
-Text = Annotated[str, AfterValidator(_text)]
+Notes = Annotated[str, Field(max_length=20_000), AfterValidator(_text)]
+Summary = Annotated[str, Field(max_length=400), AfterValidator(_text)]
+Source = Annotated[str, Field(max_length=300), AfterValidator(_text)]
+Unit = Annotated[str, Field(max_length=30), AfterValidator(_text)]
 Identifier = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=60)]
 Path = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)+$", max_length=120)]
 """Where a parameter stands in the scenario: `vehicle.m`, `obstacles.0.position.x`."""

@@ -15,6 +15,10 @@ from backend.runs import service
 router = APIRouter(tags=["events"])
 
 
+HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
+"""No proxy holds events back; and the connection ends with the stream, or it would hold up the service's stop."""
+
+
 class EventStream(StreamingResponse):
     """A stream of server-sent events."""
 
@@ -35,7 +39,7 @@ async def stream_events(
     run_id = None if run is None else service.number(run)
     if run_id is not None:
         await run_in_threadpool(_require, engine, run_id)
-    return EventStream(request.app.state.hub.listen(run_id), headers={"X-Accel-Buffering": "no"})
+    return EventStream(request.app.state.hub.listen(run_id), headers=HEADERS)
 
 
 def _require(engine: Engine, run_id: int) -> None:

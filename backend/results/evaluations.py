@@ -69,13 +69,18 @@ def _series(stage: Any, columns: Columns, most: int, paths: list[str], limits: B
 
 
 def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> dict[str, list[float]]:
-    """Points of the unit cube as {path: values} in the parameters' units."""
+    """Points of the unit cube as {path: values} in the parameters' units, bit by bit those that were flown."""
     found = {}
     for column, path in enumerate(paths):
         if path in limits and column < points.shape[1]:
-            _, low, high = limits[path]
-            found[path] = (low + (high - low) * points[:, column]).tolist()
+            found[path] = _natural(points[:, column], *limits[path]).tolist()
     return found
+
+
+def _natural(share: thin.Floats, nominal: float, low: float, high: float) -> thin.Floats:
+    """The bounds and the nominal value exactly, what is between by their share of the range."""
+    values = np.where(share == (nominal - low) / (high - low), nominal, low + share * (high - low))
+    return np.where(share <= 0.0, low, np.where(share >= 1.0, high, values))
 
 
 def improved(costs: thin.Floats, seconds: thin.Floats, better: thin.Indices) -> dict[str, list[float]]:

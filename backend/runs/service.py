@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import re
 from dataclasses import dataclass
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend import bodies
 from backend.catalog.service import required
@@ -167,4 +167,8 @@ def campaign(reader: sa.Connection, run_id: int) -> Campaign:
     document = reader.scalar(query.where(Run.id == run_id))
     if document is None:
         raise not_found("run", listing.name(run_id))
-    return Campaign.model_validate(json.loads(document) if isinstance(document, str) else document)
+    try:
+        return Campaign.model_validate(document)
+    except ValidationError:
+        detail = f"the campaign of {listing.name(run_id)} was stored by another version of Clearance, which reads it"
+        raise RefusedError(409, "other-version", detail) from None

@@ -30,7 +30,7 @@ class Closest:
     obstacle: Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Flight:
     """Poses over time [s], [m], [rad] and the separation; only rows whose pose is finite."""
 

@@ -19,6 +19,9 @@ from backend.scenes.flight import Flight, from_stored
 from campaigns.check import parameters
 
 OVER = ("done", "failed", "cancelled")
+NOMINAL, WORST = "nominal", "F1"
+SHOWN = (NOMINAL, WORST)
+"""The stored flights that are drawn."""
 
 
 @dataclass(frozen=True)
@@ -114,13 +117,16 @@ class Progress:
         """{label: {path: value}}"""
         self.curves = {position: Improvements() for position, _, _ in setting.methods}
         self.over = False
+        self._seen: dict[str, Any] = {}
 
     def look(self, reader: sa.Connection) -> bool:
         """Read what is new; whether there was anything."""
-        before = (len(self.flights), len(self.findings), sum(curve.read for curve in self.curves.values()), self.over)
+        before = self._state()
         self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in OVER
-        for name in reader.scalars(sa.select(Trace.name).where(Trace.run_id == self._run_id)).all():
-            if name not in self.flights:
+        shown = sa.select(Trace.name, Trace.meta).where(Trace.run_id == self._run_id, Trace.name.in_(SHOWN))
+        for name, meta in reader.execute(shown).all():
+            if self._seen.get(name) != meta:  # stored for the first time, or again by a later stage
+                self._seen[name] = meta
                 flight = from_stored(results.stored(reader, self._run_id, name))
                 if flight is not None:
                     self.flights[name] = flight
@@ -131,4 +137,8 @@ class Progress:
         for position, evaluations in reader.execute(flown).all():
             if position in self.curves and evaluations > self.curves[position].read:
                 self.curves[position].catch_up(reader, self._run_id, position)
-        return before != (len(self.flights), len(self.findings), sum(c.read for c in self.curves.values()), self.over)
+        return before != self._state()
+
+    def _state(self) -> tuple[Any, ...]:
+        read = [curve.read for curve in self.curves.values()]
+        return dict(self.flights), self.findings, read, self.over

@@ -18,7 +18,7 @@ from backend.scenes.flight import Flight
 from backend.scenes.flight_tab import FlightTab
 from backend.scenes.live import Live
 from backend.scenes.palette import DARK, LIGHT, Palette, rgb
-from backend.scenes.setting import Progress, Setting
+from backend.scenes.setting import NOMINAL, WORST, Progress, Setting
 from backend.scenes.what_if_tab import WhatIfTab
 from backend.scenes.world import World, move_camera, place_first_camera
 
@@ -28,7 +28,6 @@ FRAME = 1 / 30
 LOOK = 1.0
 """Time between looks at a run that is not over [s]."""
 
-WORST = "F1"
 _log = logging.getLogger(__name__)
 
 
@@ -124,7 +123,7 @@ class Viewer:
             self._tab_flight.refresh()
 
     def _draw_stored(self, time: float) -> None:
-        for drawn, name in ((self._nominal, "nominal"), (self._worst, WORST)):
+        for drawn, name in ((self._nominal, NOMINAL), (self._worst, WORST)):
             flight = self._progress.flights.get(name)
             if flight is not None and flight is not drawn.flight:
                 drawn.draw(flight, time)

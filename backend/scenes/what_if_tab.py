@@ -12,7 +12,7 @@ from backend.scenes.drawn import Drawn
 from backend.scenes.flight import ROWS, Flight, from_live
 from backend.scenes.latest import Latest
 from backend.scenes.live import Live, LiveError
-from backend.scenes.setting import Setting, Uncertain
+from backend.scenes.setting import NOMINAL, Setting, Uncertain
 
 STEPS = 400
 """How finely a slider divides its range; the buttons set values at full precision."""
@@ -26,6 +26,7 @@ class WhatIfTab:
     ) -> None:
         self._gui, self._setting, self._live, self._drawn, self._show = gui, setting, live, drawn, show
         self._values = {one.path: one.nominal for one in setting.uncertain}
+        self._offered = {NOMINAL: dict(self._values)}
         self._latest: Latest[dict[str, float]] = Latest(self._fly)
         if not setting.uncertain:
             gui.add_html(tables.note("The components of this campaign are not known to this installation (any more)."))
@@ -33,17 +34,17 @@ class WhatIfTab:
         self._result = gui.add_html(tables.outcome(drawn, setting))
         self._cases = gui.add_folder("Set to")
         with self._cases:
-            self._sets(gui.add_button("Nominal"), dict(self._values))
-        self._known: set[str] = set()
+            self._sets(gui.add_button("Nominal"), NOMINAL)
 
     def offer(self, findings: dict[str, dict[str, float]]) -> None:
         """A button for each finding."""
         for label, parameters in findings.items():
-            if label not in self._known:
-                self._known.add(label)
+            new = label not in self._offered
+            self._offered[label] = parameters
+            if new:
                 with self._cases:
                     button = self._gui.add_button(label, hint="The parameters of this finding, at full precision.")
-                self._sets(button, parameters)
+                self._sets(button, label)
 
     def stop(self) -> None:
         """Fly nothing more."""
@@ -62,8 +63,8 @@ class WhatIfTab:
         slider.on_update(changed)
         return slider
 
-    def _sets(self, button: Any, parameters: dict[str, float]) -> None:
-        button.on_click(lambda _: self._set(parameters))
+    def _sets(self, button: Any, label: str) -> None:
+        button.on_click(lambda _: self._set(self._offered[label]))
 
     def _set(self, parameters: dict[str, float]) -> None:
         for path, slider in self._sliders.items():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 import tracemalloc
 from collections.abc import Iterator
 from typing import Any
@@ -396,6 +397,32 @@ def test_a_bad_query_is_refused(guest: httpx.Client, query: dict[str, Any]) -> N
     errors = problem(guest.get("/api/v1/runs", params=query), 422)["errors"]
     assert isinstance(errors, list)
     assert errors[0]["field"].startswith(next(iter(query)))
+
+
+def test_the_list_stays_fast_with_ten_thousand_runs(service: Service, client: httpx.Client) -> None:
+    fill(service, 10_000)
+    for query in (
+        {},
+        {"sort": "-margin"},
+        {"q": "run 3"},
+        {"tag": "odd", "state": "done"},
+        {"sort": "name", "limit": 200},
+    ):
+        used = []
+        for _ in range(3):
+            begun = time.process_time()
+            page = client.get("/api/v1/runs", params=query).json()
+            used.append(time.process_time() - begun)
+        assert page["next_cursor"]
+        assert min(used) < 0.2, query
+
+
+def test_a_campaign_of_another_version_is_said_to_be_one(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    with service.engine.begin() as connection:
+        connection.execute(sa.update(CampaignRow).values(document={"version": 2}))
+    assert client.get("/api/v1/runs").status_code == 200
+    problem(client.get(f"/api/v1/runs/{run}/evaluations"), 409)
 
 
 def test_a_fault_of_ours_is_a_problem_that_tells_nothing(service: Service, client: httpx.Client) -> None:

@@ -208,6 +208,7 @@ def _components(parts: Parts) -> dict[str, Any]:
     return {
         **{name: getattr(parts.vehicle, name) for name in names},
         "settle": parts.vehicle.settle or glue.settle,
+        "felt": parts.vehicle.felt or bind(glue.as_measured, {}),
         "prepare": parts.controller.prepare[kind],
         "command": parts.controller.command[kind],
         "references": parts.controller.references[kind],

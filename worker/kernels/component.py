@@ -7,6 +7,7 @@ Start reading at `Parameter` and `Vehicle`; CONTRIBUTING in the README shows a w
 from __future__ import annotations
 
 import typing
+from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -63,6 +64,18 @@ def declared(fields: type) -> tuple[Declared, ...]:
     return tuple(found)
 
 
+def extended(name: str, *parts: type) -> Any:
+    """A NamedTuple of the fields of several, in order, with their declarations and defaults."""
+    fields = [field for part in parts for field in part._fields]  # type: ignore[attr-defined]
+    defaults = {k: v for part in parts for k, v in part._field_defaults.items()}  # type: ignore[attr-defined]
+    made: Any = namedtuple(name, fields, defaults=list(defaults.values()))  # type: ignore[misc]
+    if list(made._field_defaults) != list(defaults):
+        raise TypeError(f"{name}: fields without a default must stand before those with one")
+    hints = [typing.get_type_hints(part, include_extras=True) for part in parts]
+    made.__annotations__ = {field: hint for part in hints for field, hint in part.items()}
+    return made
+
+
 @dataclass(frozen=True)
 class Signal:
     """A column of a trace: what it shows, its symbol and unit."""
@@ -115,7 +128,8 @@ class Vehicle:
     velocity(x, p) in the world frame [m], [m/s]; pose(x, p) -> (x, y, z, roll, pitch, yaw) [m], [rad];
     outside(x, p) -> 0.0 inside the envelope, else the number of the limit exceeded, from 1.0;
     measured(x, errors, p) -> x as navigation reports it, errors as glue.Errors;
-    settle(x, p) -> x after each step, where the vehicle has stops of its own.
+    settle(x, p) -> x after each step, where the vehicle has stops of its own;
+    felt(x, env, p) -> x as measured, to the controller of a vehicle that feels the air and not the ground.
     """
 
     name: str
@@ -134,6 +148,7 @@ class Vehicle:
     outside: Kernel
     measured: Kernel
     settle: Kernel | None = None
+    felt: Kernel | None = None
     derived: Derived | None = None
     trim: Trim | None = None
     frame: Literal["enu", "ned"] = "enu"

@@ -96,7 +96,7 @@ def _slot(*_: Any) -> Any:
     raise NotImplementedError("a slot that bind did not fill")
 
 
-begin = derivative = position = velocity = outside = pose = measured = settle = _slot
+begin = derivative = position = velocity = outside = pose = measured = settle = felt = _slot
 prepare = command = references = derive = balance = _slot
 steer = remember = _slot
 body = move = wake = before = demand = _slot
@@ -333,6 +333,11 @@ def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
 # The loop itself.
 
 
+def as_measured(x: Any, env: Any, p: Any) -> Any:
+    """The controller knows the vehicle as navigation reports it."""
+    return x
+
+
 def asked(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
     """Continuous guidance: the avoider is asked at every stage of the integrator."""
     return steer(t, q, v, Goal(*p[G0:G1]), around, g[DIMENSION:N_G], Avoider(*p[A0:A1]))[0]
@@ -375,9 +380,12 @@ def initial(p: Any) -> Any:
     v = velocity(xm, vp)
     seen = perceived(0.0, xo, pose(xm, vp), q, v, p)
     want = steer(0.0, q, v, Goal(*p[G0:G1]), seen, blank(p)[DIMENSION:N_G], Avoider(*p[A0:A1]))[0]
+    xe = woken_environment(p)
+    env, _ = surroundings(0.0, position(xv, vp), velocity(xv, vp), xe, p)
+    xm = felt(xm, env, vp)
     xc = prepare(xm, want, cp)
     u, _ = command(0.0, xm, xc, want, cp)
-    return xv + xc + rested(u, p) + woken_environment(p) + xo
+    return xv + xc + rested(u, p) + xe + xo
 
 
 def closed_loop(t: float, x: Any, g: Any, p: Any) -> Any:
@@ -385,12 +393,12 @@ def closed_loop(t: float, x: Any, g: Any, p: Any) -> Any:
     vp = Vehicle(*p[V0:V1])
     xm, q, v, seen = aware(t, x, p)
     want = demand(t, q, v, seen, g, p)
-    u, dxc = command(t, xm, x[XC0:XC1], want, Controller(*p[C0:C1]))
-    u, dxa = actuated(t, u, x[XA0:XA1], p)
     xv = x[0:N_V]
     q = position(xv, vp)
     v = velocity(xv, vp)
     env, dxe = surroundings(t, q, v, x[XE0:XE1], p)
+    u, dxc = command(t, felt(xm, env, vp), x[XC0:XC1], want, Controller(*p[C0:C1]))
+    u, dxa = actuated(t, u, x[XA0:XA1], p)
     dxv = derivative(t, xv, u, env, vp)
     dxo = moved(t, x[XO0:XO1], q, v, p)
     around = bodies(t, x[XO0:XO1], q, p)
@@ -423,10 +431,13 @@ def observation(t: float, x: Any, g: Any, p: Any) -> Any:
     cp = Controller(*p[C0:C1])
     xm, q, v, seen = aware(t, x, p)
     want = demand(t, q, v, seen, g, p)
-    u, _ = command(t, xm, x[XC0:XC1], want, cp)
-    u, _ = actuated(t, u, x[XA0:XA1], p)
     xv = x[0:N_V]
     q = position(xv, vp)
+    v = velocity(xv, vp)
+    env, _ = surroundings(t, q, v, x[XE0:XE1], p)
+    xm = felt(xm, env, vp)
+    u, _ = command(t, xm, x[XC0:XC1], want, cp)
+    u, _ = actuated(t, u, x[XA0:XA1], p)
     around = bodies(t, x[XO0:XO1], q, p)
-    seen_channels = samples(t, q, velocity(xv, vp), xv, u, around, Criterion(*p[K0:K1]))
+    seen_channels = samples(t, q, v, xv, u, around, Criterion(*p[K0:K1]))
     return pose(xv, vp) + u + references(xm, want, cp) + centres(around) + seen_channels

@@ -49,7 +49,7 @@ class Loop:
         self.size = self.extended["trim"].last if "trim" in self.extended else self.sections[-1].last
         self.states = states(parts)
         self.n_state = self.states.total
-        self.n_held = parts.vehicle.dimension + parts.avoider.memory
+        self.n_held = parts.vehicle.dimension * (1 + glue.KEPT * parts.late) + parts.avoider.memory
         self.n_channels = len(parts.obstacles)
         self._glue = _glue(self)
         self._plain: dict[str, Any] = {}
@@ -163,7 +163,8 @@ def _ops(make: Any, rows: int, lanes: int) -> LaneOps:
 def _glue(made: Loop) -> dict[str, Any]:
     """The parts of the glue that the loop calls, every slot filled."""
     slots = _constants(made) | _components(made.parts) | chains(made.parts, made.extended)
-    slots["demand"] = _filled(glue.held if made.parts.sampled else glue.asked, slots)
+    slots["kept"] = _filled(glue.four_kept if made.parts.late else glue.none_kept, slots)
+    slots["demand"] = _filled(_demand(made.parts), slots)
     parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
     names = (
         "aware",
@@ -182,17 +183,26 @@ def _glue(made: Loop) -> dict[str, Any]:
     return parts
 
 
+def _demand(parts: Parts) -> Function:
+    if not parts.sampled:
+        return glue.asked
+    return glue.waited if parts.late else glue.held
+
+
 def _filled(template: Function, slots: dict[str, Any]) -> Any:
     return bind(template, {k: v for k, v in slots.items() if k in vars(glue)})
 
 
 def _constants(made: Loop) -> dict[str, Any]:
+    dimension, late = made.parts.vehicle.dimension, made.parts.late
     slots: dict[str, Any] = {
         **made.states.slots(),
         "N_X": made.n_state,
         "N_G": made.n_held,
-        "DIMENSION": made.parts.vehicle.dimension,
-        "NO_DEMAND": (0.0,) * made.parts.vehicle.dimension,
+        "DIMENSION": dimension,
+        "NO_DEMAND": (0.0,) * dimension,
+        "M1": dimension + made.parts.avoider.memory,
+        "NOTHING_KEPT": (0.0,) * (glue.KEPT * dimension * late),
     }
     letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}
     for letter, prefix in letters.items():

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
 from numba import config
 from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
@@ -109,6 +110,9 @@ def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[int, int]) -> No
     if isinstance(value, _Intrinsic):
         value = value._defn
     value = _python(value)
+    if isinstance(value, np.generic):
+        feed(f"{value.dtype}:".encode())
+        value = value.item()
     if isinstance(value, (bool, int, float, complex, str, bytes, type(None))):
         feed(f"{type(value).__name__}:{value!r};".encode())
         return

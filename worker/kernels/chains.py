@@ -11,6 +11,7 @@ from typing import Any
 
 from worker.kernels import glue
 from worker.kernels.bind import bind
+from worker.kernels.component import Obstacle
 from worker.kernels.layout import Parts, Place, Placed
 
 
@@ -18,9 +19,9 @@ def chains(parts: Parts, places: Mapping[str, Place]) -> dict[str, Any]:
     """The slots of the glue that hold chains."""
     own = {prefix: {"Own": at.fields, "P0": at.first, "P1": at.last} for prefix, at in places.items()}
     slots = _faults(parts, own) | _environment(parts, own)
-    space = parts.vehicle.dimension == 3
-    slots["shifted"] = bind(glue.shifted3 if space else glue.shifted2, {})
-    slots["shown"] = bind(glue.shown3 if space else glue.shown2, {})
+    suffix = parts.vehicle.dimension
+    for name in ("shifted", "shown", "point", "solid", "blended"):
+        slots[name] = bind(getattr(glue, f"{name}{suffix}"), {})
     return slots | _obstacles(parts, own, slots)
 
 
@@ -30,7 +31,8 @@ def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, An
     woken, moved = bind(glue.no_wake, {}), bind(glue.no_move, {})
     samples = centres = bind(glue.nothing, {})
     centre = {"centre": bind(glue.centre3 if parts.vehicle.dimension == 3 else glue.centre2, {})}
-    sensed = {k: slots[k] for k in ("seen_at", "sight", "shifted", "shown")}
+    sensed = {k: slots[k] for k in ("sight", "shifted", "shown", "point", "solid")}
+    late = any(f.fault.path == "timing" for f in parts.faults)
     offset = 0
     for i, obstacle in enumerate(parts.obstacles):
         at = own[f"obstacles.{i}"] | {"X0": offset, "X1": offset + obstacle.states}
@@ -38,12 +40,13 @@ def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, An
         sample = {"sample": parts.criterion.sample[parts.vehicle.dimension]}
         if i == 0:
             bodies = bind(glue.first_body, link)
-            seen = bind(glue.first_seen, link | sensed)
+            seen = bind(glue.first_seen, link | sensed | _timed(late, obstacle, slots))
             samples = bind(glue.first_sample, sample)
             centres = bind(glue.first_centre, centre)
         else:
             bodies = bind(glue.more_bodies, link | {"before": bodies})
-            seen = bind(glue.more_seen, link | sensed | {"before": seen, "INDEX": i})
+            timed = _timed(late, obstacle, slots)
+            seen = bind(glue.more_seen, link | sensed | timed | {"before": seen, "INDEX": i})
             samples = bind(glue.more_samples, sample | {"before": samples, "INDEX": i})
             centres = bind(glue.more_centres, centre | {"before": centres, "INDEX": i})
         if obstacle.states:
@@ -60,6 +63,17 @@ def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, An
     }
 
 
+def _timed(late: bool, obstacle: Obstacle, slots: dict[str, Any]) -> dict[str, Any]:
+    """At which instant an obstacle is seen, and how it is carried on from there."""
+    if not late:
+        return {"seen_at": bind(glue.now, {}), "carried": bind(glue.at_once, {})}
+    solid = {"solid": slots["solid"]}
+    if obstacle.states:
+        back = solid | {"before": slots["seen_at"]}
+        return {"seen_at": bind(glue.now, {}), "carried": bind(glue.carried_back, back)}
+    return {"seen_at": slots["seen_at"], "carried": bind(glue.carried_on, solid)}
+
+
 def _faults(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
     """Perception, timing, navigation and actuators through every fault on them, in the campaign's order."""
     slots: dict[str, Any] = {
@@ -68,11 +82,13 @@ def _faults(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
         "errors": bind(glue.no_error, {}),
         "actuated": bind(glue.as_commanded, {}),
         "rested": bind(glue.no_rest, {}),
+        "late_by": bind(glue.in_time, {}),
     }
     links: dict[str, tuple[str, Any, str]] = {
         "perception": ("sight", glue.less_sight, "see"),
         "timing": ("seen_at", glue.then, "delay"),
         "navigation": ("errors", glue.more_error, "mistake"),
+        "guidance": ("late_by", glue.later, "wait"),
     }
     offset = 0
     for i, placed in enumerate(parts.faults):

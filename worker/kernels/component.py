@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 Kernel = Callable[..., Any]
+Switches = Callable[[Any, float], list[float]]
+"""switches(parameters or derived constants, horizon [s]) -> instants [s] at which it jumps, in plain Python."""
 
 
 @dataclass(frozen=True)
@@ -221,7 +223,10 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class Environment:
-    """A part of the environment. blow(t, q, v, e, p) -> (glue.Surroundings, de); wake(p) -> e at the start."""
+    """A part of the environment. blow(t, q, v, e, p) -> (glue.Surroundings, de); wake(p) -> e at the start.
+
+    With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`.
+    """
 
     name: str
     title: str
@@ -229,26 +234,36 @@ class Environment:
     blow: Kernel
     states: int = 0
     wake: Kernel | None = None
+    derived: Derived | None = None
+    switches: Switches | None = None
     role: Literal["environment"] = "environment"
 
 
 @dataclass(frozen=True)
 class Fault:
-    """An error or failure in one of the loop's paths; at zero magnitude it changes nothing. Its kernel, by path:
+    """An error or failure in one of the loop's paths. Its kernel, by path:
 
-    perception: see(t, index, pose, v, body, p) -> glue.Sight, pose and v being the vehicle's own as it believes;
-    timing: delay(t, p) -> the instant at which obstacles are seen;
+    perception: see(t, index, own, v, body, p) -> glue.Sight; own is (x, y, z, roll, pitch, yaw), v its velocity (3), as
+    the vehicle believes, body the obstacle as glue.Body3, whatever the dimension;
+    timing: delay(t, p) -> glue.Seen, the instant at which obstacles are seen;
     navigation: mistake(t, p) -> glue.Errors;
+    guidance: wait(p) -> by how many guidance periods the demand is late, glue.KEPT at most;
     actuator: act(t, u, a, p) -> (u, da) for the one input it is `on`, a being its own state; rest(u, p) -> a at first.
+
+    With the defaults of all its parameters it changes nothing: they are its zero magnitude. A parameter named `seed`
+    selects a realisation: the campaign gives it, apart for every component and realisation. `switches` tells the
+    instants at which it jumps, so that the other integrator can start anew there.
     """
 
     name: str
     title: str
-    path: Literal["perception", "timing", "navigation", "actuator"]
+    path: Literal["perception", "timing", "navigation", "guidance", "actuator"]
     parameters: type
     kernel: Kernel
     states: int = 0
     rest: Kernel | None = None
+    derived: Derived | None = None
+    switches: Switches | None = None
     role: Literal["fault"] = "fault"
 
 

@@ -9,12 +9,16 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from worker.kernels.maths import clip, kernel
+
 N_V = N_X = N_G = N_U = 0
 V0 = V1 = C0 = C1 = A0 = A1 = S0 = S1 = G0 = G1 = K0 = K1 = 0
 XC0 = XC1 = XA0 = XA1 = XE0 = XE1 = XO0 = XO1 = 0
 T0 = T1 = P0 = P1 = X0 = X1 = E0 = E1 = INDEX = 0
 DIMENSION = 2
+M1 = 0
 NO_DEMAND: Any = (0.0, 0.0)
+NOTHING_KEPT: Any = ()
 Given: Any = None
 Trimmed: Any = None
 Vehicle: Any = None
@@ -72,14 +76,25 @@ class Sight(NamedTuple):
     visible: float
 
 
+class Seen(NamedTuple):
+    """When obstacles are seen: the instant [s], and for how long the tracker has carried them on from there [s]."""
+
+    at: float
+    ahead: float
+
+
 class Surroundings(NamedTuple):
-    """What the environment does to a vehicle: wind in the world frame [m/s], slope of the ground (rise per metre)."""
+    """What the environment does to a vehicle: wind in the world frame [m/s], slope of the ground (rise per metre).
+
+    rolling: resistance of the ground, as a share of the weight.
+    """
 
     wind_x: float
     wind_y: float
     wind_z: float
     slope_x: float
     slope_y: float
+    rolling: float = 0.0
 
 
 class Errors(NamedTuple):
@@ -98,11 +113,11 @@ def _slot(*_: Any) -> Any:
 
 begin = derivative = position = velocity = outside = pose = measured = settle = felt = _slot
 prepare = command = references = derive = balance = _slot
-steer = remember = _slot
+steer = remember = kept = wait = late_by = blended = _slot
 body = move = wake = before = demand = _slot
 bodies = perceived = sight = shifted = shown = samples = centre = centres = actuated = surroundings = errors = (
     seen_at
-) = moved = _slot
+) = moved = carried = solid = point = _slot
 woken_obstacles = woken_environment = rested = _slot
 rest = act = blow = mistake = delay = see = _slot
 sample = value = excluded = _slot
@@ -148,18 +163,64 @@ def first_body(t: float, x: Any, q: Any, p: Any) -> Any:
 
 def first_seen(t: float, x: Any, own: Any, q: Any, v: Any, p: Any) -> Any:
     """The first obstacle as the avoider perceives it."""
-    at = seen_at(t, p)
-    there = body(at, x[X0:X1], q, Own(*p[P0:P1]))
-    error = sight(t, 0.0, own, v, there, p)
-    return (shown(body(at, x[X0:X1], shifted(q, error), Own(*p[P0:P1])), error, q),)
+    when = seen_at(t, p)
+    there = body(when.at, x[X0:X1], q, Own(*p[P0:P1]))
+    error = carried(t, when, there, sight(t, 0.0, point(q) + own[3:6], point(v), solid(there), p), p)
+    return (shown(body(when.at, x[X0:X1], shifted(q, error), Own(*p[P0:P1])), error, q),)
 
 
 def more_seen(t: float, x: Any, own: Any, q: Any, v: Any, p: Any) -> Any:
     """The obstacles perceived before, and one more."""
-    at = seen_at(t, p)
-    there = body(at, x[X0:X1], q, Own(*p[P0:P1]))
-    error = sight(t, float(INDEX), own, v, there, p)
-    return before(t, x, own, q, v, p) + (shown(body(at, x[X0:X1], shifted(q, error), Own(*p[P0:P1])), error, q),)
+    when = seen_at(t, p)
+    there = body(when.at, x[X0:X1], q, Own(*p[P0:P1]))
+    error = carried(t, when, there, sight(t, float(INDEX), point(q) + own[3:6], point(v), solid(there), p), p)
+    return before(t, x, own, q, v, p) + (shown(body(when.at, x[X0:X1], shifted(q, error), Own(*p[P0:P1])), error, q),)
+
+
+def at_once(t: float, when: Seen, there: Any, error: Sight, p: Any) -> Sight:
+    """No fault of timing: obstacles are seen as they are now."""
+    return error
+
+
+def carried_on(t: float, when: Seen, there: Any, error: Sight, p: Any) -> Sight:
+    """An obstacle whose motion is known in time, seen as it was and carried on along its velocity then."""
+    b = solid(there)
+    return moved_by(error, when.ahead, b.vx, b.vy, b.vz)
+
+
+def carried_back(t: float, when: Seen, there: Any, error: Sight, p: Any) -> Sight:
+    """An obstacle with states of its own: its past is not kept, so it is taken back along its velocity now."""
+    past = before(t, p)
+    b = solid(there)
+    return moved_by(error, past.ahead - (t - past.at), b.vx, b.vy, b.vz)
+
+
+@kernel
+def moved_by(error: Sight, time: float, vx: float, vy: float, vz: float) -> Sight:
+    """A displacement, and more along a velocity for a time."""
+    return Sight(
+        error.x + time * vx, error.y + time * vy, error.z + time * vz, error.vx, error.vy, error.vz, error.visible
+    )
+
+
+def point2(q: Any) -> tuple[float, float, float]:
+    """A plane vector in space."""
+    return q[0], q[1], 0.0
+
+
+def point3(q: Any) -> tuple[float, float, float]:
+    """A vector in space as it is."""
+    return q  # type: ignore[no-any-return]
+
+
+def solid2(b: Any) -> Body3:
+    """An obstacle in the plane as one in space."""
+    return Body3(b.x, b.y, 0.0, b.vx, b.vy, 0.0, b.radius, b.gap, b.nx, b.ny, 0.0)
+
+
+def solid3(b: Any) -> Body3:
+    """An obstacle in space as it is."""
+    return b  # type: ignore[no-any-return]
 
 
 def first_centre(around: Any) -> Any:
@@ -271,14 +332,16 @@ def more_samples(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) 
     return before(t, q, v, x, u, around, p) + sample(t, q, v, x, u, around[INDEX], p)
 
 
-def now(t: float, p: Any) -> float:
+def now(t: float, p: Any) -> Seen:
     """Obstacles are seen where they are at this instant."""
-    return t
+    return Seen(t, 0.0)
 
 
-def then(t: float, p: Any) -> float:
-    """The instant at which obstacles are seen, through the faults before and one more."""
-    return delay(before(t, p), Own(*p[P0:P1]))  # type: ignore[no-any-return]
+def then(t: float, p: Any) -> Seen:
+    """When obstacles are seen, through the faults before and one more on what those let through."""
+    first = before(t, p)
+    last = delay(first.at, Own(*p[P0:P1]))
+    return Seen(last.at, first.ahead + last.ahead)
 
 
 def no_error(t: float, p: Any) -> Errors:
@@ -317,7 +380,7 @@ def no_rest(u: Any, p: Any) -> tuple[()]:
 
 def still(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
     """No wind, level ground."""
-    return Surroundings(0.0, 0.0, 0.0, 0.0, 0.0), ()
+    return Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), ()
 
 
 def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
@@ -325,7 +388,12 @@ def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
     a, dx = before(t, q, v, x, p)
     b, change = blow(t, q, v, x[X0:X1], Own(*p[P0:P1]))
     total = Surroundings(
-        a.wind_x + b.wind_x, a.wind_y + b.wind_y, a.wind_z + b.wind_z, a.slope_x + b.slope_x, a.slope_y + b.slope_y
+        a.wind_x + b.wind_x,
+        a.wind_y + b.wind_y,
+        a.wind_z + b.wind_z,
+        a.slope_x + b.slope_x,
+        a.slope_y + b.slope_y,
+        a.rolling + b.rolling,
     )
     return total, dx + change
 
@@ -340,12 +408,70 @@ def as_measured(x: Any, env: Any, p: Any) -> Any:
 
 def asked(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
     """Continuous guidance: the avoider is asked at every stage of the integrator."""
-    return steer(t, q, v, Goal(*p[G0:G1]), around, g[DIMENSION:N_G], Avoider(*p[A0:A1]))[0]
+    return steer(t, q, v, Goal(*p[G0:G1]), around, g[DIMENSION:M1], Avoider(*p[A0:A1]))[0]
 
 
 def held(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
     """Sampled guidance: the last demand holds until the next sample."""
     return g[0:DIMENSION]
+
+
+KEPT = 4
+"""How many earlier demands are kept for guidance that comes late: the most periods by which it can."""
+
+
+def waited(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
+    """Sampled guidance that comes late: the demand of earlier samples, interpolated between two of them."""
+    late = clip(late_by(p), 0.0, float(KEPT))
+    return blended(late, g[0:DIMENSION], g[M1:N_G])
+
+
+@kernel
+def share(late: float, samples: float) -> float:
+    """The weight of the demand of so many samples ago: linear interpolation in time."""
+    apart = abs(late - samples)
+    return 1.0 - apart if apart < 1.0 else 0.0
+
+
+def blended2(late: float, new: Any, old: Any) -> tuple[float, float]:
+    """The demand in the plane as of `late` samples ago; old holds the four before the newest, latest first."""
+    a, b, c, d, e = share(late, 0.0), share(late, 1.0), share(late, 2.0), share(late, 3.0), share(late, 4.0)
+    return (
+        a * new[0] + b * old[0] + c * old[2] + d * old[4] + e * old[6],
+        a * new[1] + b * old[1] + c * old[3] + d * old[5] + e * old[7],
+    )
+
+
+def blended3(late: float, new: Any, old: Any) -> tuple[float, float, float]:
+    """The demand in space as of `late` samples ago; old holds the four before the newest, latest first."""
+    a, b, c, d, e = share(late, 0.0), share(late, 1.0), share(late, 2.0), share(late, 3.0), share(late, 4.0)
+    return (
+        a * new[0] + b * old[0] + c * old[3] + d * old[6] + e * old[9],
+        a * new[1] + b * old[1] + c * old[4] + d * old[7] + e * old[10],
+        a * new[2] + b * old[2] + c * old[5] + d * old[8] + e * old[11],
+    )
+
+
+def in_time(p: Any) -> float:
+    """Guidance takes no time."""
+    return 0.0
+
+
+def later(p: Any) -> float:
+    """By how many periods guidance is late, through the faults before and one more."""
+    return before(p) + wait(Own(*p[P0:P1]))  # type: ignore[no-any-return]
+
+
+def none_kept(t: float, want: Any, g: Any) -> tuple[()]:
+    """No earlier demand is needed."""
+    return ()
+
+
+def four_kept(t: float, want: Any, g: Any) -> Any:
+    """The last demands, latest first; at the start the first one counts as all that were before it."""
+    if t > 0.0:
+        return g[0:DIMENSION] + g[M1 : N_G - DIMENSION]
+    return want + want + want + want
 
 
 def aware(t: float, x: Any, p: Any) -> Any:
@@ -360,13 +486,13 @@ def aware(t: float, x: Any, p: Any) -> Any:
 def guide(t: float, x: Any, g: Any, p: Any) -> Any:
     """One guidance sample: demand and the avoider's memory."""
     _, q, v, seen = aware(t, x, p)
-    want, memory = steer(t, q, v, Goal(*p[G0:G1]), seen, g[DIMENSION:N_G], Avoider(*p[A0:A1]))
-    return want + memory
+    want, memory = steer(t, q, v, Goal(*p[G0:G1]), seen, g[DIMENSION:M1], Avoider(*p[A0:A1]))
+    return want + memory + kept(t, want, g)
 
 
 def blank(p: Any) -> Any:
     """Guidance before its first sample: no demand, the avoider's memory as it starts."""
-    return NO_DEMAND + remember(Avoider(*p[A0:A1]))
+    return NO_DEMAND + remember(Avoider(*p[A0:A1])) + NOTHING_KEPT
 
 
 def initial(p: Any) -> Any:
@@ -379,7 +505,7 @@ def initial(p: Any) -> Any:
     q = position(xm, vp)
     v = velocity(xm, vp)
     seen = perceived(0.0, xo, pose(xm, vp), q, v, p)
-    want = steer(0.0, q, v, Goal(*p[G0:G1]), seen, blank(p)[DIMENSION:N_G], Avoider(*p[A0:A1]))[0]
+    want = steer(0.0, q, v, Goal(*p[G0:G1]), seen, blank(p)[DIMENSION:M1], Avoider(*p[A0:A1]))[0]
     xe = woken_environment(p)
     env, _ = surroundings(0.0, position(xv, vp), velocity(xv, vp), xe, p)
     xm = felt(xm, env, vp)

@@ -46,6 +46,11 @@ class Parts:
     faults: tuple[Placed, ...] = ()
     sampled: bool = False
 
+    @property
+    def late(self) -> bool:
+        """Whether a fault makes sampled guidance late, so that its earlier demands are kept."""
+        return self.sampled and any(f.fault.path == "guidance" for f in self.faults)
+
 
 @dataclass(frozen=True)
 class Section:
@@ -91,11 +96,13 @@ def sections(parts: Parts) -> tuple[Section, ...]:
 
 def derivations(parts: Parts, flat: Sequence[Section]) -> Iterator[tuple[Section, Derived]]:
     """The sections whose components derive constants from them, in order."""
-    known: dict[str, Vehicle | Controller | Avoider | Obstacle] = {
+    known: dict[str, Vehicle | Controller | Avoider | Obstacle | Environment | Fault] = {
         "vehicle": parts.vehicle,
         "controller": parts.controller,
         "avoider": parts.avoider,
         **{f"obstacles.{i}": o for i, o in enumerate(parts.obstacles)},
+        **{f"environment.{i}": e for i, e in enumerate(parts.environment)},
+        **{f"faults.{i}": f.fault for i, f in enumerate(parts.faults)},
     }
     for section in flat:
         part = known.get(section.prefix)

@@ -16,6 +16,9 @@ N_X = N_P = N_E = N_G = N_Y = N_W = LANES = 0
 X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = STATUS = WHEN = SIZE = 0
 SETTLES = False
 
+BEFORE = 1.0 - 1e-8
+"""The last stage of a step belongs to it: what jumps at its end, such as a sample of noise, has not jumped yet."""
+
 OK = 0.0
 NOT_FINITE = 1.0
 EXCLUDED = 2.0
@@ -54,6 +57,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
     b = np.empty(SIZE)
     h = 0.5 * dt
     q = dt / 6.0
+    last = dt * BEFORE
     for first in range(0, n, LANES):
         for l in range(LANES):
             j = min(first + l, n - 1)
@@ -127,7 +131,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 store_x(b, C, l, dx)
             for l in range(LANES):
                 x = advance(load_x(b, X, l), dt, load_x(b, C, l))
-                dx, y = closed_loop(t + dt, x, load_g(b, G, l), load_p(b, P, l))
+                dx, y = closed_loop(t + last, x, load_g(b, G, l), load_p(b, P, l))
                 store_x(b, X, l, combine(load_x(b, X, l), q, load_x(b, A, l), load_x(b, B, l), load_x(b, C, l), dx))
             if SETTLES:
                 for l in range(LANES):

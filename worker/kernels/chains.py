@@ -18,11 +18,11 @@ from worker.kernels.layout import Parts, Place, Placed
 def chains(parts: Parts, places: Mapping[str, Place]) -> dict[str, Any]:
     """The slots of the glue that hold chains."""
     own = {prefix: {"Own": at.fields, "P0": at.first, "P1": at.last} for prefix, at in places.items()}
-    slots = _faults(parts, own) | _environment(parts, own)
+    slots = _faults(parts, own)
     suffix = parts.vehicle.dimension
     for name in ("shifted", "shown", "point", "solid", "blended"):
         slots[name] = bind(getattr(glue, f"{name}{suffix}"), {})
-    return slots | _obstacles(parts, own, slots)
+    return slots | _environment(parts, own, slots) | _obstacles(parts, own, slots)
 
 
 def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, Any]) -> dict[str, Any]:
@@ -112,13 +112,14 @@ def _actuator(parts: Parts, placed: Placed, at: dict[str, Any], slots: dict[str,
     return offset + fault.states
 
 
-def _environment(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
+def _environment(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, Any]) -> dict[str, Any]:
     surroundings, woken = bind(glue.still, {}), bind(glue.no_wake, {})
     offset = 0
     for i, part in enumerate(parts.environment):
         at = own[f"environment.{i}"]
         size = {"X0": offset, "X1": offset + part.states}
-        surroundings = bind(glue.more_surroundings, at | size | {"blow": part.blow, "before": surroundings})
+        link = at | size | {"blow": part.blow, "before": surroundings, "point": slots["point"]}
+        surroundings = bind(glue.more_surroundings, link)
         if part.states:
             woken = bind(glue.more_wakes, at | {"wake": part.wake, "before": woken})
         offset += part.states

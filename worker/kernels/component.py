@@ -67,12 +67,10 @@ def declared(fields: type) -> tuple[Declared, ...]:
 
 
 def extended(name: str, *parts: type) -> Any:
-    """A NamedTuple of the fields of several, in order, with their declarations and defaults."""
+    """A NamedTuple of the fields of several, in order, with their declarations; defaults where every field has one."""
     fields = [field for part in parts for field in part._fields]  # type: ignore[attr-defined]
-    defaults = {k: v for part in parts for k, v in part._field_defaults.items()}  # type: ignore[attr-defined]
-    made: Any = namedtuple(name, fields, defaults=list(defaults.values()))  # type: ignore[misc]
-    if list(made._field_defaults) != list(defaults):
-        raise TypeError(f"{name}: fields without a default must stand before those with one")
+    defaults = [v for part in parts for v in part._field_defaults.values()]  # type: ignore[attr-defined]
+    made: Any = namedtuple(name, fields, defaults=defaults if len(defaults) == len(fields) else ())  # type: ignore[misc]
     hints = [typing.get_type_hints(part, include_extras=True) for part in parts]
     made.__annotations__ = {field: hint for part in hints for field, hint in part.items()}
     return made
@@ -225,6 +223,7 @@ class Obstacle:
 class Environment:
     """A part of the environment. blow(t, q, v, e, p) -> (glue.Surroundings, de); wake(p) -> e at the start.
 
+    q and v are the true position and velocity in space, whatever the dimension (z = 0 in the plane).
     With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`.
     """
 

@@ -386,7 +386,7 @@ def still(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
 def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
     """What the environment does before, and one more part of it."""
     a, dx = before(t, q, v, x, p)
-    b, change = blow(t, q, v, x[X0:X1], Own(*p[P0:P1]))
+    b, change = blow(t, point(q), point(v), x[X0:X1], Own(*p[P0:P1]))
     total = Surroundings(
         a.wind_x + b.wind_x,
         a.wind_y + b.wind_y,

@@ -1,13 +1,15 @@
 """Unicycle: a point with a heading, driven by a force along it and a torque about it.
 
-    dx/dt = v cos(theta)        dv/dt = F / m - g s
+    dx/dt = v cos(theta)        dv/dt = F / m - g (s + c sat(v / v_c))
     dy/dt = v sin(theta)        domega/dt = tau / J
     dtheta/dt = omega
 
 x, y [m], theta [rad], v [m/s], omega [rad/s]; F [N], tau [N m]; m mass, J moment of inertia;
-g = 9.81 m/s2, s the slope of the ground along the heading (0 on level ground).
+g = 9.81 m/s2, s the slope of the ground along the heading (0 on level ground), c its rolling resistance (0 on none),
+which below the creeping speed v_c = 1 cm/s falls linearly to 0 at rest.
 Source: Srikanthakumar, Optimisation-Based Verification Process of Obstacle Avoidance Systems for Unmanned Vehicles,
-equations 3.1 (kinematics) and 3.2 (dynamics). No wheel slip, no actuator limits, no friction.
+equations 3.1 (kinematics) and 3.2 (dynamics). No wheel slip, no actuator limits; slope and
+rolling resistance are added.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Limit, Parameter, Signal, Vehicle
 from worker.kernels.glue import Errors, Surroundings
-from worker.kernels.maths import kernel, sincos
+from worker.kernels.maths import clip, kernel, sincos
 
 
 class Unicycle(NamedTuple):
@@ -39,6 +41,7 @@ class Start(NamedTuple):
 
 FASTEST_TURN = 1e3
 GRAVITY = 9.81
+PER_CREEP = 100.0
 FASTEST = 1e3
 
 
@@ -59,7 +62,8 @@ def derivative(
     _, _, theta, v, omega = x
     s, c = sincos(theta)
     climb = env.slope_x * c + env.slope_y * s
-    return v * c, v * s, omega, u[0] * p.per_m - GRAVITY * climb, u[1] * p.per_J
+    rolling = env.rolling * clip(v * PER_CREEP, -1.0, 1.0)
+    return v * c, v * s, omega, u[0] * p.per_m - GRAVITY * (climb + rolling), u[1] * p.per_J
 
 
 @kernel

@@ -1,0 +1,36 @@
+"""Blackout: for an interval nothing is seen, and nothing is remembered.
+
+    not seen  when  at <= t < at + duration
+
+The other ways to lose a sensor: `dropout` holds what was last known, `missed_detection` loses single samples.
+Source: Srikanthakumar, step 3 of section 1.3 (failure conditions of the sensors).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+from worker.kernels.component import Fault, Parameter
+from worker.kernels.glue import Sight
+from worker.kernels.maths import INSTANT, kernel
+
+
+class Blackout(NamedTuple):
+    at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
+    duration: Annotated[float, Parameter("s", "How long it lasts", 0.0, 1e6)] = 0.0
+
+
+@kernel
+def see(t: float, index: float, own: Any, v: Any, body: Any, p: Blackout) -> Sight:
+    now = t + INSTANT
+    dark = (now >= p.at) & (now < p.at + p.duration)
+    return Sight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 if dark else 1.0)
+
+
+def switches(p: Blackout, horizon: float) -> list[float]:
+    return [p.at, p.at + p.duration]
+
+
+component = Fault(
+    name="blackout", title="Blackout", path="perception", parameters=Blackout, kernel=see, switches=switches
+)

@@ -1,0 +1,31 @@
+"""Latency of tracks: obstacles are seen where they were, with the velocity they had.
+
+    seen(t) = obstacle(t - tau), carried on by compensation * tau along that velocity
+
+With compensation 0 tracks are taken as current, as by a system without time stamps; 1 is dead reckoning over the whole
+latency. Before t = tau the obstacle is seen where its course had it before the start. Exact for obstacles whose course
+is known in time; one with states of its own (a cooperative one) is taken back along its present velocity instead.
+Standing obstacles are not affected: `ranging_latency` is the case of relative measurements.
+Source: Srikanthakumar, step 3 of section 1.3 (hardware: sensor dynamics, computing delays).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from worker.kernels.component import Fault, Parameter
+from worker.kernels.glue import Seen
+from worker.kernels.maths import kernel
+
+
+class Latency(NamedTuple):
+    tau: Annotated[float, Parameter("s", "Age of the tracks", 0.0, 1e3, symbol="τ")] = 0.0
+    compensation: Annotated[float, Parameter("", "Share of the latency that is reckoned over", 0.0, 1.0)] = 0.0
+
+
+@kernel
+def delay(t: float, p: Latency) -> Seen:
+    return Seen(t - p.tau, p.compensation * p.tau)
+
+
+component = Fault(name="latency", title="Latency of tracks", path="timing", parameters=Latency, kernel=delay)

@@ -15,6 +15,9 @@ from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.problem import Problem
 from campaigns.spec import Campaign, Part, Triangular, TruncatedNormal, Uncertain
 
+SEED = "seed"
+"""The parameter by which a random component is told which realisation it flies."""
+
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
     """Every problem of the campaign under this catalogue; an empty list means it can be run."""
@@ -51,6 +54,16 @@ def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[Para
                 found.update(_values("start", entry.starts, campaign.scenario.start))
             if role == "avoider":
                 found.update(_values("goal", entry.goals, campaign.scenario.goal))
+    return found
+
+
+def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
+    """The paths of the seeds: one for every part of the scenario that is random."""
+    found = []
+    for prefix, _, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is not None and role in ("environment", "fault"):
+            found += [f"{prefix}.{p.name}" for p in entry.parameters if p.name == SEED]
     return found
 
 
@@ -115,6 +128,7 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
             f"this controller flies {flown}, not {scenario.vehicle.component}",
         )
     yield from _placed(campaign, catalogue)
+    yield from _realised(campaign, catalogue)
     if not scenario.obstacles:
         yield Problem("scenario.obstacles", "[]", "give at least one obstacle: the criterion reads distances to them")
 
@@ -131,6 +145,21 @@ def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
             yield Problem(field, fault.on, f"name the input it is on: {', '.join(vehicle.inputs)}")
         elif entry.path != "actuator" and fault.on:
             yield Problem(field, fault.on, f"a fault of {entry.path} is not on an input; leave this out")
+        if entry.path == "guidance" and campaign.scenario.guidance.period == 0:
+            text = "only guidance with a period can be late; give scenario.guidance.period, or delay an actuator"
+            yield Problem(f"scenario.faults.{i}.component", fault.component, text)
+
+
+def _realised(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    """Seeds are listed where something is random, and are nothing to search over."""
+    random = set(seeded(campaign, catalogue))
+    seeds = campaign.scenario.realisations.seeds
+    if len(seeds) > 1 and not random:
+        text = "nothing in the scenario is random: all realisations are the same flight; leave this out"
+        yield Problem("scenario.realisations.seeds", str(seeds), text)
+    for path in sorted(random & campaign.uncertain.keys()):
+        text = "a seed picks a realisation, it is no quantity; list several in scenario.realisations.seeds"
+        yield Problem(f"uncertain.{path}", path, text)
 
 
 def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:

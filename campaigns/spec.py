@@ -31,6 +31,7 @@ from campaigns.values import (
 
 MAX_STEPS = 2_000_000
 MAX_EVALUATIONS = 10_000_000
+MAX_SEED = 2**20
 
 
 class Strict(BaseModel):
@@ -57,6 +58,24 @@ class Guidance(Strict):
     """[s]; 0 is continuous."""
 
 
+class Realisations(Strict):
+    """Which realisations of noise and gusts every evaluation flies, and which of them counts.
+
+    The same fixed ones for every evaluation, so that the cost is a function of the parameters. `worst` is the lowest
+    value of the criterion among them, `mean` their average.
+    """
+
+    seeds: Annotated[list[Annotated[int, Field(ge=0, lt=MAX_SEED), AS_WHOLE]], Field(min_length=1, max_length=64)] = [0]
+    combine: Literal["worst", "mean"] = "worst"
+
+    @field_validator("seeds")
+    @classmethod
+    def _distinct(cls, seeds: list[int]) -> list[int]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError("the same seed is given twice: every realisation would count by how often it is listed")
+        return seeds
+
+
 class Scenario(Strict):
     """What flies: vehicle, controller, avoider; from where to where; past what; for how long at what step."""
 
@@ -73,6 +92,7 @@ class Scenario(Strict):
     step: Annotated[float, Field(gt=0), AS_NUMBER]
     """[s]"""
     guidance: Guidance = Guidance()
+    realisations: Realisations = Realisations()
 
     @model_validator(mode="after")
     def _sizes(self) -> Scenario:

@@ -6,6 +6,7 @@ step, the order, the refinement nor the compiler with the flights of a search. S
 
 from __future__ import annotations
 
+from bisect import bisect
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -18,6 +19,12 @@ from worker.problem import Floats, Problem
 
 NAME = "DOP853"
 RELATIVE, ABSOLUTE = 1e-10, 1e-12
+BEFORE = 1e-8
+"""Share of a stretch by which its end is approached where something jumps there."""
+
+APART = 1e-9
+"""Instants are apart by more than this [s]."""
+
 LOOKS = 4000
 """Instants at which the channels are read before each minimum is refined."""
 
@@ -31,7 +38,23 @@ class Flight:
 
 
 def fly(problem: Problem, vector: Floats) -> Flight:
-    """Fly one flat parameter vector (size,); the minimum over time comes from the dense output."""
+    """Fly one flat parameter vector (size,); the minimum over time comes from the dense output.
+
+    Of several realisations the one that counts, where the worst does: it is that flight which is to be confirmed.
+    """
+    realised = problem.realisations
+    seeds = realised.seeds
+    if realised.several and realised.combine == "worst":
+        flown = problem.loop.fly(realised.flights(vector[None, :]), problem.step, *problem.counts(problem.step))
+        seeds = (seeds[realised.worst(flown.costs, problem.judge(flown.status, flown.when)[0])],)
+    flights = [_realised(problem, realised.flight(vector[None, :], seed)[0]) for seed in seeds]
+    for flight, seed in zip(flights, seeds, strict=True):
+        if flight.cost is None:
+            return Flight(None, f"with seed {seed}: {flight.reason}" if realised.several else flight.reason)
+    return Flight(float(np.mean([f.cost for f in flights if f.cost is not None])))
+
+
+def _realised(problem: Problem, vector: Floats) -> Flight:
     try:
         with np.errstate(all="ignore"):
             return _fly(problem, problem.loop.extend(vector))
@@ -46,11 +69,14 @@ def _fly(problem: Problem, p: tuple[float, ...]) -> Flight:
     x = loop.part("initial")(p)
     lowest = np.full(loop.n_channels, np.inf)
     ticks = _ticks(problem, horizon)
-    for start, end in pairwise(ticks):
-        g = guide(start, x, g, p)
-        # Without sampling and memory the held guidance is never read, and there is one stretch only.
+    switches = _switches(problem, p, horizon)
+    for start, end in pairwise(_joined(ticks, switches)):
+        if start in ticks:
+            g = guide(start, x, g, p)
+        # Without sampling and memory the held guidance is never read. What jumps at the end has not jumped yet.
+        last = end - BEFORE * (end - start) if switches else end
         solution: Any = solve_ivp(  # type: ignore[call-overload]
-            lambda t, y, g=g: closed_loop(t, tuple(y.tolist()), g, p)[0],
+            lambda t, y, g=g, last=last: closed_loop(min(t, last), tuple(y.tolist()), g, p)[0],
             (start, end), x, method=NAME, rtol=RELATIVE, atol=ABSOLUTE, dense_output=True,
         )  # fmt: skip
         if not solution.success:
@@ -61,6 +87,33 @@ def _fly(problem: Problem, p: tuple[float, ...]) -> Flight:
         looks = max(8, round(LOOKS * (end - start) / horizon))
         lowest = np.minimum(lowest, _lowest(solution.sol, closed_loop, g, p, np.linspace(start, end, looks + 1)))
     return Flight(float(cost(tuple(lowest.tolist()), p)))
+
+
+def _switches(problem: Problem, p: tuple[float, ...], horizon: float) -> set[float]:
+    """The instants at which a fault or the environment jumps.
+
+    What perception does between the samples of guidance reaches nobody.
+    """
+    parts, places = problem.parts, problem.loop.extended
+    inner = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults) if f.fault.path in ("navigation", "actuator")}
+    outer = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults)}
+    around = {f"environment.{i}": e for i, e in enumerate(parts.environment)}
+    found: set[float] = set()
+    for prefix, part in ((inner if parts.sampled else outer) | around).items():
+        if part.switches is not None:
+            at = places[prefix]
+            found.update(part.switches(at.fields(*p[at.first : at.last]), horizon))
+    return found
+
+
+def _joined(ticks: list[float], switches: set[float]) -> list[float]:
+    """Both in order; of a tick and a switch at the same instant the tick, of two switches the earlier."""
+    joined = list(ticks)
+    for t in sorted(switches):
+        at = bisect(joined, t)
+        if ticks[0] < t < ticks[-1] and min(t - joined[at - 1], joined[at] - t) > APART:
+            joined.insert(at, t)
+    return joined
 
 
 def _ticks(problem: Problem, horizon: float) -> list[float]:

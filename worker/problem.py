@@ -23,6 +23,7 @@ from worker.kernels import loop as closed_loop
 from worker.kernels.assemble import Loop
 from worker.kernels.component import NoTrim
 from worker.kernels.layout import Parts, Placed
+from worker.realisations import Realisations
 from worker.search.base import EXCLUDED, FAILED, OK, Batch
 
 Floats = NDArray[np.float64]
@@ -61,6 +62,7 @@ class Problem:
         self.campaign = campaign
         self.parts = _parts(campaign)
         self.loop = Loop(self.parts, compiled=compiled)
+        self.realisations = Realisations.of(campaign.scenario.realisations, self.loop.sections)
         self.threshold = campaign.criterion.threshold
         self.nominal = self._nominal()
         self.ranges = self._ranges()
@@ -122,9 +124,8 @@ class Problem:
     def fly_vectors(self, vectors: Floats, step: float | None = None) -> tuple[Batch, dict[int, str]]:
         """Fly flat parameter vectors (m, size), by default at the campaign's step [s]."""
         step = self.step if step is None else step
-        flown = self.loop.fly(vectors, step, *self.counts(step))
-        status, reasons = self.judge(flown.status, flown.when)
-        return Batch(flown.costs[:, None], status), reasons
+        flown = self.loop.fly(self.realisations.flights(vectors), step, *self.counts(step))
+        return self.realisations.combined(flown.costs, *self.judge(flown.status, flown.when))
 
     def counts(self, step: float) -> tuple[int, int]:
         """Steps in the horizon, and steps per guidance sample."""

@@ -21,16 +21,19 @@ POSE = 6
 def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | None = None) -> Trace:
     """Fly one case and return its trace, thinned to about `rows` rows around the closest approach where given.
 
+    Of several realisations it shows the worst; the cost told is that of the evaluation.
     values: parameters by path; what is left out is nominal. Raises KeyError for an unknown path.
     """
-    vector = problem.vector(values)
-    flown = problem.loop.fly(vector[None, :], problem.step, *problem.counts(problem.step), traced=1)
-    status, reasons = problem.judge(flown.status, flown.when)
-    states = flown.trace[0]
+    vectors = problem.realisations.flights(problem.vector(values)[None, :])
+    flown = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=len(vectors))
+    codes, said = problem.judge(flown.status, flown.when)
+    batch, reasons = problem.realisations.combined(flown.costs, codes, said)
+    shown = problem.realisations.worst(flown.costs, codes)
+    vector, status, states = vectors[shown], codes[shown], flown.trace[shown]
     flying = np.isfinite(states).all(axis=1)
     states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
-    if status[0] == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
-        states = states[: round(float(flown.when[0]) / problem.step) + 1]
+    if status == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
+        states = states[: round(float(flown.when[shown]) / problem.step) + 1]
     seen = _Seen(problem, problem.loop.observe(states, vector, problem.step), vector)
     closest = _closest(problem, seen)
     kept = _kept(len(states), rows, closest)
@@ -46,11 +49,28 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
     )
     meta = _meta(problem, seen, values) | {
         "closest": closest,
-        "status": STATUS[int(status[0])],
+        "status": STATUS[int(batch.status[0])],
         "reason": reasons.get(0, ""),
-        "cost": None if np.isnan(flown.costs[0]) else float(flown.costs[0]),
+        "cost": _known(batch.costs[0, 0]),
     }
+    if problem.realisations.places:
+        meta["realisation"] = _realisation(problem, shown, flown.costs[shown])
     return Trace(name, _columns(problem), data, meta)
+
+
+def _realisation(problem: Problem, shown: int, cost: float) -> dict[str, Any]:
+    """Which realisation the trace shows, of how many, and its own cost."""
+    realised = problem.realisations
+    return {
+        "seed": realised.seeds[shown],
+        "seeds": len(realised.seeds),
+        "combine": realised.combine,
+        "cost": _known(cost),
+    }
+
+
+def _known(cost: float) -> float | None:
+    return None if np.isnan(cost) else float(cost)
 
 
 class _Seen:

@@ -33,7 +33,7 @@ class DrydenGusts(NamedTuple):
     h: Annotated[float, Parameter("m", "Height above ground", 3.048, 304.8)] = 50.0
     V: Annotated[float, Parameter("m/s", "Airspeed", 0.1, 500.0)] = 15.0
     period: Annotated[float, Parameter("s", "For how long the driving noise is held", 1e-3, 10.0)] = 0.1
-    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 2.0**52)] = 0.0
+    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 16777215.0)] = 0.0
 
 
 class Constants(NamedTuple):

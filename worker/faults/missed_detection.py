@@ -20,7 +20,7 @@ from worker.kernels.maths import kernel, sample_number, uniform
 class MissedDetection(NamedTuple):
     probability: Annotated[float, Parameter("", "Probability to miss an obstacle in a sample", 0.0, 1.0, "P")] = 0.0
     period: Annotated[float, Parameter("s", "Period of the sensor", 1e-3, 1e3)] = 0.1
-    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 2.0**52)] = 0.0
+    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 16777215.0)] = 0.0
 
 
 @kernel

@@ -22,7 +22,7 @@ class NavigationNoise(NamedTuple):
     sigma_psi: Annotated[float, Parameter("rad", "Deviation of the own heading", 0.0, 3.2, symbol="σ_ψ")] = 0.0
     sigma_u: Annotated[float, Parameter("m/s", "Deviation of the own speed", 0.0, 1e3, symbol="σ_u")] = 0.0
     period: Annotated[float, Parameter("s", "Period of navigation", 1e-3, 1e3)] = 0.1
-    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 2.0**52)] = 0.0
+    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 16777215.0)] = 0.0
 
 
 @kernel

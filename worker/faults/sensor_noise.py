@@ -24,7 +24,7 @@ class SensorNoise(NamedTuple):
     sigma: Annotated[float, Parameter("m", "Deviation of the position, each axis", 0.0, 1e4, symbol="σ")] = 0.0
     sigma_v: Annotated[float, Parameter("m/s", "Deviation of the velocity, each axis", 0.0, 1e3, symbol="σ_v")] = 0.0
     period: Annotated[float, Parameter("s", "Period of the sensor", 1e-3, 1e3)] = 0.1
-    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 2.0**52)] = 0.0
+    seed: Annotated[float, Parameter("", "Which realisation", 0.0, 16777215.0)] = 0.0
 
 
 @kernel

@@ -202,6 +202,7 @@ def _constants(made: Loop) -> dict[str, Any]:
         "DIMENSION": dimension,
         "NO_DEMAND": (0.0,) * dimension,
         "M1": dimension + made.parts.avoider.memory,
+        "M2": made.n_held - dimension,
         "NOTHING_KEPT": (0.0,) * (glue.KEPT * dimension * late),
     }
     letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}

@@ -103,7 +103,7 @@ def _faults(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
 
 def _actuator(parts: Parts, placed: Placed, at: dict[str, Any], slots: dict[str, Any], offset: int) -> int:
     fault = placed.fault
-    link = at | {"INDEX": placed.on, "before": slots["actuated"], "act": fault.kernel}
+    link = at | {"INDEX": placed.on, "NEXT": placed.on + 1, "before": slots["actuated"], "act": fault.kernel}
     size = {"X0": offset, "X1": offset + fault.states, "N_U": len(parts.vehicle.inputs)}
     slots["actuated"] = bind(glue.more_actuated, link | size)
     if fault.states:

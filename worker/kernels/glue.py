@@ -14,9 +14,9 @@ from worker.kernels.maths import clip, kernel
 N_V = N_X = N_G = N_U = 0
 V0 = V1 = C0 = C1 = A0 = A1 = S0 = S1 = G0 = G1 = K0 = K1 = 0
 XC0 = XC1 = XA0 = XA1 = XE0 = XE1 = XO0 = XO1 = 0
-T0 = T1 = P0 = P1 = X0 = X1 = E0 = E1 = INDEX = 0
+T0 = T1 = P0 = P1 = X0 = X1 = E0 = E1 = INDEX = NEXT = 0
 DIMENSION = 2
-M1 = 0
+M1 = M2 = 0
 NO_DEMAND: Any = (0.0, 0.0)
 NOTHING_KEPT: Any = ()
 Given: Any = None
@@ -365,7 +365,7 @@ def more_actuated(t: float, u: Any, x: Any, p: Any) -> Any:
     """The inputs behind the faults before, and one more fault on the input INDEX."""
     u, dx = before(t, u, x, p)
     changed, change = act(t, u[INDEX], x[X0:X1], Own(*p[P0:P1]))
-    return u[0:INDEX] + (changed,) + u[INDEX + 1 : N_U], dx + change
+    return u[0:INDEX] + (changed,) + u[NEXT:N_U], dx + change
 
 
 def more_rests(u: Any, p: Any) -> Any:
@@ -470,7 +470,7 @@ def none_kept(t: float, want: Any, g: Any) -> tuple[()]:
 def four_kept(t: float, want: Any, g: Any) -> Any:
     """The last demands, latest first; at the start the first one counts as all that were before it."""
     if t > 0.0:
-        return g[0:DIMENSION] + g[M1 : N_G - DIMENSION]
+        return g[0:DIMENSION] + g[M1:M2]
     return want + want + want + want
 
 

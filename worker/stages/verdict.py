@@ -232,7 +232,15 @@ def _scope(problem: Problem) -> str:
     obstacles = len(parts.obstacles)
     return (
         f"Scope: {parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}, "
-        f"{obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}; {bounds}; "
+        f"{obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}{_conditions(problem)}; {bounds}; "
         f"horizon {number(scenario.horizon)} s, step {number(scenario.step)} s. "
         f"It holds for this model within these bounds; components of clearance {catalogue().version}."
     )
+
+
+def _conditions(problem: Problem) -> str:
+    """The environment and the faults in the loop, and which realisations of them count."""
+    parts, realised = problem.parts, problem.realisations
+    titles = [e.title for e in parts.environment] + [f.fault.title for f in parts.faults]
+    text = f", with {listed(titles)}" if titles else ""
+    return f"{text}, {realised.combine} of {count(len(realised.seeds))} realisations" if realised.several else text

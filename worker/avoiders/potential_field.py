@@ -1,12 +1,13 @@
-"""Artificial potential field in the plane: attracted by the goal, repelled by every circular obstacle nearby.
+"""Artificial potential field in the plane: attracted by the goal, repelled by every obstacle nearby (FIRAS).
 
     F = k_att (goal - q) + sum over obstacles with d <= d_0 of k_rep (1/d - 1/d_0) / d^2 * n
 
-d is the distance from the obstacle's circle, n the unit vector away from its centre. Inside d = 1 mm the repulsion
-is held at its value there: it is finite everywhere.
+d is the distance from the obstacle's surface, n the unit vector away from it: any number of obstacles of any shape.
+Inside d = 1 mm the repulsion is held at its value there: it is finite everywhere. The attraction is quadratic and not
+limited far from the goal; with a conic one this is `gnron` with n = 0.
 Source: Khatib, Real-time obstacle avoidance for manipulators and mobile robots (1986); Srikanthakumar, equations
-3.11 (attraction) and 3.13 (repulsion). The attraction is quadratic and not limited far from the goal. Local minima
-and goals inside d_0 of an obstacle are known traits of the method.
+3.11 (attraction), 2.8 and 3.13 (repulsion). Local minima and goals inside d_0 of an obstacle are known traits of the
+method.
 """
 
 from __future__ import annotations
@@ -14,29 +15,19 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Avoider, Parameter
+from worker.kernels.fields import firas
 from worker.kernels.maths import kernel
 
 
 class PotentialField(NamedTuple):
     k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 5.0
     k_rep: Annotated[float, Parameter("N m3", "Strength of the repulsion", 0.0, 1e9)] = 4.0
-    d_0: Annotated[float, Parameter("m", "Distance from the circle at which repulsion begins", 1e-2, 1e5)] = 2.0
+    d_0: Annotated[float, Parameter("m", "Distance from the surface at which repulsion begins", 1e-2, 1e5)] = 2.0
 
 
 class Goal(NamedTuple):
     x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
     y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
-
-
-NEAREST = 1e-3
-
-
-@kernel
-def repulsion(body: Any, p: PotentialField) -> tuple[float, float]:
-    d = NEAREST if body.gap < NEAREST else body.gap
-    strength = p.k_rep * (p.d_0 - d) / (p.d_0 * d * d * d)
-    strength = 0.0 if d > p.d_0 else strength
-    return strength * body.nx, strength * body.ny
 
 
 @kernel
@@ -52,9 +43,9 @@ def steer(
     fx = p.k_att * (goal.x - q[0])
     fy = p.k_att * (goal.y - q[1])
     for body in bodies:
-        rx, ry = repulsion(body, p)
-        fx += rx
-        fy += ry
+        strength = firas(body.gap, p.k_rep, p.d_0)
+        fx += strength * body.nx
+        fy += strength * body.ny
     return (fx, fy), ()
 
 

@@ -1,0 +1,36 @@
+"""Position error of perception: obstacles are seen displaced from where they are.
+
+    seen position = true position + (dx, dy, dz)
+
+The same for every obstacle and all flight; shape and velocity are seen as they are. Displacements are in the world
+frame; dz has no effect in the plane.
+Source: Srikanthakumar, section 3.3.6 (P_x0 = x_0 + dx, P_y0 = y_0 + dy).
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+from worker.kernels.component import Fault, Parameter
+from worker.kernels.glue import Sight
+from worker.kernels.maths import kernel
+
+
+class PositionError(NamedTuple):
+    dx: Annotated[float, Parameter("m", "Error of the obstacle's position, x", -1e6, 1e6, symbol="Δx")] = 0.0
+    dy: Annotated[float, Parameter("m", "Error of the obstacle's position, y", -1e6, 1e6, symbol="Δy")] = 0.0
+    dz: Annotated[float, Parameter("m", "Error of the obstacle's position, z", -1e6, 1e6, symbol="Δz")] = 0.0
+
+
+@kernel
+def see(t: float, index: float, own: Any, v: Any, body: Any, p: PositionError) -> Sight:
+    return Sight(p.dx, p.dy, p.dz, 0.0, 0.0, 0.0, 1.0)
+
+
+component = Fault(
+    name="position_error",
+    title="Position error",
+    path="perception",
+    parameters=PositionError,
+    kernel=see,
+)

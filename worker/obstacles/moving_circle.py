@@ -1,0 +1,69 @@
+"""Circle on a straight way: leaves its position at t = 0, goes to its goal at constant speed, stops there.
+
+    c(t) = position + speed t e,   e the unit vector to the goal, until it is reached
+
+Gives way to nothing. Its radius is what an avoider keeps off; the criterion reads distances to its centre.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.glue import Body
+from worker.kernels.maths import kernel, norm2
+from worker.kernels.paths import leg
+
+
+class MovingCircle(NamedTuple):
+    position_x: Annotated[float, Parameter("m", "Centre at the start, x", -1e6, 1e6, symbol="x", name="position.x")]
+    position_y: Annotated[float, Parameter("m", "Centre at the start, y", -1e6, 1e6, symbol="y", name="position.y")]
+    goal_x: Annotated[float, Parameter("m", "Where it stops, x", -1e6, 1e6, symbol="x_g", name="goal.x")]
+    goal_y: Annotated[float, Parameter("m", "Where it stops, y", -1e6, 1e6, symbol="y_g", name="goal.y")]
+    speed: Annotated[float, Parameter("m/s", "Speed", 0.0, 1e3, symbol="v_o")] = 1.0
+    radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
+
+
+class Constants(NamedTuple):
+    x: float
+    y: float
+    vx: float
+    vy: float
+    stop: float
+    goal_x: float
+    goal_y: float
+    radius: float
+
+
+@kernel
+def derive(p: MovingCircle, trim: object) -> tuple[float, ...]:
+    start, goal = (p.position_x, p.position_y, 0.0), (p.goal_x, p.goal_y, 0.0)
+    vx, vy, _, _, stop = leg(start, goal, p.speed, 0.0, True)
+    return p.position_x, p.position_y, vx, vy, stop, p.goal_x, p.goal_y, p.radius
+
+
+@kernel
+def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
+    moving = t < p.stop
+    x = p.x + p.vx * t
+    y = p.y + p.vy * t
+    x = x if moving else p.goal_x
+    y = y if moving else p.goal_y
+    dx = q[0] - x
+    dy = q[1] - y
+    d = norm2(dx, dy)
+    near = 1.0 / (d + 1e-12)
+    vx = p.vx if moving else 0.0
+    vy = p.vy if moving else 0.0
+    return Body(x, y, vx, vy, p.radius, d - p.radius, dx * near, dy * near)
+
+
+component = Obstacle(
+    name="moving_circle",
+    title="Circle, straight way",
+    dimension=2,
+    parameters=MovingCircle,
+    body=body,
+    moving=True,
+    derived=Derived(Constants, derive),
+)

@@ -19,6 +19,12 @@ from worker.problem import Floats, Problem
 
 NAME = "DOP853"
 RELATIVE, ABSOLUTE = 1e-10, 1e-12
+COARSE = 1e-4
+"""The relative tolerance where the fine one makes no headway: a loop that slides along a switch has no order there."""
+
+STUCK, HEADWAY = 20_000, 1e-3
+"""So many calls of the right-hand side for less than this share of the horizon: no headway."""
+
 BEFORE = 1e-8
 """Share of a stretch by which its end is approached where something jumps there."""
 
@@ -31,7 +37,7 @@ LOOKS = 4000
 
 @dataclass(frozen=True)
 class Flight:
-    """The criterion's value, or None with the reason why there is none."""
+    """The criterion's value, or None with the reason why there is none; `reason` also tells of a coarse tolerance."""
 
     cost: float | None
     reason: str = ""
@@ -51,18 +57,41 @@ def fly(problem: Problem, vector: Floats) -> Flight:
     for flight, seed in zip(flights, seeds, strict=True):
         if flight.cost is None:
             return Flight(None, f"with seed {seed}: {flight.reason}" if realised.several else flight.reason)
-    return Flight(float(np.mean([f.cost for f in flights if f.cost is not None])))
+    return Flight(float(np.mean([f.cost for f in flights if f.cost is not None])), flights[0].reason)
 
 
 def _realised(problem: Problem, vector: Floats) -> Flight:
     try:
         with np.errstate(all="ignore"):
-            return _fly(problem, problem.loop.extend(vector))
-    except (ArithmeticError, ValueError) as error:
+            p = problem.loop.extend(vector)
+            try:
+                return _fly(problem, p, RELATIVE)
+            except _Stuck as stuck:
+                coarse = _fly(problem, p, COARSE)
+                return coarse if coarse.cost is None else Flight(coarse.cost, f"at a tolerance of {COARSE:g}: {stuck}")
+    except (ArithmeticError, ValueError, _Stuck) as error:
         return Flight(None, f"{NAME} could not fly it: {error}")
 
 
-def _fly(problem: Problem, p: tuple[float, ...]) -> Flight:
+class _Stuck(Exception):
+    """The integrator makes no headway; the message says when."""
+
+
+class _Headway:
+    """Counts calls of the right-hand side and looks whether time passes."""
+
+    def __init__(self, horizon: float) -> None:
+        self.least, self.calls, self.mark = HEADWAY * horizon, 0, 0.0
+
+    def watch(self, t: float) -> None:
+        self.calls += 1
+        if self.calls % STUCK == 0:
+            if t - self.mark < self.least:
+                raise _Stuck(f"the loop switches to and fro without end from t = {t:.6g} s")
+            self.mark = t
+
+
+def _fly(problem: Problem, p: tuple[float, ...], relative: float) -> Flight:
     loop, horizon = problem.loop, problem.campaign.scenario.horizon
     guide, closed_loop, cost = (loop.part(n) for n in ("guide", "closed_loop", "cost"))
     g = loop.part("blank")(p)
@@ -70,15 +99,20 @@ def _fly(problem: Problem, p: tuple[float, ...]) -> Flight:
     lowest = np.full(loop.n_channels, np.inf)
     ticks = _ticks(problem, horizon)
     switches = _switches(problem, p, horizon)
+    headway = _Headway(horizon)
     for start, end in pairwise(_joined(ticks, switches)):
         if start in ticks:
             g = guide(start, x, g, p)
         # Without sampling and memory the held guidance is never read. What jumps at the end has not jumped yet.
         last = end - BEFORE * (end - start) if switches else end
+
+        def slope(t: float, y: Floats, g: Any = g, last: float = last) -> Any:
+            headway.watch(t)
+            return closed_loop(min(t, last), tuple(y.tolist()), g, p)[0]
+
         solution: Any = solve_ivp(  # type: ignore[call-overload]
-            lambda t, y, g=g, last=last: closed_loop(min(t, last), tuple(y.tolist()), g, p)[0],
-            (start, end), x, method=NAME, rtol=RELATIVE, atol=ABSOLUTE, dense_output=True,
-        )  # fmt: skip
+            slope, (start, end), x, method=NAME, rtol=relative, atol=relative * ABSOLUTE / RELATIVE, dense_output=True
+        )
         if not solution.success:
             return Flight(None, f"{NAME} stopped at t = {solution.t[-1]:.6g} s: {solution.message}")
         x = tuple(solution.y[:, -1].tolist())

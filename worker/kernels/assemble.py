@@ -153,6 +153,7 @@ def _layout(made: Loop) -> dict[str, Any]:
         "load_x": x.load, "store_x": x.store, "advance": x.advance, "combine": x.combine,
         "load_p": p.load, "store_p": p.store, "load_raw": _ops(ops, n_p, lanes).load,
         "load_g": g.load, "store_g": g.store, "load_y": y.load, "store_y": y.store,
+        "magnitude_x": x.magnitude, "magnitude_y": y.magnitude,
     }  # fmt: skip
 
 

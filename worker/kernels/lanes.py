@@ -16,12 +16,13 @@ from numba.extending import intrinsic
 
 class LaneOps(NamedTuple):
     """load(buffer, base, lane) -> tuple; store(buffer, base, lane, tuple); advance(x, h, dx) -> x + h dx;
-    combine(x, q, a, b, c, d) -> x + q (a + 2 b + 2 c + d)."""
+    combine(x, q, a, b, c, d) -> x + q (a + 2 b + 2 c + d); magnitude(x) -> the sum of magnitudes."""
 
     load: Any
     store: Any
     advance: Any
     combine: Any
+    magnitude: Any
 
 
 @cache
@@ -97,7 +98,22 @@ def lane_ops(rows: int, lanes: int) -> LaneOps:
 
         return signature, codegen
 
-    return LaneOps(load, store, advance, combine)
+    @intrinsic
+    def magnitude(context, x):  # type: ignore[no-untyped-def]
+        # Straight-line code: a loop over a long tuple compiles to a switch, which does not vectorise.
+        signature = types.float64(types.UniTuple(types.float64, rows))  # type: ignore[no-untyped-call]
+
+        def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+            double = ir.DoubleType()
+            absolute = builder.module.declare_intrinsic("llvm.fabs", [double])
+            total = ir.Constant(double, 0.0)
+            for k in range(rows):
+                total = builder.fadd(total, builder.call(absolute, [builder.extract_value(arguments[0], k)]))
+            return total
+
+        return signature, codegen
+
+    return LaneOps(load, store, advance, combine, magnitude)
 
 
 def plain_ops(rows: int, lanes: int) -> LaneOps:
@@ -118,4 +134,7 @@ def plain_ops(rows: int, lanes: int) -> LaneOps:
             x_k + q * ((a_k + d_k) + 2.0 * (b_k + c_k)) for x_k, a_k, b_k, c_k, d_k in zip(x, a, b, c, d, strict=True)
         )
 
-    return LaneOps(load, store, advance, combine)
+    def magnitude(x):  # type: ignore[no-untyped-def]
+        return sum(map(abs, x), 0.0)
+
+    return LaneOps(load, store, advance, combine, magnitude)

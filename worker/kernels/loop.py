@@ -10,8 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from worker.kernels.maths import kernel
-
 N_X = N_P = N_E = N_G = N_Y = N_W = LANES = 0
 X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = STATUS = WHEN = SIZE = 0
 SETTLES = False
@@ -34,16 +32,8 @@ def _slot(*_: Any) -> Any:
 
 
 load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
+magnitude_x = magnitude_y = _slot
 extend = initial = blank = guide = closed_loop = settled = envelope = cost = barred = observation = _slot
-
-
-@kernel
-def magnitude(values: Any) -> float:
-    """The sum of magnitudes: one comparison with it tells whether every value is finite."""
-    total = 0.0
-    for value in values:
-        total += abs(value)
-    return total
 
 
 def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[no-untyped-def]
@@ -88,7 +78,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 store_y(b, Y0, l, y)
                 code = envelope(x, p)
                 code = OUTSIDE - 1.0 + code if code > 0.0 else OK
-                code = code if magnitude(x) + magnitude(y) < LARGEST else NOT_FINITE
+                code = code if magnitude_x(x) + magnitude_y(y) < LARGEST else NOT_FINITE
                 so_far = b[STATUS + l]
                 b[WHEN + l] = t if so_far == OK else b[WHEN + l]
                 b[STATUS + l] = code if so_far == OK else so_far

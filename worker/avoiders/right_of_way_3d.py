@@ -1,0 +1,115 @@
+"""Decision-making avoidance of intruders in space, by the rules of right of way.
+
+Conflict (d_AB <= R_p while the range closes) and resolution (7.7) are those of the least deviation, but the side is the
+one that the rules leave, and who has the right of way flies on as planned:
+
+    head-on      each turns right                      bearing of the other and its reciprocal course within `ahead`
+    overtaking   the overtaker turns right             own position within `astern` of the other's tail
+    overtaken    has the right of way                  other's position within `astern` of the own tail
+    converging   who has the other on the right gives way and does not pass in front: turns right
+                 who has the other on the left has the right of way
+
+Rules are tried in this order. Who has the right of way acts all the same when the closest approach is nearer than
+`last_resort` in time: the other does not give way. It then passes behind the other. A duty holds until the conflict it
+was taken up for is over: until another intruder's is the soonest, or none comes closer within reach.
+Altitude is not a rule's matter: all encounters are taken for such at about the same level.
+
+Source: ICAO Annex 2, Rules of the Air, section 3.2.2 (3.2.2.2 head-on, 3.2.2.3 converging, 3.2.2.4 overtaking and its
+70 degrees), named as future work by Srikanthakumar, section 8.2; conflict and resolution, section 7.2 there. `ahead`
+and `last_resort` are chosen: the rules give no numbers. Readings, errors and limits as for the least deviation: V_A is
+the planned velocity + (du, dpsi) unless `instant` is 1. Meant for guidance sampled at its own period. Axes with z down.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+from worker.kernels.component import Avoider, Parameter, extended
+from worker.kernels.maths import kernel, norm2, sincos
+from worker.kernels.resolution import NEVER, Encounter, Plan, Sensing, aside, own_reading, perceive, planned, resolve
+from worker.kernels.space import Vector
+
+
+class Rules(NamedTuple):
+    ahead: Annotated[float, Parameter("rad", "Head-on: largest angle off the bow and off the reciprocal", 0.0, 1.6)] = (
+        0.35
+    )
+    astern: Annotated[float, Parameter("rad", "Overtaking: largest angle off the tail", 0.0, 1.6)] = 1.2217304763960306
+    last_resort: Annotated[
+        float, Parameter("s", "Time to the closest approach at which the right of way is given up", 0.0, 1e5)
+    ] = 12.0
+
+
+RightOfWay = extended("RightOfWay", Sensing, Rules)
+Memory = tuple[float, float]
+"""Side of the duty taken up (1 turn right, 0 fly on, -1 none yet), and the number of the intruder it is owed to."""
+
+GIVES_WAY, STANDS_ON, NO_DUTY = 1.0, 0.0, -1.0
+
+
+@kernel
+def duty(e: Encounter, p: Any) -> float:
+    """What the rules ask for: GIVES_WAY or STANDS_ON."""
+    own, other = norm2(e.own[0], e.own[1]), norm2(e.other[0], e.other[1])
+    level = norm2(e.n[0], e.n[1])
+    bow = (e.own[0] * e.n[0] + e.own[1] * e.n[1]) / (own * level + 1e-12)
+    tail = (e.other[0] * e.n[0] + e.other[1] * e.n[1]) / (other * level + 1e-12)
+    opposed = -(e.own[0] * e.other[0] + e.own[1] * e.other[1]) / (own * other + 1e-12)
+    _, ahead = sincos(p.ahead)
+    _, astern = sincos(p.astern)
+    head_on = (bow > ahead) & (opposed > ahead)
+    overtaking = tail > astern
+    overtaken = bow < -astern
+    on_right = e.own[0] * e.n[1] - e.own[1] * e.n[0] > 0.0
+    converging = on_right & (not overtaken)
+    return GIVES_WAY if head_on | overtaking | converging else STANDS_ON
+
+
+@kernel
+def steer(t: float, q: Vector, v: Vector, goal: Plan, bodies: Any, memory: Memory, p: Any) -> tuple[Vector, Memory]:
+    plan = planned(goal)
+    own = own_reading(v, goal, p)
+    soonest, ax, ay, az, flies_on, owed, to = NEVER, plan[0], plan[1], plan[2], 0.0, memory[0], memory[1]
+    approached, number = 0.0, 0.0
+    for body in bodies:
+        e = perceive(q, v, own, body, p)
+        approached = 1.0 if e.near > 0.5 else approached
+        known = (memory[0] > -0.5) & (memory[1] == number)
+        what = memory[0] if known else duty(e, p)
+        stands_on = what < 0.5
+        crossing = e.other[0] * e.right[0] + e.other[1] * e.right[1]
+        behind = -1.0 if crossing > 0.0 else 1.0
+        h, xi = aside(e, behind if stands_on else 1.0)
+        demand = resolve(e, h, xi)
+        conflict = (e.near > 0.5) & (e.miss <= p.radius) & (xi < e.turn)
+        sooner = conflict & (e.wait < soonest)
+        soonest = e.wait if sooner else soonest
+        waits = stands_on & (e.wait > p.last_resort)
+        flies_on = (1.0 if waits else 0.0) if sooner else flies_on
+        ax = demand[0] if sooner else ax
+        ay = demand[1] if sooner else ay
+        az = demand[2] if sooner else az
+        owed = what if sooner else owed
+        to = number if sooner else to
+        number += 1.0
+    acts = (soonest < NEVER) & (flies_on < 0.5)
+    out = (ax if acts else plan[0], ay if acts else plan[1], az if acts else plan[2])
+    return out, (owed if approached > 0.5 else NO_DUTY, to)
+
+
+@kernel
+def remember(p: Any) -> Memory:
+    return NO_DUTY, 0.0
+
+
+component = Avoider(
+    name="right_of_way_3d",
+    title="Least deviation within the right of way",
+    dimension=3,
+    demand="velocity",
+    parameters=RightOfWay,
+    goal=Plan,
+    memory=2,
+    steer=steer,
+    remember=remember,
+)

@@ -1,0 +1,209 @@
+"""Computes what stands beside the published values; everything is flown in this run, every search once.
+
+Start reading at `Flights.found`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from campaigns import Campaign, library, load_file
+from campaigns.spec import Search as Asked
+from worker.catalog import methods
+from worker.evaluate import InProcess
+from worker.problem import Floats, Problem
+from worker.reproduce.published import D_MIN, Case, Corners, Fly, How, Result, Search, Sweep
+from worker.search.base import OK
+from worker.stages import search as stage
+from worker.stages.base import Context
+from worker.store import Columns, MemoryStore, StagePlan
+
+SWEEP = 41
+"""Points of a sweep over one parameter."""
+
+RIPPLE = 0.001
+"""Share of a sweep's range below which a step against its direction is a ripple."""
+
+
+class NotAvailable(Exception):
+    """Something published cannot be computed by this installation; the message says what is missing."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """What was computed: value, the place of a worst case by path, evaluations and seconds spent, a note."""
+
+    value: float | str | None
+    at: dict[str, float] | None = None
+    evaluations: int | None = None
+    seconds: float | None = None
+    note: str = ""
+
+
+@dataclass
+class Flights:
+    """The campaigns in use, compiled once; what was computed, kept for the rows and figures that share it."""
+
+    threads: int | None = None
+    traces: bool = False
+    compile_seconds: float = 0.0
+    kept: dict[tuple[str, How], Found] = field(default_factory=dict)
+    columns: dict[tuple[str, How], Columns] = field(default_factory=dict)
+    opened: dict[str, _Opened] = field(default_factory=dict)
+
+    def found(self, result: Result) -> Found:
+        """Our value for a published result; raises `NotAvailable`."""
+        found = self.computed(result.campaign, result.case, result.how)
+        if result.quantity == D_MIN:
+            return found
+        if found.at is None:
+            return Found(None, note=found.note)
+        return Found(found.at[result.case.path(result.quantity)], note=found.note)
+
+    def computed(self, name: str, case: Case, how: How) -> Found:
+        """What one way of asking gives on one campaign; raises `NotAvailable`."""
+        if (name, how) not in self.kept:
+            opened = self.open(name)
+            opened.require(path for _, path in case.paths)
+            if isinstance(how, Fly):
+                found = opened.fly(dict(how.values))
+            elif isinstance(how, Corners):
+                found = opened.corners()
+            elif isinstance(how, Sweep):
+                found = opened.trend(case.path(how.symbol))
+            else:
+                found, self.columns[name, how] = opened.search(case, how)
+            self.kept[name, how] = found
+        return self.kept[name, how]
+
+    def open(self, name: str) -> _Opened:
+        """A campaign of the library, ready to fly; raises `NotAvailable`. The time to compile it is kept apart."""
+        if name not in self.opened:
+            path = library().get(name)
+            if path is None:
+                raise NotAvailable(f"the library has no campaign {name}")
+            began = time.perf_counter()
+            problem = Problem(load_file(path))
+            problem.loop.warm()
+            if self.traces:
+                rows = np.zeros((1, problem.loop.n_state + problem.loop.n_held))
+                problem.loop.observe(rows, problem.nominal, problem.step)
+            self.compile_seconds += time.perf_counter() - began
+            self.opened[name] = _Opened(problem, InProcess(problem, self.threads))
+        return self.opened[name]
+
+    def close(self) -> None:
+        """End the threads."""
+        for opened in self.opened.values():
+            opened.evaluate.close()
+
+
+@dataclass
+class _Opened:
+    """One campaign: its compiled problem and what flies it."""
+
+    problem: Problem
+    evaluate: InProcess
+
+    @property
+    def campaign(self) -> Campaign:
+        return self.problem.campaign
+
+    def require(self, paths: Iterable[str]) -> None:
+        """Raises `NotAvailable` unless all these are uncertain in the campaign."""
+        missing = set(paths) - {r.path for r in self.problem.ranges}
+        if missing:
+            raise NotAvailable(f"{', '.join(sorted(missing))} are not uncertain in the campaign {self.campaign.name!r}")
+
+    @cached_property
+    def lows_and_highs(self) -> Floats:
+        """Every corner of the unit cube (2^n, n)."""
+        return np.array(list(itertools.product((0.0, 1.0), repeat=self.problem.dimension)))
+
+    def fly(self, values: dict[str, float]) -> Found:
+        try:
+            vector = self.problem.vector(values)
+        except KeyError as error:
+            raise NotAvailable(f"the campaign {self.campaign.name!r} has no parameter {error.args[0]}") from None
+        batch, reasons = self.problem.fly_vectors(vector[None, :])
+        if batch.status[0] != OK:
+            return Found(None, note=reasons[0])
+        return Found(float(batch.costs[0, 0]), evaluations=1)
+
+    def corners(self) -> Found:
+        batch, _ = self.evaluate(self.lows_and_highs)
+        row = int(np.argmin(batch.ranked()))
+        lost = int(np.count_nonzero(batch.status != OK))
+        note = f"{lost} of {len(batch.status)} corners could not be flown" if lost else ""
+        at = self.problem.named(self.lows_and_highs[row])
+        return Found(float(batch.costs[row, 0]), at, len(batch.status), note=note)
+
+    def sweep(self, path: str, points: int = SWEEP) -> tuple[Floats, Floats]:
+        """Values of one parameter over its bounds, the others nominal, and d_min at each, NaN where it failed."""
+        index = [r.path for r in self.problem.ranges].index(path)
+        unit = np.repeat(self.problem.nominal_point[None, :], points, axis=0)
+        unit[:, index] = np.linspace(0.0, 1.0, points)
+        batch, _ = self.evaluate(unit)
+        return self.problem.values(unit)[:, index], batch.costs[:, 0]
+
+    def trend(self, path: str) -> Found:
+        _, costs = self.sweep(path)
+        trend, against = direction(costs)
+        note = f"ranges over {float(np.ptp(costs)):.4g} m" + (
+            f", with ripples up to {against:.2g} m" if against else ""
+        )
+        return Found(trend, evaluations=len(costs), note=note)
+
+    def search(self, case: Case, how: Search) -> tuple[Found, Columns]:
+        """Run one search as a stage of the campaign, alone, with the campaign's seed."""
+        method = next((methods()[name] for name in how.names if name in methods()), None)
+        if method is None:
+            raise NotAvailable(f"this installation has no method {how.title}")
+        known = {f.name for f in dataclasses.fields(method.options)}
+        starts = [] if how.start is None else [dict(zip((p for _, p in case.paths), how.start, strict=True))]
+        asked = Asked(
+            method=method.name,
+            evaluations=how.evaluations,
+            options={name: value for name, value in how.options if name in known},
+            starts=starts,
+        )
+        campaign = self.campaign.model_copy(
+            update={"stages": self.campaign.stages.model_copy(update={"search": [asked]})}
+        )
+        store = MemoryStore()
+        store.plan([StagePlan("search", method.name, how.evaluations)])
+        context = Context(campaign, self.problem, self.evaluate, store)
+        return _found(stage.run(context, 0, 0)), context.columns[0]
+
+
+def _found(result: dict[str, Any]) -> Found:
+    """Where a local method's only descent ended, else the lowest evaluation."""
+    best = result["minima"][0] if result["kind"] == "local" and result["minima"] else result["best"]
+    spent = (result["evaluations"], result["seconds"])
+    if best is None:
+        return Found(None, None, *spent, note="no flight ended well")
+    lost = f"{result['failed']} flights failed" if result["failed"] else ""
+    return Found(best["cost"], best["parameters"], *spent, note=lost)
+
+
+def direction(costs: Floats) -> tuple[str, float]:
+    """Whether a curve rises or falls from end to end, or neither; and its largest step the other way.
+
+    Steps against its direction of less than `RIPPLE` of its range do not make it "neither".
+    """
+    steps = np.diff(costs)
+    if not np.isfinite(steps).all():
+        return "neither", 0.0
+    sign = 1.0 if costs[-1] > costs[0] else -1.0
+    against = float(max(0.0, -(sign * steps).min()))
+    if against > max(RIPPLE * float(np.ptp(costs)), 2e-4):
+        return "neither", against
+    return ("rises" if sign > 0 else "falls"), against

@@ -1,0 +1,103 @@
+"""Is a campaign's step small enough? Random points flown at the step and at half of it.
+
+A point exceeds when the two differ by more than the validate stage allows: a share of d_min or a tenth of the margin,
+whichever is less. Where a campaign cannot keep that everywhere, its notes say how often and why, in a paragraph that
+begins "Step adequacy: up to 12 of 200 random points exceed the tolerance" (`declared`). Start reading at `adequacy`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from campaigns import Campaign, library, load_file
+from worker.problem import Floats, Problem
+from worker.search.base import OK
+from worker.stages.validate import SHARE_OF_MARGIN
+
+POINTS = 200
+SEED = 2**21
+"""The stream of these points, apart from those of every stage."""
+
+DECLARED = re.compile(r"Step adequacy: up to (\d+) of (\d+) random points exceed the tolerance")
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """How far flights at half the step differ from those at the step.
+
+    largest, median: [unit of the criterion]; at: the point of the largest, by path; exceeding, differing: points beyond
+    tolerance, and those that end ok at one step only; declared: share of points that the notes allow for, None for 0.
+    """
+
+    campaign: str
+    step: float
+    points: int
+    tolerance: float
+    largest: float
+    median: float
+    at: dict[str, float]
+    exceeding: int
+    differing: int
+    declared: float | None
+
+    @property
+    def ok(self) -> bool:
+        """Whether no more points exceed than the notes say."""
+        return self.exceeding + self.differing <= (self.declared or 0.0) * self.points
+
+
+def adequacy(name: str, problem: Problem, points: int = POINTS) -> Adequacy:
+    """Fly random points of the box at the campaign's step and at half of it, on one thread."""
+    campaign = problem.campaign
+    random = np.random.default_rng(np.random.SeedSequence(campaign.seed, spawn_key=(SEED,)))
+    unit = random.random((points, problem.dimension))
+    vectors = problem.vectors(unit)
+    whole, half = (problem.fly_vectors(vectors, step)[0] for step in (problem.step, problem.step / 2))
+    both = (whole.status == OK) & (half.status == OK)
+    costs = whole.costs[:, 0]
+    apart = np.where(both, np.abs(half.costs[:, 0] - costs), 0.0)
+    worst = int(np.argmax(apart))
+    return Adequacy(
+        campaign=name,
+        step=problem.step,
+        points=points,
+        tolerance=campaign.stages.validate_.tolerance,
+        largest=float(apart[worst]),
+        median=float(np.median(apart[both])) if both.any() else 0.0,
+        at=problem.named(unit[worst]),
+        exceeding=int(np.count_nonzero(apart > _allowed(problem, costs))),
+        differing=int(np.count_nonzero((whole.status == OK) != (half.status == OK))),
+        declared=declared(campaign),
+    )
+
+
+def declared(campaign: Campaign) -> float | None:
+    """The share of random points that the notes say may exceed the tolerance; None where they say nothing."""
+    found = DECLARED.search(" ".join(campaign.notes.split()))
+    return None if found is None else int(found[1]) / int(found[2])
+
+
+def _allowed(problem: Problem, costs: Floats) -> Floats:
+    tolerance = problem.campaign.stages.validate_.tolerance
+    return np.minimum(tolerance * np.abs(costs), SHARE_OF_MARGIN * np.abs(costs - problem.threshold))
+
+
+def of_library(names: Sequence[str] = ()) -> list[Adequacy]:
+    """Every campaign of the library, or those named."""
+    files = library()
+    return [adequacy(name, Problem(load_file(files[name]))) for name in (names or files)]
+
+
+def sentence(found: Adequacy) -> str:
+    """What was found, for a reader."""
+    said = "" if found.declared is None else f" (its notes allow for {found.declared * found.points:.0f})"
+    apart = f"; {found.differing} end well at one of them only" if found.differing else ""
+    return (
+        f"{'ok ' if found.ok else 'NOT'} {found.campaign}: at half its step of {found.step:g} s, {found.exceeding} of "
+        f"{found.points} random points differ beyond tolerance{said}{apart}; largest {found.largest:.3g}, "
+        f"median {found.median:.2g}"
+    )

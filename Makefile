@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run test lint types bench frontend clean distclean
+.PHONY: help install run test lint types bench reproduce frontend clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z]+:.* ## |^[a-z]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-10s %s\n", part[1], $$0}' Makefile
@@ -26,6 +26,9 @@ types: install ## mypy
 
 bench: install ## measure the speed, print a table, write build/bench.json
 	@.venv/bin/python -m tests.bench
+
+reproduce: install ## compute the published tables and figures again, into build/reproduce
+	@.venv/bin/clearance reproduce --out build/reproduce
 
 frontend: ## build the pages
 	@tools/install.sh

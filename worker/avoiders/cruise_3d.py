@@ -2,7 +2,8 @@
 
     V = speed (cos(climb) cos(heading), cos(climb) sin(heading), -sin(climb))
 
-Axes with z down. Shows what an encounter would be without avoidance (Srikanthakumar, figure 7.4).
+Axes with z down. Shows what an encounter would be without avoidance.
+Source: Srikanthakumar, section 7.4 and figure 7.4.
 """
 
 from __future__ import annotations

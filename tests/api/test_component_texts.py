@@ -1,0 +1,26 @@
+"""The texts of this installation's components reach the pages whole: equations, symbols, units, limits, sources."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+from tests.api.server import Service
+
+
+def test_components_with_their_equations(bare: Service) -> None:
+    program = "from worker.catalog import catalogue; print(catalogue().model_dump_json())"
+    printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    bare.publish(json.loads(printed))
+    with bare.signed_in() as client:
+        told = {(c["role"], c["name"]): c for c in client.get("/api/v1/components").json()["components"]}
+    unicycle = told["vehicle", "unicycle"]
+    for part in ("dv/dt = F / m", "Source: Srikanthakumar"):
+        assert part in unicycle["text"]
+    mass = next(p for p in unicycle["parameters"] if p["name"] == "m")
+    assert (mass["symbol"], mass["unit"]) == ("m", "kg")
+    assert mass["text"]
+    pioneer = told["vehicle", "pioneer_3dx"]
+    assert {p["unit"] for p in pioneer["parameters"]} >= {"kg", "m", "kg m2"}
+    assert [c["text"] for c in told.values()] == [c["text"] for c in json.loads(printed)["components"]]

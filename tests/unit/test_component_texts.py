@@ -1,0 +1,54 @@
+"""Help in place: every component's equations, symbols, units and source, as the catalogue (and so the API) tells them.
+
+The text is the docstring of the component's one file. Start reading at `test_text`.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+
+import pytest
+
+from campaigns.catalogue import Catalogue, ComponentEntry
+from worker.catalog import catalogue, components, source_of
+
+CATALOGUE: Catalogue = catalogue()
+MODELS = ("vehicle", "controller", "avoider", "environment", "fault", "criterion")
+
+
+def named(entry: ComponentEntry) -> str:
+    return f"{entry.role}-{entry.name}"
+
+
+@pytest.mark.parametrize("entry", CATALOGUE.components, ids=named)
+def test_text(entry: ComponentEntry) -> None:
+    path = inspect.getsourcefile(source_of(components()[entry.role, entry.name]))
+    assert path is not None
+    with open(path, encoding="utf-8") as file:
+        assert entry.text == ast.get_docstring(ast.parse(file.read())), "the text is that of the component's one file"
+    title, _, more = entry.text.partition("\n\n")
+    assert title.endswith("."), title
+    assert more
+    if entry.role in MODELS:
+        assert "Source" in entry.text
+
+
+@pytest.mark.parametrize("entry", [e for e in CATALOGUE.components if e.role in MODELS[:4]], ids=named)
+def test_equations(entry: ComponentEntry) -> None:
+    assert re.search(r"\S (=|<=|>=|<|>) \S", entry.text)
+
+
+@pytest.mark.parametrize("entry", CATALOGUE.components, ids=named)
+def test_every_parameter_says_what_it_is(entry: ComponentEntry) -> None:
+    parameters = [*entry.parameters, *entry.starts, *entry.goals]
+    for p in parameters:
+        assert p.symbol, p.name
+        assert len(p.text) > 3, p.name
+        assert p.text[0].isupper(), p.name
+        assert p.low < p.high, p.name
+        assert p.default is None or p.low <= p.default <= p.high, p.name
+        assert p.unit == p.unit.strip(), p.name
+    for kind in (entry.parameters, entry.starts, entry.goals):
+        assert len({p.name for p in kind}) == len(kind)

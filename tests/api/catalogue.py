@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from typing import Any
 
 from campaigns import Catalogue
@@ -65,6 +68,13 @@ CATALOGUE = Catalogue.model_validate(
         "methods": [method("direct", "global"), method("sqp", "local"), method("monte_carlo", "random")],
     }
 )
+
+
+def published_by_workers() -> dict[str, Any]:
+    """The catalogue of the components that are really there, from a process of its own, as a worker asks for it."""
+    program = "from worker.catalog import catalogue; print(catalogue().model_dump_json())"
+    printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    return dict(json.loads(printed))
 
 
 def campaign(**changes: Any) -> dict[str, Any]:

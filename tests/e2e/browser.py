@@ -32,7 +32,7 @@ ARGUMENTS = (
 )
 
 VIEWER_EVAL = "'wasm-unsafe-eval'"
-"""The viewer's page tries one `eval`, which its policy refuses, and draws all the same. The pages' own policy has no such
+"""The viewer's page tries one `eval`, which its policy refuses, and draws all the same. The pages' own policy lacks this
 word."""
 
 PATIENCE = 60_000
@@ -68,6 +68,8 @@ class Visit:
         """Keep a picture of the page."""
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         file = SCREENSHOTS / f"{name}.png"
+        if full:
+            self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
         self.page.screenshot(path=file, full_page=full, animations="disabled")
         return file
 

@@ -6,6 +6,7 @@ The tests of this file are one story, in order: each begins where the one before
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import Any
 
 import httpx
@@ -19,7 +20,7 @@ from tests.faults.test_serve import Service
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
 
 VERDICTS = "Cleared|Violated|Inconclusive"
-VERMILLION = (213, 94, 0)
+VERMILLION = (222, 103, 20)
 LOOKS = [(width, theme) for width in (1440, 1280) for theme in ("light", "dark")]
 THIN = "\u202f"
 
@@ -31,14 +32,15 @@ def api(visit: Visit, path: str) -> Any:
     return answer.json()
 
 
-def looks(visit: Visit, name: str) -> None:
-    """Pictures at both widths in both themes; nothing may be wider than the window."""
+def looks(visit: Visit, name: str, settled: Callable[[Visit], object] = lambda visit: None) -> None:
+    """Pictures at both widths in both themes, each once settled; nothing may be wider than the window."""
     for width, theme in LOOKS:
         visit.page.set_viewport_size({"width": width, "height": 900})
         visit.page.emulate_media(color_scheme=theme)
         expect(visit.page.locator("html")).to_have_attribute("data-theme", theme)
         visit.page.wait_for_function("document.fonts.status === 'loaded'")
         assert visit.page.evaluate("document.documentElement.scrollWidth") <= width
+        settled(visit)
         visit.shot(f"{name}-{width}-{theme}")
     visit.page.set_viewport_size({"width": 1440, "height": 900})
     visit.page.emulate_media(color_scheme="light")
@@ -157,13 +159,13 @@ def flown(visit: Visit) -> FrameLocator:
 
     def drawn() -> bool:
         picture = pixels(canvas.screenshot())
-        return near(picture, VERMILLION, 40) > 60 and len(np_colours(picture)) > 50
+        return near(picture, VERMILLION, 45) > 60 and len(colours(picture)) > 50
 
     until(drawn, "the worst flight drawn in the 3D view", 90)
     return frame
 
 
-def np_colours(picture: Any) -> set[tuple[int, ...]]:
+def colours(picture: Any) -> set[tuple[int, ...]]:
     """The distinct colours of a picture."""
     return set(map(tuple, picture.reshape(-1, 3)[::7].tolist()))
 
@@ -171,7 +173,7 @@ def np_colours(picture: Any) -> set[tuple[int, ...]]:
 def test_the_flight_is_seen_in_3d(signed_in: Visit) -> None:
     frame = flown(signed_in)
     expect(frame.locator("body")).to_contain_text("R-0001")
-    looks(signed_in, "run")
+    looks(signed_in, "run", flown)
 
 
 def test_a_slider_flies_the_case_anew(signed_in: Visit) -> None:

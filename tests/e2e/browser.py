@@ -32,8 +32,7 @@ ARGUMENTS = (
 )
 
 VIEWER_EVAL = "'wasm-unsafe-eval'"
-"""The viewer's page tries one `eval`, which its policy refuses, and draws all the same. The pages' own policy lacks this
-word."""
+"""The viewer tries one `eval`, which its own policy refuses, and draws all the same; only that policy has this word."""
 
 PATIENCE = 60_000
 """[ms]"""

@@ -60,11 +60,13 @@ def run(
     seed: int = 1,
     status: int = 1,
     until: Callable[[Searched], bool] = lambda found: False,
-    **options: Any,
+    options: dict[str, Any] | None = None,
 ) -> Searched:
     """Let a method search until it ends, its budget is reached or `until` says so; NaN values have `status`."""
     found = Searched()
-    search: Search = method.search(space(dimension, budget, found.minima, starts, seed), method.options(**options))
+    search: Search = method.search(
+        space(dimension, budget, found.minima, starts, seed), method.options(**options or {})
+    )
     asked = 0
     try:
         points = next(search)

@@ -200,10 +200,10 @@ def test_what_is_kept_between_iterations_is_what_a_fresh_look_would_give() -> No
 
 
 def test_rules_by_which_it_stops() -> None:
-    ten = run(method, bowl, 2, 10_000, iterations=10)
+    ten = run(method, bowl, 2, 10_000, options={"iterations": 10})
     assert ten.text == "did the 10 iterations asked for"
     assert len(ten.batches) == 11
-    small = run(method, bowl, 2, 10_000, smallest=0.01)
+    small = run(method, bowl, 2, 10_000, options={"smallest": 0.01})
     assert small.text is not None
     assert small.text.startswith("the best rectangle is smaller than 0.01 after ")
     budget = run(method, bowl, 2, 100)

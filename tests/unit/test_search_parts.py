@@ -38,7 +38,7 @@ def no_thread_stays() -> Iterator[None]:
 
 @pytest.mark.parametrize("differences", ["central", "forward"])
 def test_sqp_descends_to_the_minimum(differences: str) -> None:
-    found = run(sqp.method, bowl, 2, 2000, starts=np.array([[0.9, 0.1]]), differences=differences)
+    found = run(sqp.method, bowl, 2, 2000, starts=np.array([[0.9, 0.1]]), options={"differences": differences})
     (minimum,) = found.minima
     assert minimum.point == pytest.approx([0.3, 0.7], abs=1e-4)
     assert minimum.start is not None
@@ -99,8 +99,15 @@ def test_sqp_survives_a_region_without_values() -> None:
     assert "a start could not be evaluated" in found.text
 
 
+def test_sqp_ends_where_its_line_search_fails() -> None:
+    # Gradients of 1e11 overflow the library's own quadratic programme.
+    found = run(sqp.method, lambda x: 1e11 * (x - 0.5).sum(axis=1), 2, 2000, starts=np.array([[0.3, 0.2]]))
+    assert found.text == found.minima[0].text == "the line search failed"
+    assert found.minima[0].cost == found.lowest
+
+
 def test_sqp_counts_its_iterations() -> None:
-    found = run(sqp.method, waves, 2, 5000, starts=np.array([[0.1, 0.1]]), iterations=2)
+    found = run(sqp.method, waves, 2, 5000, starts=np.array([[0.1, 0.1]]), options={"iterations": 2})
     assert found.text == "the iterations are used up"
     assert len(found.batches) == 2
 

@@ -33,7 +33,15 @@ def method(name: str, kind: str) -> dict[str, Any]:
     """One search method with one option."""
     options = {"type": "object", "properties": {"iterations": {"type": "integer", "minimum": 1}}}
     words = dict.fromkeys(("text", "how", "source"), "")
-    return {"name": name, "title": name.upper(), "kind": kind, "evaluations": 100, "options": options, **words}
+    return {
+        "name": name,
+        "title": name.upper(),
+        "kind": kind,
+        "evaluations": 100,
+        "options": options,
+        "starts": name == "sqp",
+        **words,
+    }
 
 
 CATALOGUE = Catalogue.model_validate(
@@ -51,11 +59,13 @@ CATALOGUE = Catalogue.model_validate(
                 "pid_speed",
                 [parameter(n) for n in ("k_p", "k_theta", "K_p1", "K_p2", "K_i1", "K_i2", "K_d1", "K_d2", "N")],
                 fits=["unicycle"],
+                demands=["force"],
             ),
             component(
                 "avoider",
                 "potential_field",
                 [parameter(n) for n in ("k_att", "k_rep", "d_0")],
+                demand="force",
                 goals=[parameter("x", "m", default=None), parameter("y", "m", default=None)],
             ),
             component(

@@ -125,7 +125,6 @@ def test_compiled_it_flies_as_in_plain_python(component: Component) -> None:
     assert one.trace == pytest.approx(other.trace, rel=1e-9, abs=1e-9, nan_ok=True)
 
 
-@pytest.mark.xfail(strict=True, reason="squared distances beyond 1e12 m2 are taken for a flight that diverged")
 def test_a_far_obstacle_does_not_fail_a_flight() -> None:
     obstacle = components()["obstacle", "circle"]
     flown = problem(obstacle)

@@ -182,10 +182,6 @@ def test_the_digest_looks_into_kernels_and_modules() -> None:
     assert digest(one) != digest(other)
 
 
-NOT_YET = "the digest names these by their kind alone: an edit would be answered from the cache"
-
-
-@pytest.mark.xfail(strict=True, reason=NOT_YET)
 def test_the_digest_looks_into_modules_of_modules() -> None:
     def package(value: float) -> types.ModuleType:
         outside, inside = types.ModuleType("helpers"), types.ModuleType("helpers.far")
@@ -197,7 +193,6 @@ def test_the_digest_looks_into_modules_of_modules() -> None:
     assert digest(one) != digest(other)
 
 
-@pytest.mark.xfail(strict=True, reason=NOT_YET)
 @pytest.mark.parametrize(
     ("one", "other"),
     [(np.array([1.0, 2.0]), np.array([1.0, 3.0])), (np.int64(1), np.int64(2)), (np.float32(1), np.float32(2))],
@@ -206,7 +201,6 @@ def test_the_digest_covers_arrays_and_numbers_of_numpy(one: Any, other: Any) -> 
     assert digest(loaded("def f(x): return x + K", K=one)) != digest(loaded("def f(x): return x + K", K=other))
 
 
-@pytest.mark.xfail(strict=True, reason=NOT_YET)
 def test_the_digest_covers_the_defaults_of_a_named_tuple() -> None:
     text = "def f(x): return Made(x).a"
     one, other = (loaded(text, Made=type_with_default(k)) for k in (1.0, 2.0))

@@ -158,4 +158,5 @@ method = Method(
     options=Options,
     search=search,
     repeats=True,
+    starts=True,
 )

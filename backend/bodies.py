@@ -11,7 +11,7 @@ from backend.errors import RefusedError
 from campaigns import Campaign, CampaignError, Problem, load_text
 
 JSON_TYPES = frozenset({"application/json"})
-YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml", "text/plain"})
+YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
 
 
 def content_type(request: Request) -> str:

@@ -44,6 +44,10 @@ class ComponentEntry(Entry):
     """What the goal of an avoider is given by."""
     fits: list[str] = []
     """The vehicles a controller flies; empty for everything else."""
+    demand: str = ""
+    """What an avoider asks for: force or velocity."""
+    demands: list[str] = []
+    """The kinds of demand that a controller follows."""
     inputs: list[str] = []
     """The inputs of a vehicle, which actuator faults are on."""
     path: str = ""
@@ -69,6 +73,8 @@ class MethodEntry(Entry):
     source: str
     evaluations: int
     """The usual budget."""
+    starts: bool = False
+    """Whether it starts from points that the campaign gives."""
     options: dict[str, Any]
 
 

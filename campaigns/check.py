@@ -129,6 +129,11 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         )
     yield from _placed(campaign, catalogue)
     yield from _realised(campaign, catalogue)
+    avoider = catalogue.component("avoider", scenario.avoider.component)
+    if controller is not None and avoider is not None and avoider.demand not in controller.demands:
+        follows = " or ".join(controller.demands)
+        text = f"it asks for a {avoider.demand}; the controller {controller.name} follows a {follows}"
+        yield Problem("scenario.avoider.component", avoider.name, text)
     if not scenario.obstacles:
         yield Problem("scenario.obstacles", "[]", "give at least one obstacle: the criterion reads distances to them")
 
@@ -224,6 +229,10 @@ def _searches(
             yield Problem(f"{field}.method", search.method, f"no such method; {_known(search.method, names)}")
             continue
         yield from _options(f"{field}.options", search.options, entry.options)
+        if search.starts and not entry.starts:
+            yield Problem(
+                f"{field}.starts", f"{len(search.starts)} starts", f"{entry.title} takes none; leave them out"
+            )
         for j, start in enumerate(search.starts):
             for path, value in start.items():
                 yield from _started(f"{field}.starts.{j}.{path}", path, value, campaign, known)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from decimal import Decimal
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -97,12 +98,13 @@ PlusMinus = Annotated[float | str, BeforeValidator(_share)]
 
 
 def around(nominal: float, plus_minus: float | str) -> tuple[float, float]:
-    """Low and high around a nominal value, in its unit."""
+    """Low and high around a nominal value, in its unit; worked out in decimals: 20 % below 0.05 is 0.04."""
+    middle = Decimal(repr(nominal))
     if isinstance(plus_minus, float):
-        return nominal - plus_minus, nominal + plus_minus
-    share = float(plus_minus.removesuffix("%")) / 100
-    ends = nominal * (1.0 - share), nominal * (1.0 + share)
-    return min(ends), max(ends)
+        amount = Decimal(repr(plus_minus))
+    else:
+        amount = abs(middle) * Decimal(plus_minus.removesuffix("%")) / 100
+    return float(middle - amount), float(middle + amount)
 
 
 def _flatten(value: Any, prefix: str = "") -> Any:

@@ -117,6 +117,8 @@ def _component_entry(component: Component) -> ComponentEntry:
         starts=[_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
         goals=[_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],
         fits=list(component.fits) if isinstance(component, Controller) else [],
+        demand=component.demand if isinstance(component, Avoider) else "",
+        demands=list(component.command) if isinstance(component, Controller) else [],
         inputs=[s.name for s in component.inputs] if isinstance(component, Vehicle) else [],
         path=component.path if isinstance(component, Fault) else "",
         quantity=component.quantity if isinstance(component, Criterion) else "",
@@ -140,5 +142,6 @@ def _method_entry(method: Method) -> MethodEntry:
         how=method.how,
         source=method.source,
         evaluations=method.evaluations,
+        starts=method.starts,
         options=TypeAdapter(method.options).json_schema(),
     )

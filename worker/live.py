@@ -72,7 +72,7 @@ def _flight(problem: Problem, parameters: dict[str, float], rows: int) -> dict[s
         "status": flown.meta["status"],
         "reason": flown.meta["reason"],
         "cost": cost,
-        "margin": None if cost is None else cost - problem.threshold,
+        "margin": None if cost is None else cost - flown.meta["threshold"],
         "columns": flown.columns,
         "data": {c["name"]: _plain(flown.data[:, k]) for k, c in enumerate(flown.columns)},
         "meta": _finite(flown.meta),

@@ -160,7 +160,9 @@ class Problem:
                 f"{self.threshold:g} {self.parts.criterion.unit}: nothing can be shown of it"
             )
         if code == closed_loop.NOT_FINITE:
-            return f"the flight diverged: its state was no longer finite at t = {when:.6g} s"
+            return (
+                f"the flight diverged: its state was beyond {closed_loop.LARGEST:.0e} or no number at t = {when:.6g} s"
+            )
         limit = self.parts.vehicle.limits[int(code - closed_loop.OUTSIDE)]
         return f"the flight left the model's envelope at t = {when:.6g} s: {limit.text}"
 

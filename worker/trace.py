@@ -190,6 +190,6 @@ def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[st
         "obstacles": obstacles,
         "start": place("start"),
         "goal": place("goal"),
-        "threshold": problem.threshold,
+        "threshold": float(vector[problem.paths["criterion.threshold"]]),
         "parameters": {r.path: float(vector[r.index]) for r in problem.ranges} | dict(values),
     }

@@ -45,10 +45,10 @@ class Drawn:
 
     def draw(self, flight: Flight, time: float) -> None:
         """Show this flight instead of the one before, the vehicle where it is at that time."""
-        self.flight = flight
         self._line("path", shapes.polyline(flight.position + self._lift), (5.0, 3.0, 2.0)[self.style.layer])
         if self._vehicle is None:
             self._vehicle = self._build_vehicle()
+        self.flight = flight
         self._closest(flight.closest)
         self._root.visible = self._visible
         self.move(time)

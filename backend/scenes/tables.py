@@ -24,8 +24,8 @@ def number(value: float | None) -> str:
 
 def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
     """Separation now, its minimum, and the margin of every flight that is shown."""
-    unit = f" [{html.escape(setting.unit)}]"
-    head = ("", f"now{unit}", f"{html.escape(setting.quantity or 'min')}{unit}", f"margin{unit}")
+    head = ("now", html.escape(setting.quantity or "min"), "margin")
+    unit = f'<th style="text-align:left;font-weight:500;opacity:0.7">[{html.escape(setting.unit)}]</th>'
     rows = [
         _row(one.style.title, one.style.colour, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)))
         for one in drawn
@@ -34,7 +34,7 @@ def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
     if not rows:
         return note("No flight is stored yet.")
     heads = "".join(f"<th {_HEAD}>{text}</th>" for text in head)
-    return f"<table {_TABLE}><tr>{heads}</tr>{''.join(rows)}</table>"
+    return f"<table {_TABLE}><tr>{unit}{heads}</tr>{''.join(rows)}</table>"
 
 
 def outcome(drawn: Drawn, setting: Setting) -> str:
@@ -65,4 +65,4 @@ def _margin(drawn: Drawn, setting: Setting) -> float | None:
 def _row(title: str, colour: str, values: Sequence[float | None], unit: str = "") -> str:
     mark = f'<span style="color:{colour}">■</span> {html.escape(title)}'
     cells = "".join(f"<td {_NUMBER}>{number(value)} {html.escape(unit)}</td>" for value in values)
-    return f"<tr><td>{mark}</td>{cells}</tr>"
+    return f'<tr><td style="white-space:nowrap">{mark}</td>{cells}</tr>'

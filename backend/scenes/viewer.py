@@ -49,6 +49,7 @@ class Viewer:
             dark_mode=address.dark,
             show_logo=False,
             show_share_button=False,
+            control_width="small",
             brand_color=rgb(palette.soft),
         )
         server.gui.main_panel.dock_right()

@@ -140,7 +140,7 @@ class World:
         if kind == "encounter" and closest is not None:
             middle = (closest.position + closest.obstacle) / 2
             span = 2.2 * max(closest.value, self._setting.threshold)
-        distance = 0.68 * span / np.tan(FIELD_OF_VIEW / 2)
+        distance = 0.72 * span / np.tan(FIELD_OF_VIEW / 2)
         towards = {
             "overview": (-0.25, -0.75, 0.8),
             "encounter": (-0.35, -0.7, 0.75),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from typing import Any
 
 from campaigns import Catalogue
@@ -30,7 +33,15 @@ def method(name: str, kind: str) -> dict[str, Any]:
     """One search method with one option."""
     options = {"type": "object", "properties": {"iterations": {"type": "integer", "minimum": 1}}}
     words = dict.fromkeys(("text", "how", "source"), "")
-    return {"name": name, "title": name.upper(), "kind": kind, "evaluations": 100, "options": options, **words}
+    return {
+        "name": name,
+        "title": name.upper(),
+        "kind": kind,
+        "evaluations": 100,
+        "options": options,
+        "starts": name == "sqp",
+        **words,
+    }
 
 
 CATALOGUE = Catalogue.model_validate(
@@ -48,11 +59,13 @@ CATALOGUE = Catalogue.model_validate(
                 "pid_speed",
                 [parameter(n) for n in ("k_p", "k_theta", "K_p1", "K_p2", "K_i1", "K_i2", "K_d1", "K_d2", "N")],
                 fits=["unicycle"],
+                demands=["force"],
             ),
             component(
                 "avoider",
                 "potential_field",
                 [parameter(n) for n in ("k_att", "k_rep", "d_0")],
+                demand="force",
                 goals=[parameter("x", "m", default=None), parameter("y", "m", default=None)],
             ),
             component(
@@ -65,6 +78,13 @@ CATALOGUE = Catalogue.model_validate(
         "methods": [method("direct", "global"), method("sqp", "local"), method("monte_carlo", "random")],
     }
 )
+
+
+def published_by_workers() -> dict[str, Any]:
+    """The catalogue of the components that are really there, from a process of its own, as a worker asks for it."""
+    program = "from worker.catalog import catalogue; print(catalogue().model_dump_json())"
+    printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    return dict(json.loads(printed))
 
 
 def campaign(**changes: Any) -> dict[str, Any]:

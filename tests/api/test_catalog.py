@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-
 import httpx
 import pytest
 import yaml
@@ -15,7 +11,7 @@ from backend.db.records import Conclusion, StagePlan
 from backend.db.store import RunStore
 from campaigns import Campaign, library, load_text
 from campaigns.text import to_yaml
-from tests.api.catalogue import CATALOGUE, campaign
+from tests.api.catalogue import CATALOGUE, campaign, published_by_workers
 from tests.api.finished import search
 from tests.api.server import Service
 from tests.api.test_access import problem
@@ -47,9 +43,7 @@ def test_before_a_worker_came_the_library_says_what_is_missing(bare: Service) ->
 
 
 def test_the_shipped_campaigns_fit_the_components_that_workers_publish(bare: Service) -> None:
-    program = "from worker.catalog import catalogue; print(catalogue().model_dump_json())"
-    printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
-    bare.publish(json.loads(printed))
+    bare.publish(published_by_workers())
     with bare.signed_in() as client:
         for shipped in client.get("/api/v1/campaigns").json():
             assert shipped["problems"] == []

@@ -19,7 +19,8 @@ from backend.results import thin
 from tests.api.finished import Work, search
 from tests.api.server import Service, until
 from tests.api.test_access import problem
-from tests.api.test_runs import fill, submit
+from tests.api.test_listing import fill
+from tests.api.test_runs import submit
 
 
 class Stream:

@@ -10,17 +10,30 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
+import msgspec
 import pytest
 import viser
 import websockets
 import zstandard
 from websockets.sync.client import ClientConnection, connect
 
+from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, finish
 from tests.api.server import Service, until
 from tests.api.test_access import problem
 from tests.api.test_runs import submit
 
+CAMERA = {
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (0.0, 0.0, 20.0),
+    "fov": 0.7,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 500,
+    "image_width": 800,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
 PROTOCOL = f"viser-v{viser.__version__}"
 
 
@@ -43,16 +56,49 @@ def viewing(service: Service, client: httpx.Client, path: str, **changes: str | 
         yield connection
 
 
-def frames_until(connection: ClientConnection, *wanted: bytes) -> bytes:
-    """Everything that arrives until all of these texts did."""
-    received = b""
-    deadline = time.monotonic() + 10
-    while not all(text in received for text in wanted):
+def frames(connection: ClientConnection, seconds: float = 10.0) -> Iterator[bytes]:
+    """What arrives within the time, unpacked."""
+    deadline = time.monotonic() + seconds
+    while True:
         message = connection.recv(timeout=max(0.0, deadline - time.monotonic()))
         assert isinstance(message, bytes)
         packed = int.from_bytes(message[8:16], "little")
-        received += zstandard.ZstdDecompressor().decompress(message[16 : 16 + packed])
+        yield zstandard.ZstdDecompressor().decompress(message[16 : 16 + packed])
+
+
+def frames_until(connection: ClientConnection, *wanted: bytes, seconds: float = 10.0) -> bytes:
+    """Everything that arrives until all of these texts did."""
+    received = b""
+    for frame in frames(connection, seconds):
+        received += frame
+        if all(text in received for text in wanted):
+            break
     return received
+
+
+class Panel:
+    """The viewer's panel, as the page fills it: elements by their label."""
+
+    def __init__(self, connection: ClientConnection, last: str) -> None:
+        """Reads until the element with the label `last` is there."""
+        self._connection = connection
+        self._elements: dict[str, str] = {}
+        for frame in frames(connection):
+            for message in msgspec.msgpack.decode(frame)["messages"]:
+                label = message.get("props", {}).get("label")
+                if message["type"].startswith("Gui") and label is not None:
+                    self._elements.setdefault(str(label), message["uuid"])
+            if last in self._elements:
+                break
+        # The page says first where its camera stands; before that viser hears nothing else.
+        self._say(type="ViewerCameraMessage", **CAMERA)
+
+    def set(self, label: str, value: object) -> None:
+        """What the page says when its visitor moves a slider or presses a button."""
+        self._say(type="GuiUpdateMessage", uuid=self._elements[label], updates={"value": value})
+
+    def _say(self, **message: object) -> None:
+        self._connection.send(msgspec.msgpack.encode(message))
 
 
 def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: httpx.Client) -> None:
@@ -112,6 +158,40 @@ def test_what_is_found_while_watching_appears(service: Service, client: httpx.Cl
         work.search(0, 100)
         work.found()
         frames_until(connection, b"/flights/worst/path", b"Worst 0.8000 m")
+
+
+def test_a_slider_flies_the_case_live(bare: Service) -> None:
+    """With the components as workers publish them, and the process that really flies."""
+    bare.publish(published_by_workers())
+    with bare.signed_in() as client:
+        shipped = client.get("/api/v1/campaigns/unicycle_static").json()
+        run = client.post("/api/v1/runs", json={"campaign": shipped["document"]}).json()["id"]
+        with viewing(bare, client, f"/view/{run}/") as connection:
+            panel = Panel(connection, last="Nominal")
+            panel.set("vehicle.J [kg m2]", 0.06)
+            frames_until(connection, b"What-if 0.9429 m", b"Clear of the limit of 0.5 m.", seconds=120)
+            panel.set("vehicle.m [kg]", 6.0)
+            frames_until(connection, b"What-if 0.9417 m")
+            panel.set("Nominal", True)
+            frames_until(connection, b"What-if 0.9436 m")
+
+
+def test_the_flight_can_be_played_and_looked_at_from_its_places(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    with viewing(service, client, f"/view/{run}/t/1.0") as connection:
+        panel = Panel(connection, last="Camera")
+        panel.set("Closest approach", True)
+        frames_until(connection, b"0.8000")
+        panel.set("Play", True)
+        first = frames_until(connection, b"/flights/worst/vehicle")
+        assert b"SetPosition" in first
+        frames_until(connection, b"/flights/worst/vehicle")
+        panel.set("Play", False)
+        panel.set("Show Nominal", False)
+        frames_until(connection, b"SetSceneNodeVisibility", b"/flights/nominal")
+        panel.set("Camera", "Top")
+        frames_until(connection, b"SetCamera")
 
 
 @pytest.mark.parametrize(

@@ -47,8 +47,9 @@ class Started:
         return [pid for pid in [self.pid, *descendants(self.pid)] if alive(pid)]
 
     def child(self) -> int:
-        """The process of a worker that does the work."""
-        [child] = [p for p in descendants(self.pid) if "worker.child" in command_of(p)]
+        """The process of a worker that does the work: its direct child (a fork of that has the same command line)."""
+        [child] = [pid for pid, parent in parents().items() if parent == self.pid and alive(pid)]
+        assert "worker.child" in command_of(child)
         return child
 
 
@@ -104,16 +105,22 @@ def command_of(pid: int) -> str:
         return ""
 
 
-def descendants(pid: int) -> list[int]:
-    """All that a process started, directly or not."""
-    parents: dict[int, int] = {}
+def parents() -> dict[int, int]:
+    """The parent of every process there is."""
+    found: dict[int, int] = {}
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit() and (fields := _stat(int(entry.name))) is not None:
-            parents[int(entry.name)] = int(fields[1])
+            found[int(entry.name)] = int(fields[1])
+    return found
+
+
+def descendants(pid: int) -> list[int]:
+    """All that a process started, directly or not."""
+    tree = parents()
     found: list[int] = []
     front = [pid]
     while front:
-        front = [p for p, parent in parents.items() if parent in front]
+        front = [child for child, parent in tree.items() if parent in front]
         found += front
     return found
 

@@ -71,10 +71,13 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
 
 @pytest.fixture
 def bench(home: Bench) -> Iterator[Bench]:
-    """The shared worker, which must be alive before and after."""
+    """The shared worker, which must be alive before and after; a run left over is cancelled."""
     assert home.worker.process.poll() is None, home.worker.text()
     yield home
     assert home.worker.process.poll() is None, home.worker.text()
+    with home.engine.begin() as connection:
+        for run_id in connection.scalars(sa.select(Run.id).where(Run.finished.is_(None))).all():
+            request_cancel(connection, run_id)
 
 
 def test_the_worker_says_that_it_is_there_and_what_it_offers(bench: Bench) -> None:

@@ -23,6 +23,7 @@ def one_search(**changes: Any) -> dict[str, Any]:
     return {"stages__search": [{"method": "direct", "evaluations": 10, **changes}]}
 
 
+NAMES = ", ".join(c.name for c in catalogue().components if c.role == "avoider")
 M = "scenario.vehicle.parameters.m"
 ONLY_J = {"uncertain": {"vehicle.J": {"plus_minus": "20%"}}, **one_search()}
 BOUNDS = "uncertain__vehicle.m"
@@ -34,7 +35,7 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     ),
     "component far": (
         {"scenario__avoider__component": "zzz"},
-        ("scenario.avoider.component", "zzz", "no such avoider; there are: potential_field"),
+        ("scenario.avoider.component", "zzz", f"no such avoider; there are: {NAMES}"),
     ),
     "obstacle": (
         {"scenario__obstacles": [{"component": "cirle"}]},

@@ -28,18 +28,18 @@ VERDICTS = {
 
 
 class Progress:
-    """A bar per stage on standard error."""
+    """A bar per stage on standard error, where that is a terminal."""
 
     def __init__(self, campaign: Campaign) -> None:
         self._planned = plan(campaign)
+        console = Console(stderr=True)
         self._bars = Bars(
             TextColumn("{task.description:<24}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[best]}"),
-            TimeElapsedColumn(), console=Console(stderr=True), transient=True,
+            TimeElapsedColumn(), console=console, transient=True, disable=not console.is_terminal,
         )  # fmt: skip
         self._tasks: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
-        self._bars.start()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -48,6 +48,7 @@ class Progress:
     def show(self, position: int, tally: Tally) -> None:
         """Bring a stage's bar up to date."""
         stage = self._planned[position]
+        self._bars.start()  # not before something flies: a campaign may turn out to be unusable
         if position not in self._tasks:
             name = _named(stage.kind, stage.method)
             self._tasks[position] = self._bars.add_task(name, total=stage.planned, best="")

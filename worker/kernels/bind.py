@@ -140,19 +140,29 @@ def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[int, int]) -> No
         feed(b");")
     elif isinstance(value, type):
         feed(f"class:{value.__module__}.{value.__qualname__}:{getattr(value, '_fields', ())!r};".encode())
+        for name, default in getattr(value, "_field_defaults", {}).items():
+            feed(f"{name}=".encode())
+            _walk(default, feed, seen)
+    elif isinstance(value, (np.ndarray, np.generic)):
+        feed(f"{value.dtype.str}{value.shape}".encode())
+        feed(value.tobytes())
     else:
         feed(f"{type(value).__module__}.{type(value).__qualname__}:{getattr(value, '__name__', '')};".encode())
 
 
 def _walk_global(value: Any, names: set[str], feed: Callable[[bytes], None], seen: dict[int, int]) -> None:
-    """A global; of a module of ours, whatever the function's code may name in it."""
+    """A global; of a module of ours, whatever the function's code may name in it and in the modules it holds."""
     if isinstance(value, types.ModuleType):
         feed(f"module:{value.__name__};".encode())
         if value.__name__.partition(".")[0] in ("numpy", "math", "numba"):
             return
+        if id(value) in seen:
+            feed(f"again:{seen[id(value)]};".encode())
+            return
+        seen[id(value)] = len(seen)
         for name in sorted(names & vars(value).keys()):
             feed(f"{name}=".encode())
-            _walk(vars(value)[name], feed, seen)
+            _walk_global(vars(value)[name], names, feed, seen)
     else:
         _walk(value, feed, seen)
 

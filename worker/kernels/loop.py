@@ -24,7 +24,10 @@ OUTSIDE = 3.0
 """Status OUTSIDE + k: the limit k of the vehicle's envelope, counted from 0."""
 
 LARGEST = 1e12
-"""The sum of magnitudes of states and channels beyond which a flight has diverged."""
+"""The sum of magnitudes of the states beyond which a flight has diverged."""
+
+FARTHEST = 1e300
+"""The channels are only held to be numbers: squared distances may be large."""
 
 
 def _slot(*_: Any) -> Any:
@@ -78,7 +81,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 store_y(b, Y0, l, y)
                 code = envelope(x, p)
                 code = OUTSIDE - 1.0 + code if code > 0.0 else OK
-                code = code if magnitude_x(x) + magnitude_y(y) < LARGEST else NOT_FINITE
+                code = code if (magnitude_x(x) < LARGEST) & (magnitude_y(y) < FARTHEST) else NOT_FINITE
                 so_far = b[STATUS + l]
                 b[WHEN + l] = t if so_far == OK else b[WHEN + l]
                 b[STATUS + l] = code if so_far == OK else so_far

@@ -65,6 +65,7 @@ class Method:
     """A search method: its options' defaults are the published settings.
 
     `kind`: global methods must agree before anything is cleared; a random one gives the independent sample.
+    `starts`: it begins at points that the campaign may give.
     `repeats`: it may ask for a point twice; the driver answers the second time from memory.
     """
 
@@ -77,6 +78,7 @@ class Method:
     options: type
     search: Callable[[Space, Any], Search]
     repeats: bool = False
+    starts: bool = False
 
 
 AT_ONCE = 256

@@ -146,7 +146,9 @@ def _new_centres(boxes: Boxes, parents: Ints) -> tuple[Floats, Ints, Ints]:
 
 def _divide(boxes: Boxes, parents: Ints, points: Floats, owners: Ints, sides: Ints, values: Floats) -> None:
     """Divide every parent along its longest sides, the side with the lowest new value first: it keeps most volume."""
-    order = np.lexsort((sides, np.minimum(values[0::2], values[1::2]), owners))
+    mantissa, exponent = np.frexp(np.minimum(values[0::2], values[1::2]))
+    lower = np.ldexp(np.round(mantissa / TIE) * TIE, exponent)
+    order = np.lexsort((sides, lower, owners))
     owners, sides = owners[order], sides[order]
     first = np.flatnonzero(np.r_[True, owners[1:] != owners[:-1]])
     rank = np.arange(len(owners)) - np.repeat(first, np.diff(np.r_[first, len(owners)]))

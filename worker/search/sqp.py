@@ -97,9 +97,9 @@ def _optimise(objective: Any, options: Options, start: Floats) -> str:
     optimiser.set_maxeval(options.iterations)
     try:
         optimiser.optimize(np.clip(start, 0.0, 1.0))
-    except nlopt.RoundoffLimited:
+    except (nlopt.RoundoffLimited, nlopt.roundoff_limited):
         return "rounding stopped the descent"
-    except RuntimeError:
+    except (nlopt.runtime_error, RuntimeError):  # the library's own is no RuntimeError
         return "the line search failed"
     return {
         nlopt.FTOL_REACHED: "the cost no longer changes",
@@ -158,4 +158,5 @@ method = Method(
     options=Options,
     search=search,
     repeats=True,
+    starts=True,
 )

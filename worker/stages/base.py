@@ -140,8 +140,8 @@ class _Driver:
         columns = join(self.unsaved)
         if columns is not None:
             first = self.tally.evaluations - len(columns.status)
+            self.unsaved = []  # never twice: a store that raises may have kept them
             self.context.store.append(self.position, first, columns)
-            self.unsaved = []
         self.saved = time.perf_counter()
         self.context.progress(self.position, self.tally)
 

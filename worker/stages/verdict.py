@@ -118,7 +118,8 @@ def _ended(evidence: Evidence) -> Check:
     empty = [s["title"] for s in evidence.searches if s["best"] is None]
     if empty:
         return Check("search", False, f"{' and '.join(empty)} evaluated no flight successfully")
-    return Check("search", evidence.complete, f"every search ended: {ways}")
+    ended = "every search ended" if evidence.complete else "not every search ended"
+    return Check("search", evidence.complete, f"{ended}: {ways}")
 
 
 def _no_violation(problem: Problem, evidence: Evidence) -> Check:
@@ -127,7 +128,7 @@ def _no_violation(problem: Problem, evidence: Evidence) -> Check:
         return Check("no violation", False, "no flight was evaluated")
     if finding.margin > 0:
         return Check("no violation", True, f"the worst flight found keeps a margin of {signed(finding.margin)} {unit}")
-    confirmed = "confirmed" if finding.validation["ok"] else "not confirmed"
+    confirmed = "confirmed" if finding.validation["ok"] else "did not confirm"
     return Check(
         "no violation",
         False,

@@ -7,6 +7,8 @@ export type Raw = number | string
 export interface Part {
   component: string
   parameters?: Record<string, Raw>
+  /** The vehicle's input that an actuator fault is on. */
+  on?: string
 }
 
 export interface Uncertain {
@@ -44,6 +46,8 @@ export interface Campaign {
     start?: Record<string, Raw>
     goal: Record<string, Raw>
     obstacles?: Part[]
+    environment?: Part[]
+    faults?: Part[]
     guidance?: { period?: Raw }
     horizon: Raw
     step: Raw
@@ -64,10 +68,15 @@ export interface Campaign {
 
 export const asCampaign = (document: unknown): Campaign => document as Campaign
 
+/** The parts of a scenario of which there may be any number. */
+export const LISTS = ['obstacles', 'environment', 'faults'] as const
+export type List = (typeof LISTS)[number]
+
 /** Where a parameter's nominal value stands in the document: `vehicle.m` -> scenario, vehicle, parameters, m. */
 export function place(path: string): (string | number)[] {
   const [head = '', ...rest] = path.split('.')
-  if (head === 'obstacles') return ['scenario', 'obstacles', Number(rest[0]), 'parameters', rest.slice(1).join('.')]
+  if (LISTS.some((list) => list === head))
+    return ['scenario', head, Number(rest[0]), 'parameters', rest.slice(1).join('.')]
   const name = rest.join('.')
   if (head === 'criterion') return ['criterion', 'parameters', name]
   if (head === 'start' || head === 'goal') return ['scenario', head, name]

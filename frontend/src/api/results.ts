@@ -130,4 +130,4 @@ export interface VerdictParts {
   provenance?: Provenance
 }
 
-export const summaryOf = (run: RunDetail): VerdictParts => run.summary as unknown as VerdictParts
+export const summaryOf = (run: RunDetail): VerdictParts => run.summary

@@ -20,7 +20,7 @@ export function Trouble({ error, retry }: { error: unknown; retry?: () => void }
     <div className="card centre" role="alert">
       <IconAlertTriangle size={36} stroke={1.5} aria-hidden />
       <h1>{title}</h1>
-      <p className="wrap-any">{detail}</p>
+      <p className="wrap-any">{detail.charAt(0).toUpperCase() + detail.slice(1)}</p>
       <div className="acts">
         {retry && (
           <button type="button" className="btn p" onClick={retry}>

@@ -64,7 +64,6 @@ function Rows({ table }: { table: DataTable }) {
           The first {MOST_ROWS} of {table.rows.length} rows; the CSV file has all of them.
         </p>
       )}
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a scrolling region must be reachable by keyboard */}
       <div className="datagrid" tabIndex={0} role="region" aria-label="Data of the chart">
         <table>
           <thead>
@@ -78,7 +77,6 @@ function Rows({ table }: { table: DataTable }) {
           </thead>
           <tbody>
             {rows.map((row, i) => (
-              // biome-ignore lint/suspicious/noArrayIndexKey: rows have no other identity and never move
               <tr key={i}>
                 {row.map((value, j) => (
                   <td key={table.columns[j]} className="num">

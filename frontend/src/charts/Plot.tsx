@@ -26,7 +26,9 @@ export function Plot({ spec, hidden = NOTHING }: PlotProps) {
   const plot = useRef<uPlot | null>(null)
   const latest = useRef({ spec, hidden })
   const [cursor, setCursor] = useState<Cursor | null>(null)
-  latest.current = { spec, hidden }
+  useLayoutEffect(() => {
+    latest.current = { spec, hidden }
+  })
 
   // uPlot is built anew only when its structure changes; data and sizes go into the standing one.
   const structure = [
@@ -37,7 +39,6 @@ export function Plot({ spec, hidden = NOTHING }: PlotProps) {
     ...spec.lines.map((line) => `${line.key} ${line.colour} ${hidden.has(line.key)}`),
   ].join('|')
 
-  // biome-ignore lint/correctness/useExhaustiveDependencies: rebuilt by structure, everything else is read through `latest`
   useLayoutEffect(() => {
     const element = holder.current
     if (!element) return

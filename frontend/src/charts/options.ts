@@ -50,6 +50,8 @@ export function optionsFor(
         show: !hidden().has(line.key),
         paths: line.stepped ? stepped : undefined,
         points: { show: false },
+        // Slanted lines drawn on whole pixels look like stairs.
+        pxAlign: line.stepped ? 1 : 0,
       })),
     ],
     hooks: {

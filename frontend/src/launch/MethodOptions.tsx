@@ -84,7 +84,7 @@ function Option({ field, name, rule, value, onChange }: OptionProps) {
           id={idOf(field)}
           size="xs"
           data={choices}
-          value={String(shown)}
+          value={typeof shown === 'object' ? null : String(shown)}
           allowDeselect={false}
           onChange={chosen}
         />
@@ -132,7 +132,6 @@ function Starts({ field, at, starts, parameters, set }: StartsProps) {
       <span className="lbl">Starts</span>
       {starts.length === 0 && <p className="small mut">None given: the method chooses its own.</p>}
       {starts.map((start, i) => (
-        // biome-ignore lint/suspicious/noArrayIndexKey: starts are known by their place in the list
         <div key={i} className="row" style={{ marginBottom: 4, flexWrap: 'wrap' }}>
           {paths.map((path) => (
             <span key={path} className="row small" style={{ gap: 5 }}>

@@ -1,5 +1,5 @@
 // A number as text: nothing is rounded or reformatted while it is typed; what is no number is kept for the service to name.
-import { useEffect, useState } from 'react'
+import { useState } from 'react'
 import type { Raw } from '../api/campaign'
 import { parse, field as shown } from '../format/numbers'
 import { idOf, useProblems } from './problems'
@@ -30,17 +30,14 @@ export function NumberCell({
   placeholder,
   invalid,
 }: NumberCellProps) {
-  const [text, setText] = useState(textOf(value))
+  const [typed, setTyped] = useState<string | null>(null)
   const problems = useProblems(field)
-  // A value set from elsewhere replaces the text; one that means the same as what is being typed does not.
-  useEffect(() => {
-    setText((typed) =>
-      value === typed || (typeof value === 'number' && parse(typed) === value) ? typed : textOf(value),
-    )
-  }, [value])
-  const change = (typed: string) => {
-    setText(typed)
-    onChange(optional && typed.trim() === '' ? null : (parse(typed) ?? typed))
+  const meaning = (text: string): Raw | null => (optional && text.trim() === '' ? null : (parse(text) ?? text))
+  // What is being typed stays as it is while it means the value; a value set from elsewhere replaces it.
+  const text = typed !== null && meaning(typed) === (value ?? null) ? typed : textOf(value)
+  const change = (next: string) => {
+    setTyped(next)
+    onChange(meaning(next))
   }
   return (
     <input

@@ -50,7 +50,6 @@ export function PlanView({ campaign, height = 150 }: PlanViewProps) {
         strokeWidth={1.3}
       />
       {circles.map((c, i) => (
-        // biome-ignore lint/suspicious/noArrayIndexKey: obstacles are known by their place in the list
         <g key={i}>
           <circle
             cx={view.x(c)}

@@ -1,14 +1,14 @@
 // The scenario: which component plays each part, and its parameters with unit, limits and text from the catalogue.
 import { Select } from '@mantine/core'
 import { IconPlus, IconTrash } from '@tabler/icons-react'
-import { type Campaign, place } from '../api/campaign'
+import { type Campaign, type List, LISTS, place } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { NumberCell } from './NumberCell'
-import { numberOf, type Parameter, type Section, sectionsOf } from './parameters'
+import { numberOf, type Parameter, ROLE_OF, type Section, sectionsOf } from './parameters'
 import { FieldErrors, idOf } from './problems'
 
 type Set = (at: readonly (string | number)[], value: unknown) => void
@@ -20,18 +20,21 @@ interface ScenarioFormProps {
 }
 
 export function ScenarioForm({ campaign, catalogue, set }: ScenarioFormProps) {
-  const obstacles = campaign.scenario.obstacles ?? []
-  const add = () => {
-    const last = obstacles[obstacles.length - 1]
-    const first = catalogue.components.find((c) => c.role === 'obstacle')
+  const parts = (list: List) => campaign.scenario[list] ?? []
+  const add = (list: List) => {
+    const last = parts(list).at(-1)
+    const first = catalogue.components.find((c) => c.role === ROLE_OF[list])
     const made = last ? structuredClone(last) : { component: first?.name ?? '', parameters: {} }
-    set(['scenario', 'obstacles'], [...obstacles, made])
+    set(['scenario', list], [...parts(list), made])
   }
-  const remove = (at: number) =>
+  const remove = (list: List, at: number) =>
     set(
-      ['scenario', 'obstacles'],
-      obstacles.filter((_, i) => i !== at),
+      ['scenario', list],
+      parts(list).filter((_, i) => i !== at),
     )
+  const vehicle = campaign.scenario.vehicle.component
+  const inputs = catalogue.components.find((c) => c.role === 'vehicle' && c.name === vehicle)?.inputs ?? []
+  const addable = LISTS.filter((list) => catalogue.components.some((c) => c.role === ROLE_OF[list]))
   return (
     <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1}>
       <h2 className="sect">Scenario</h2>
@@ -42,27 +45,39 @@ export function ScenarioForm({ campaign, catalogue, set }: ScenarioFormProps) {
             key={section.at.join('.')}
             section={section}
             catalogue={catalogue}
+            inputs={inputs}
             set={set}
-            onRemove={section.role === 'obstacle' ? () => remove(Number(section.at[2])) : undefined}
+            onRemove={removal(section, remove)}
           />
         ))}
-        <button type="button" className="btn" style={{ justifySelf: 'start', alignSelf: 'start' }} onClick={add}>
-          <IconPlus className="i s" aria-hidden />{' '}
-          {obstacles.length > 0 ? 'Add a copy of the last obstacle' : 'Add obstacle'}
-        </button>
+        <div className="row" style={{ alignSelf: 'start', flexWrap: 'wrap' }}>
+          {addable.map((list) => (
+            <button key={list} type="button" className="btn" onClick={() => add(list)}>
+              <IconPlus className="i s" aria-hidden /> Add {ROLE_OF[list]}
+            </button>
+          ))}
+        </div>
       </div>
     </section>
   )
 }
 
+/** How a part is taken out, where it is one of a list. */
+function removal({ at }: Section, remove: (list: List, at: number) => void): (() => void) | undefined {
+  const list = LISTS.find((name) => name === at[1])
+  return list && (() => remove(list, Number(at[2])))
+}
+
 interface PartCardProps {
   section: Section
   catalogue: Catalogue
+  /** Of the vehicle: what actuator faults are on. */
+  inputs: string[]
   set: Set
   onRemove?: () => void
 }
 
-function PartCard({ section, catalogue, set, onRemove }: PartCardProps) {
+function PartCard({ section, catalogue, inputs, set, onRemove }: PartCardProps) {
   const { role, title, at, part, component, parameters } = section
   const field = at.join('.')
   const choices = catalogue.components.filter((c) => c.role === role).map((c) => ({ value: c.name, label: c.title }))
@@ -92,6 +107,18 @@ function PartCard({ section, catalogue, set, onRemove }: PartCardProps) {
         />
         <FieldErrors field={field} />
         <FieldErrors field={`${field}.component`} />
+        {component?.path === 'actuator' && (
+          <Select
+            id={idOf(`${field}.on`)}
+            label="On input"
+            labelProps={{ className: 'lbl' }}
+            size="xs"
+            data={inputs}
+            value={part.on ?? null}
+            onChange={(on) => set([...at, 'on'], on ?? '')}
+          />
+        )}
+        <FieldErrors field={`${field}.on`} />
         {groups.map((group) => (
           <div key={group}>
             {group !== title && <h3 style={{ marginBottom: 4 }}>{group}</h3>}

@@ -1,6 +1,6 @@
 // Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The same rules as
 // the service's own check, but forgiving: what is half typed stays on the page. Start reading at `parametersOf`.
-import { type Campaign, fieldOf, type Part, type Raw, type Uncertain } from '../api/campaign'
+import { type Campaign, fieldOf, type List, LISTS, type Part, type Raw, type Uncertain } from '../api/campaign'
 import type { Catalogue, ComponentEntry, ParameterEntry } from '../client'
 import { parse } from '../format/numbers'
 
@@ -30,12 +30,17 @@ const ROLE: Record<Role, string> = {
   controller: 'Controller',
   avoider: 'Avoider',
   obstacle: 'Obstacle',
+  environment: 'Environment',
+  fault: 'Fault',
   criterion: 'Criterion',
 }
 
+export const ROLE_OF: Record<List, Role> = { obstacles: 'obstacle', environment: 'environment', faults: 'fault' }
+
 /** The parts of a campaign, in the order of the form. */
 export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] {
-  const { vehicle, controller, avoider, obstacles = [], start = {}, goal } = campaign.scenario
+  const { scenario } = campaign
+  const { vehicle, controller, avoider, start = {}, goal } = scenario
   const find = (role: Role, part: Part) =>
     catalogue.components.find((c) => c.role === role && c.name === part.component)
   const section = (role: Role, prefix: string, at: (string | number)[], part: Part, title = ROLE[role]): Section => {
@@ -47,8 +52,10 @@ export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] 
     section('vehicle', 'vehicle', ['scenario', 'vehicle'], vehicle),
     section('controller', 'controller', ['scenario', 'controller'], controller),
     section('avoider', 'avoider', ['scenario', 'avoider'], avoider),
-    ...obstacles.map((obstacle, i) =>
-      section('obstacle', `obstacles.${i}`, ['scenario', 'obstacles', i], obstacle, `Obstacle ${i + 1}`),
+    ...LISTS.flatMap((list) =>
+      (scenario[list] ?? []).map((part, i) =>
+        section(ROLE_OF[list], `${list}.${i}`, ['scenario', list, i], part, `${ROLE[ROLE_OF[list]]} ${i + 1}`),
+      ),
     ),
     section('criterion', 'criterion', ['criterion'], campaign.criterion),
   ]

@@ -32,6 +32,8 @@ interface State {
   /** Null: the text follows the form. */
   text: string | null
   source: 'form' | 'text'
+  /** The document last read from the text. */
+  read?: unknown
 }
 
 function useSettled<T>(value: T): T {
@@ -57,9 +59,8 @@ export function useDraft(first: Campaign, firstText: string | null): Draft {
   const fresh = settled === given && !check.isPlaceholderData
   const checked = check.data
   const document = state.source === 'text' && fresh ? checked?.document : undefined
-  useEffect(() => {
-    if (document) setState((before) => ({ ...before, campaign: asCampaign(document) }))
-  }, [document])
+  // Adjusted while rendering, so that no picture of the old campaign is shown in between.
+  if (document && document !== state.read) setState({ ...state, campaign: asCampaign(document), read: document })
   return {
     campaign: state.campaign,
     text: state.text ?? (checked?.yaml && fresh ? checked.yaml : JSON.stringify(state.campaign, null, 2)),

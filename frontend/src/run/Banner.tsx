@@ -24,7 +24,7 @@ export function Banner({ run }: { run: RunDetail }) {
           />
         </p>
         {run.verdict && scope && <p className="scope">Scope: {lower(scope)}</p>}
-        {checks && checks.length > 0 && (
+        {run.verdict && checks && checks.length > 0 && (
           <ul className="checks" aria-label="Checks">
             {checks.map((check) => (
               <li key={check.name}>

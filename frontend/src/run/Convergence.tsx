@@ -24,30 +24,32 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
   const [scale, setScale] = useState<'log' | 'linear'>('log')
   const [near, setNear] = useState<'all' | 'near'>('near')
   const [hidden, toggle] = useHidden()
-  const searches = searchesOf(data)
+  const { stages, evaluations, catalogue } = data
+  const searches = useMemo(
+    () => searchesOf({ run, stages, evaluations, catalogue }),
+    [run, stages, evaluations, catalogue],
+  )
   const log = by === 'evaluations' && scale === 'log'
-  const key = searches
-    .map((s) => `${s.stage.position}:${s.stage.evaluations}:${s.series?.improvements.index?.length}`)
-    .join()
 
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the key says when the curves have changed
   const curves = useMemo(
     () =>
       searches
         .map((search) => ({ search, curve: convergenceOf(search, by) }))
         .filter(({ curve }) => curve.x.length > 0),
-    [key, by],
+    [searches, by],
   )
+  // Far from the criterion the steps would be flattened to one line: then the chart can show the values alone.
+  const far =
+    run.threshold !== null &&
+    isFar(
+      curves.flatMap(({ curve }) => curve.y),
+      run.threshold,
+    )
   const spec = useMemo((): PlotSpec => {
     const xs = union(curves.map(({ curve }) => curve))
-    const decimals = decimalsFor(
-      curves.flatMap(({ curve }) => curve.y),
-      5,
-    )
     const values = curves.flatMap(({ curve }) => curve.y)
+    const decimals = decimalsFor(values, 5)
     const threshold = run.threshold
-    // Far from the criterion the steps would be flattened to one line: then the chart shows the values alone.
-    const far = threshold !== null && values.length > 0 && isFar(values, threshold)
     const criterion =
       threshold === null || (far && near === 'near')
         ? undefined
@@ -79,15 +81,8 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       xText: (x) => (by === 'evaluations' ? `Evaluation ${count(x)}` : `${fixed(x, 3)} s`),
       yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
     }
-  }, [curves, run.threshold, run.quantity, run.unit, by, log, near, height])
+  }, [curves, run.threshold, run.quantity, run.unit, by, log, near, far, height])
 
-  const far =
-    run.threshold !== null &&
-    curves.length > 0 &&
-    isFar(
-      curves.flatMap(({ curve }) => curve.y),
-      run.threshold,
-    )
   const keys: Key[] = curves.map(({ search }) => ({
     key: String(search.stage.position),
     label: search.title,
@@ -176,6 +171,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
 
 /** Whether the criterion lies so far from all values that showing both would hide the steps. */
 function isFar(values: number[], threshold: number): boolean {
+  if (values.length === 0) return false
   let low = values[0] as number
   let high = low
   for (const value of values) {

@@ -45,7 +45,6 @@ export function Minima({ data, search, className }: { data: RunData; search: Sea
         </thead>
         <tbody>
           {rows.map((minimum, i) => (
-            // biome-ignore lint/suspicious/noArrayIndexKey: starts are known by their place in the list
             <tr key={i}>
               <td className="num sec">{i + 1}</td>
               {parameters.map((p) => {

@@ -71,7 +71,6 @@ export function Published({ data, className }: { data: RunData; className: strin
                     <span>{row.label}</span>
                     <small>
                       {[row.source, where(data, row)].filter(Boolean).map((part, i) => (
-                        // biome-ignore lint/suspicious/noArrayIndexKey: two fixed parts
                         <span key={i}>
                           {i > 0 && ', '}
                           {part}

@@ -75,7 +75,8 @@ function Bars({ bars, quantity, unit }: { bars: Bar[]; quantity: string; unit: s
   const most = Math.max(...bars.map(reach), 1e-12)
   const plot = width - LEFT - 2 * SIDE
   const x = (change: number) => LEFT + SIDE + plot / 2 + (change / most) * (plot / 2)
-  const ticks = linearTicks(-most, most, 3)
+  const right = linearTicks(0, most, 2).filter((tick) => tick > 0)
+  const ticks = [...right.map((tick) => -tick).reverse(), 0, ...right]
   const decimals = tickDecimals(ticks)
   const bottom = bars.length * ROW + 6
   return (

@@ -95,7 +95,12 @@ export interface SearchStage {
 }
 
 /** The search stages with what is known of each. */
-export function searchesOf({ run, stages, evaluations, catalogue }: RunData): SearchStage[] {
+export function searchesOf({
+  run,
+  stages,
+  evaluations,
+  catalogue,
+}: Pick<RunData, 'run' | 'stages' | 'evaluations' | 'catalogue'>): SearchStage[] {
   return run.stages
     .filter((stage) => stage.kind === 'search')
     .map((stage) => {

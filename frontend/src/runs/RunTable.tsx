@@ -100,7 +100,7 @@ interface HeadProps {
 function Head({ by, sort, onSort, num, unit, first = '', children }: HeadProps) {
   const active = sort === by || sort === `-${by}`
   const down = sort === `-${by}`
-  const next = (active ? (down ? by : `-${by}`) : `${first}${by}`) as Sort
+  const next: Sort = active ? (down ? by : `-${by}`) : `${first}${by}`
   return (
     <th className={num ? 'num' : undefined} aria-sort={active ? (down ? 'descending' : 'ascending') : undefined}>
       <button type="button" className={active ? 'sorter on' : 'sorter'} onClick={() => onSort(next)}>

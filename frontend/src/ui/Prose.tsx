@@ -4,7 +4,6 @@ import { Sign } from './Sign'
 export function Prose({ text, quantity }: { text: string; quantity: string }) {
   if (!quantity.includes('_')) return text
   return text.split(quantity).map((part, i) => (
-    // biome-ignore lint/suspicious/noArrayIndexKey: parts of one fixed text
     <span key={i}>
       {i > 0 && <Sign text={quantity} />}
       {part}

@@ -1,0 +1,154 @@
+"""The run list: search, filters, counts, orders, and pages that hold their place."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import now
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from campaigns import Campaign
+from tests.api.catalogue import campaign
+from tests.api.server import Service
+from tests.api.test_access import problem
+from tests.api.test_runs import submit
+
+
+def fill(service: Service, count: int) -> None:
+    """Many runs in every state, written straight into the table."""
+    asked = Campaign.model_validate(campaign())
+    with service.engine.begin() as connection:
+        at = now(connection)
+        row = {"digest": asked.digest, "name": asked.name, "document": asked.document(), "created": at}
+        connection.execute(sa.insert(CampaignRow).values(**row))
+        states = ("done", "failed", "cancelled", "done", "queued")
+        verdicts = ("cleared", None, None, "violated", None)
+        rows = [
+            {
+                "campaign_digest": asked.digest,
+                "name": f"run {i % 7}",
+                "tags": ["even" if i % 2 == 0 else "odd", "50%_"],
+                "owner": "ada" if i % 3 else "bob",
+                "state": states[i % 5],
+                "verdict": verdicts[i % 5],
+                "created": at + i,
+                "started": at + i if states[i % 5] != "queued" else None,
+                "threshold": 0.5,
+                "worst_cost": None if verdicts[i % 5] is None else 0.1 * (i % 11) + 0.1 + 0.2,
+            }
+            for i in range(count)
+        ]
+        connection.execute(sa.insert(Run), rows)
+
+
+@pytest.fixture(scope="module")
+def crowd(still: Service, guest: httpx.Client) -> httpx.Client:
+    """A visitor to a service with fifty runs, which nobody changes."""
+    fill(still, 50)
+    return guest
+
+
+def walk(client: httpx.Client, **query: Any) -> list[dict[str, Any]]:
+    """Every page of a list, one after the other."""
+    found: list[dict[str, Any]] = []
+    cursor: dict[str, str] = {}
+    while True:
+        page = client.get("/api/v1/runs", params={**query, **cursor}).json()
+        found += page["items"]
+        if page["next_cursor"] is None:
+            return found
+        cursor = {"cursor": page["next_cursor"]}
+
+
+SORTS = ("created", "started", "finished", "name", "state", "verdict", "margin", "worst", "evaluations")
+
+
+@pytest.mark.parametrize("sort", [*SORTS, *(f"-{s}" for s in SORTS)])
+def test_pages_together_are_the_whole_list_in_order(crowd: httpx.Client, sort: str) -> None:
+    runs = walk(crowd, sort=sort, limit=7)
+    assert sorted(r["id"] for r in runs) == [f"R-{i:04d}" for i in range(1, 51)]
+    key = {"worst": "worst_cost", "created": "created"}.get(sort.lstrip("-"), sort.lstrip("-"))
+    values = [r[key] for r in runs]
+    told = [v for v in values if v is not None]
+    assert told == sorted(told, reverse=sort.startswith("-"))
+    assert values == told + [None] * (len(values) - len(told))
+
+
+def test_a_page_holds_its_place_while_runs_come_in(service: Service, client: httpx.Client) -> None:
+    fill(service, 10)
+    first = client.get("/api/v1/runs", params={"limit": 5}).json()
+    submit(client, seed=7)
+    second = client.get("/api/v1/runs", params={"limit": 5, "cursor": first["next_cursor"]}).json()
+    assert [r["id"] for r in first["items"] + second["items"]] == [f"R-{i:04d}" for i in range(10, 0, -1)]
+
+
+def test_filters_and_counts(service: Service, client: httpx.Client) -> None:
+    fill(service, 50)
+    page = client.get("/api/v1/runs", params={"state": "done", "verdict": "violated", "tag": "odd"}).json()
+    assert len(page["items"]) == 5
+    assert {r["verdict"] for r in page["items"]} == {"violated"}
+    assert (page["counts"]["total"], page["counts"]["violated"], page["counts"]["cleared"]) == (25, 5, 5)
+    several = client.get("/api/v1/runs", params={"state": ["queued", "failed"]}).json()["items"]
+    assert {r["state"] for r in several} == {"queued", "failed"}
+
+
+@pytest.mark.parametrize(
+    ("q", "count"),
+    [
+        ("run R-0007", 1),
+        ("R-0007", 1),
+        ("BOB", 17),
+        ("even ada", 16),
+        ("pillar", 50),
+        ("50%_", 50),
+        ("5%_%", 0),
+        ("zzz", 0),
+    ],
+)
+def test_search_words_are_all_to_be_found(crowd: httpx.Client, q: str, count: int) -> None:
+    page = crowd.get("/api/v1/runs", params={"q": q, "limit": 200}).json()
+    assert len(page["items"]) == count
+    assert page["counts"]["total"] == count
+
+
+@pytest.mark.parametrize("cursor", ["x", "eA", "W10", "WyJuYW1lIiwgMSwgMV0", "é", "A" * 900])
+def test_a_bad_cursor_is_refused(crowd: httpx.Client, cursor: str) -> None:
+    document = problem(crowd.get("/api/v1/runs", params={"cursor": cursor}), 422)
+    assert "cursor" in str(document["detail"])
+
+
+def test_a_cursor_of_another_order_is_refused(crowd: httpx.Client) -> None:
+    cursor = crowd.get("/api/v1/runs", params={"limit": 2}).json()["next_cursor"]
+    problem(crowd.get("/api/v1/runs", params={"sort": "name", "cursor": cursor}), 422)
+
+
+@pytest.mark.parametrize(
+    "query", [{"limit": 0}, {"limit": 1000}, {"sort": "colour"}, {"state": "odd"}, {"q": "x" * 999}]
+)
+def test_a_bad_query_is_refused(crowd: httpx.Client, query: dict[str, Any]) -> None:
+    errors = problem(crowd.get("/api/v1/runs", params=query), 422)["errors"]
+    assert isinstance(errors, list)
+    assert errors[0]["field"].startswith(next(iter(query)))
+
+
+def test_the_list_stays_fast_with_ten_thousand_runs(service: Service, client: httpx.Client) -> None:
+    fill(service, 10_000)
+    for query in (
+        {},
+        {"sort": "-margin"},
+        {"q": "run 3"},
+        {"tag": "odd", "state": "done"},
+        {"sort": "name", "limit": 200},
+    ):
+        used = []
+        for _ in range(3):
+            begun = time.process_time()
+            page = client.get("/api/v1/runs", params=query).json()
+            used.append(time.process_time() - begun)
+        assert page["next_cursor"]
+        assert min(used) < 0.2, query

@@ -1,0 +1,156 @@
+"""A small campaign around any one component, so that it can be flown. Start reading at `around`."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from campaigns.catalogue import ComponentEntry, ParameterEntry
+from campaigns.load import load_document
+from worker.catalog import catalogue, components
+from worker.kernels.component import Component, Controller, Vehicle
+from worker.problem import Floats, Problem
+
+HORIZON, STEP = 0.32, 0.005
+"""[s]"""
+
+
+def entry(component: Component) -> ComponentEntry:
+    """How the catalogue describes it."""
+    found = catalogue().component(component.role, component.name)
+    assert found is not None
+    return found
+
+
+def around(component: Component) -> dict[str, Any]:
+    """A campaign that flies this component with the first others that fit."""
+    vehicle = component if isinstance(component, Vehicle) else _vehicle(component)
+    controller = component if isinstance(component, Controller) else _controller(vehicle)
+    chosen: dict[str, Component] = {"vehicle": vehicle, "controller": controller, component.role: component}
+    for role in ("avoider", "obstacle", "criterion"):
+        if role not in chosen:
+            chosen[role] = _first(role, vehicle, controller)
+    scenario: dict[str, Any] = {role: _part(chosen[role]) for role in ("vehicle", "controller", "avoider")}
+    scenario |= {
+        "start": _values(entry(vehicle).starts, 0.0),
+        "goal": _values(entry(chosen["avoider"]).goals, 60.0),
+        "obstacles": [_part(chosen["obstacle"])],
+        "horizon": HORIZON,
+        "step": STEP,
+    }
+    if component.role == "environment":
+        scenario["environment"] = [_part(component)]
+    if component.role == "fault":
+        on = vehicle.inputs[0].name if entry(component).path == "actuator" else ""
+        scenario["faults"] = [_part(component) | {"on": on}]
+    goal = next(iter(scenario["goal"]))
+    value = scenario["goal"][goal]
+    return {
+        "name": f"{component.role} {component.name}",
+        "scenario": scenario,
+        "uncertain": {f"goal.{goal}": {"low": value - 1, "high": value + 1}},
+        "criterion": {"component": chosen["criterion"].name, "threshold": 1e-3},
+        "stages": {"search": [{"method": "direct", "evaluations": 1}]},
+    }
+
+
+def problem(component: Component, compiled: bool = True) -> Problem:
+    """That campaign, ready to fly; the same for components that share it."""
+    document = around(component) | {"name": "contract"}
+    return _problem(json.dumps(document), compiled)
+
+
+@cache
+def _problem(document: str, compiled: bool) -> Problem:
+    return Problem(load_document(json.loads(document)), compiled)
+
+
+def prefixes(component: Component) -> tuple[str, ...]:
+    """Under what a campaign names its parameters."""
+    return {
+        "vehicle": ("vehicle.", "start."), "controller": ("controller.",), "avoider": ("avoider.", "goal."),
+        "obstacle": ("obstacles.0.",), "environment": ("environment.0.",), "fault": ("faults.0.",),
+        "criterion": ("criterion.",),
+    }[component.role]  # fmt: skip
+
+
+def own(component: Component) -> dict[str, ParameterEntry]:
+    """Its parameters by path."""
+    found: dict[str, ParameterEntry] = {}
+    described = entry(component)
+    for prefix in prefixes(component):
+        entries = {"start.": described.starts, "goal.": described.goals}.get(prefix, described.parameters)
+        found |= {prefix + p.name: p for p in entries}
+    return found
+
+
+def drawn(component: Component, count: int, seed: int = 1) -> Floats:
+    """Vectors (count, size) whose parameters of this component lie anywhere within its limits, often on them."""
+    chance, flown = np.random.default_rng(seed), problem(component)
+    vectors = np.repeat(flown.nominal[None, :], count, axis=0)
+    for path, p in own(component).items():
+        nominal = vectors[0, flown.paths[path]]
+        ways = np.stack(
+            [
+                chance.uniform(p.low, p.high, count),
+                np.full(count, p.low),
+                np.full(count, p.high),
+                np.full(count, nominal),
+                np.clip(nominal * 10 ** chance.uniform(-3, 3, count), p.low, p.high),
+                np.clip(nominal + chance.normal(size=count), p.low, p.high),
+            ]
+        )
+        vectors[:, flown.paths[path]] = ways[chance.integers(0, len(ways), count), np.arange(count)]
+    return vectors
+
+
+def near(component: Component, count: int, seed: int = 1) -> Floats:
+    """Vectors (count, size) whose parameters of this component lie within a tenth of their nominal values."""
+    chance, flown = np.random.default_rng(seed), problem(component)
+    vectors = np.repeat(flown.nominal[None, :], count, axis=0)
+    for path, p in own(component).items():
+        k = flown.paths[path]
+        vectors[:, k] = np.clip(vectors[:, k] * chance.uniform(0.9, 1.1, count), p.low, p.high)
+    return vectors
+
+
+def _part(component: Component) -> dict[str, Any]:
+    return {"component": component.name, "parameters": _values(entry(component).parameters, 30.0)}
+
+
+def _values(entries: list[ParameterEntry], otherwise: float) -> dict[str, float]:
+    """A value for everything that must be given."""
+    return {p.name: float(np.clip(otherwise, p.low, p.high)) for p in entries if p.default is None}
+
+
+def _of(role: str) -> list[Any]:
+    return [c for (r, _), c in components().items() if r == role]
+
+
+def _vehicle(component: Component) -> Vehicle:
+    if isinstance(component, Controller):
+        return next(v for v in _of("vehicle") if v.name in component.fits)
+    dimension = getattr(component, "dimension", None)
+    demand = getattr(component, "demand", None)
+    return next(
+        v
+        for v in _of("vehicle")
+        if dimension in (None, v.dimension)
+        and any(v.name in c.fits and demand in (None, *c.command) for c in _of("controller"))
+    )
+
+
+def _controller(vehicle: Vehicle) -> Controller:
+    return next(c for c in _of("controller") if vehicle.name in c.fits)
+
+
+def _first(role: str, vehicle: Vehicle, controller: Controller) -> Component:
+    return next(
+        c
+        for c in _of(role)
+        if getattr(c, "dimension", None) in (None, vehicle.dimension)
+        and (role != "avoider" or c.demand in controller.command)
+    )

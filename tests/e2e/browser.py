@@ -1,0 +1,117 @@
+"""A browser that watches what it should not see: errors on the console, requests that leave the service.
+
+Start reading at `Visit`.
+"""
+
+from __future__ import annotations
+
+import io
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Browser, ConsoleMessage, Error, Page, Playwright, Request, WebSocket
+
+from tests.faults.processes import REPOSITORY
+
+SCREENSHOTS = REPOSITORY / "build" / "screenshots"
+
+ARGUMENTS = (
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+
+VIEWER_EVAL = "'wasm-unsafe-eval'"
+"""The viewer tries one `eval`, which its own policy refuses, and draws all the same; only that policy has this word."""
+
+PATIENCE = 60_000
+"""[ms]"""
+
+
+def chromium() -> str:
+    """Where the system's browser is; fails where there is none."""
+    found = next(
+        (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
+    )
+    assert found is not None, "these tests need chromium; `make test` installs it"
+    return found
+
+
+class Visit:
+    """One page of the browser, and everything it did that it should not have done."""
+
+    def __init__(self, page: Page, address: str) -> None:
+        self.page = page
+        self.address = address
+        self.wrong: list[str] = []
+        page.on("console", self._said)
+        page.on("pageerror", self._threw)
+        page.on("request", self._asked)
+        page.on("websocket", self._opened)
+
+    def go(self, path: str) -> None:
+        """Open an address of the service."""
+        self.page.goto(self.address + path)
+
+    def shot(self, name: str, *, full: bool = True) -> Path:
+        """Keep a picture of the page."""
+        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+        file = SCREENSHOTS / f"{name}.png"
+        if full:
+            self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
+        self.page.screenshot(path=file, full_page=full, animations="disabled")
+        return file
+
+    def _said(self, message: ConsoleMessage) -> None:
+        if message.type == "error":
+            self.wrong.append(f"console: {message.text}")
+
+    def _threw(self, error: Error) -> None:
+        if VIEWER_EVAL not in error.message:
+            self.wrong.append(f"uncaught: {error.message}")
+
+    def _asked(self, request: Request) -> None:
+        parts = urlsplit(request.url)
+        if parts.scheme not in ("data", "blob") and f"{parts.scheme}://{parts.netloc}" != self.address:
+            self.wrong.append(f"left the service: {request.url}")
+
+    def _opened(self, socket: WebSocket) -> None:
+        if urlsplit(socket.url).netloc != urlsplit(self.address).netloc:
+            self.wrong.append(f"left the service: {socket.url}")
+
+
+@contextmanager
+def visiting(browser: Browser, address: str) -> Iterator[Visit]:
+    """A fresh browser profile at 1440 x 900; at the end nothing may have gone wrong in it."""
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, color_scheme="light")
+    context.set_default_timeout(PATIENCE)
+    visit = Visit(context.new_page(), address)
+    yield visit
+    context.close()
+    assert visit.wrong == []
+
+
+def launch(playwright: Playwright) -> Browser:
+    """The system's chromium, drawing WebGL in software."""
+    return playwright.chromium.launch(executable_path=chromium(), args=list(ARGUMENTS))
+
+
+def pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    """A picture's red, green and blue (height, width, 3)."""
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+
+
+def near(picture: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], colour: tuple[int, int, int], reach: int) -> int:
+    """How many pixels come this close to a colour in every channel."""
+    apart = np.abs(picture.astype(np.int16) - np.array(colour, np.int16))
+    return int(np.count_nonzero((apart <= reach).all(axis=2)))

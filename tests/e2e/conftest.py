@@ -1,0 +1,37 @@
+"""A running service, a browser, and a page that is signed in. Start reading at `signed_in`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+
+from tests.e2e.browser import Visit, launch, visiting
+from tests.faults.processes import REPOSITORY
+from tests.faults.test_serve import Service, serving
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """`clearance serve` with one worker on an empty folder."""
+    assert (REPOSITORY / "frontend/dist/index.html").is_file(), "the pages are not built: make install"
+    with serving(tmp_path_factory.mktemp("service")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        browser = launch(playwright)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def signed_in(service: Service, browser: Browser) -> Iterator[Visit]:
+    """A page of one engineer's browser, who came by the login link; the tests of a module share it."""
+    link = service.link()
+    with visiting(browser, link.partition("/login")[0]) as visit:
+        visit.page.goto(link)
+        yield visit

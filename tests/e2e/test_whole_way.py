@@ -1,0 +1,241 @@
+"""From the login link to a verdict and its flight, as an engineer goes.
+
+The tests of this file are one story, in order: each begins where the one before it ended.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import httpx
+import pytest
+from playwright.sync_api import Browser, FrameLocator, expect
+
+from tests.e2e.browser import PATIENCE, Visit, near, pixels, visiting
+from tests.faults.processes import until
+from tests.faults.test_serve import Service
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
+
+VERDICTS = "Cleared|Violated|Inconclusive"
+VERMILLION = (222, 103, 20)
+LOOKS = [(width, theme) for width in (1440, 1280) for theme in ("light", "dark")]
+THIN = "\u202f"
+
+
+def api(visit: Visit, path: str) -> Any:
+    """What the API says to this browser's session."""
+    answer = visit.page.request.get(f"{visit.address}/api/v1{path}")
+    assert answer.ok, answer.text()
+    return answer.json()
+
+
+def looks(visit: Visit, name: str, settled: Callable[[Visit], object] = lambda visit: None) -> None:
+    """Pictures at both widths in both themes, each once settled; nothing may be wider than the window."""
+    for width, theme in LOOKS:
+        visit.page.set_viewport_size({"width": width, "height": 900})
+        visit.page.emulate_media(color_scheme=theme)
+        expect(visit.page.locator("html")).to_have_attribute("data-theme", theme)
+        visit.page.wait_for_function("document.fonts.status === 'loaded'")
+        assert visit.page.evaluate("document.documentElement.scrollWidth") <= width
+        settled(visit)
+        visit.shot(f"{name}-{width}-{theme}")
+    visit.page.set_viewport_size({"width": 1440, "height": 900})
+    visit.page.emulate_media(color_scheme="light")
+
+
+def test_a_stranger_is_told_how_to_come_in(service: Service, browser: Browser) -> None:
+    with visiting(browser, service.link().partition("/login")[0]) as stranger:
+        stranger.go("/runs")
+        expect(stranger.page.locator("body")).to_contain_text("clearance login-link")
+        stranger.shot("sign-in", full=False)
+        # The browser itself notes that the page was refused.
+        assert [wrong for wrong in stranger.wrong if "401" not in wrong] == []
+        stranger.wrong.clear()
+
+
+def test_the_empty_list_says_what_to_do_first(signed_in: Visit) -> None:
+    page = signed_in.page
+    expect(page).to_have_url(re.compile("/runs$"))
+    expect(page.get_by_role("heading", name="No runs yet")).to_be_visible()
+    looks(signed_in, "runs-empty")
+    page.get_by_role("link", name="Choose a case study").click()
+    expect(page.get_by_role("radio", name="Unicycle, static obstacle")).to_be_checked()
+
+
+def test_a_wrong_bound_is_refused_beside_its_field(signed_in: Visit) -> None:
+    page = signed_in.page
+    signed_in.go("/launch")
+    low, start = page.get_by_label("Mass, low"), page.get_by_role("button", name="Start run")
+    low.fill("-3")
+    said = page.locator("[data-problem='uncertain.vehicle.m.low']")
+    expect(said).to_contain_text("lies within")
+    expect(low).to_have_attribute("aria-invalid", "true")
+    expect(start).to_be_disabled()
+    low.fill("4.2 kg")
+    expect(said).to_contain_text("Expected a number")
+    signed_in.shot("launch-error-1440-light")
+    page.locator("#problems").get_by_role("button", name="uncertain.vehicle.m.low").click()
+    expect(low).to_be_focused()
+    low.fill("4.2")
+    expect(page.locator("[data-problem]")).to_have_count(0)
+    expect(start).to_be_enabled()
+    looks(signed_in, "launch")
+
+
+def test_form_and_text_edit_the_same_campaign(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.get_by_role("button", name="YAML").click()
+    text = page.get_by_label("Campaign as YAML")
+    expect(text).to_have_value(re.compile(r"low: 4\.2"))
+    expect(page.get_by_text("Valid", exact=True)).to_be_visible()
+    signed_in.shot("launch-yaml-1440-light")
+    good = text.input_value()
+    text.fill(good.replace("4.2", "[4.2"))
+    expect(page.locator("[data-problem]").first).to_contain_text("not readable as YAML")
+    text.fill(good.replace("4.2", "4.3"))
+    expect(page.get_by_text("Valid", exact=True)).to_be_visible()
+    page.get_by_role("button", name="Form").click()
+    expect(page.get_by_label("Mass, low")).to_have_value("4.3")
+
+
+def test_a_run_is_watched_to_its_verdict(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.get_by_label("Name", exact=True).fill("The whole way")
+    page.keyboard.press("Control+Enter")
+    page.wait_for_url("**/runs/R-0001")
+    outcome = page.get_by_test_id("outcome")
+    expect(outcome).to_have_text(re.compile("Queued|Running"))
+    expect(page.get_by_role("list", name="Stages").get_by_role("listitem")).to_have_count(5)
+    expect(page.get_by_role("img", name=re.compile("^Convergence"))).to_be_visible(timeout=2 * PATIENCE)
+    signed_in.shot("run-live-1440-light")
+    # The page is not loaded again: it hears of the verdict by itself.
+    expect(outcome).to_have_text(re.compile(VERDICTS), timeout=2 * PATIENCE)
+    run = api(signed_in, "/runs/R-0001")
+    assert run["campaign"]["uncertain"]["vehicle.m"]["low"] == 4.3
+    assert run["state"] == "done"
+    expect(page.get_by_test_id("verdict")).to_have_text(run["verdict"].capitalize())
+    expect(page.get_by_test_id("worst")).to_have_text(f"{run['worst_cost']:.4f}")
+    expect(page.get_by_test_id("margin")).to_have_text(f"+{run['margin']:.4f}")
+    expect(page.get_by_test_id("worst-cost")).to_have_text(f"{run['worst_cost']:.4f}")
+    assert run["verdict"] == "cleared"
+    assert abs(run["worst_cost"] - 0.9417402) < 2e-6
+    finding = api(signed_in, "/runs/R-0001/findings")[0]
+    assert set(finding["at_bounds"].values()) == {"high"}
+    expect(page.get_by_text("at high bound")).to_have_count(2)
+
+
+def test_every_method_is_told_and_drawn(signed_in: Visit) -> None:
+    page = signed_in.page
+    for stage in api(signed_in, "/runs/R-0001/stages"):
+        if stage["kind"] == "search":
+            row = page.locator(f"tr[data-method={stage['method']}]")
+            expect(row).to_contain_text(f"{stage['evaluations']:,}".replace(",", THIN))
+            shown = row.locator("td").nth(3).inner_text()
+            assert abs(float(shown) - stage["best"]) <= 0.5001 * 10.0 ** -len(shown.partition(".")[2])
+    for name in ("^Separation over time", "^d_min over Mass", "^Convergence", "^Histogram", "^Change of"):
+        expect(page.get_by_role("img", name=re.compile(name))).to_be_visible()
+    for heading in ("Validation", "Published values", "Minima by start", "Provenance"):
+        expect(page.get_by_role("heading", name=heading)).to_be_visible()
+    separation = page.locator("#separation")
+    separation.get_by_role("button", name="Show data").click()
+    expect(separation.get_by_role("region", name="Data of the chart").locator("tbody tr").nth(20)).to_be_visible()
+    separation.get_by_role("button", name="Hide data").click()
+    with page.expect_download() as download:
+        separation.get_by_role("button", name="Download CSV").click()
+    lines = download.value.path().read_text().splitlines()
+    assert lines[0].startswith('"time since start, s"')
+    assert len(lines) > 500
+
+
+def flown(visit: Visit) -> FrameLocator:
+    """The 3D view on the run's page, once something is drawn in it."""
+    visit.page.locator("#flight").scroll_into_view_if_needed()
+    frame = visit.page.frame_locator("#flight iframe")
+    canvas = frame.locator("canvas").first
+    expect(canvas).to_be_visible(timeout=2 * PATIENCE)
+
+    def drawn() -> bool:
+        picture = pixels(canvas.screenshot())
+        return near(picture, VERMILLION, 45) > 60 and len(colours(picture)) > 50
+
+    until(drawn, "the worst flight drawn in the 3D view", 90)
+    return frame
+
+
+def colours(picture: Any) -> set[tuple[int, ...]]:
+    """The distinct colours of a picture."""
+    return set(map(tuple, picture.reshape(-1, 3)[::7].tolist()))
+
+
+def test_the_flight_is_seen_in_3d(signed_in: Visit) -> None:
+    frame = flown(signed_in)
+    expect(frame.locator("body")).to_contain_text("R-0001")
+    looks(signed_in, "run", flown)
+
+
+def test_a_slider_flies_the_case_anew(signed_in: Visit) -> None:
+    frame = flown(signed_in)
+    frame.get_by_role("tab", name="What-if").click()
+    expect(frame.get_by_text("Move a slider to fly the case.")).to_be_visible()
+    slider = frame.get_by_role("slider").first
+    slider.focus()
+    for _ in range(20):
+        slider.press("ArrowRight")
+    readout = frame.locator("body")
+    expect(readout).to_contain_text(re.compile(r"d_min\s*0\.94\d\d m"), timeout=PATIENCE)
+    signed_in.shot("what-if-1440-light", full=False)
+
+
+def test_the_list_shows_it_and_finds_it(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.get_by_role("navigation", name="Main").get_by_role("link", name="Runs").click()
+    row = page.locator("tr[data-run=R-0001]")
+    expect(row).to_contain_text("Cleared")
+    page.keyboard.press("/")
+    page.keyboard.type("nothing of this name")
+    expect(page.get_by_role("heading", name="No run matches")).to_be_visible()
+    page.get_by_role("button", name="Clear search and filters").click()
+    page.get_by_role("button", name=re.compile("^Cleared")).click()
+    expect(page).to_have_url(re.compile("show=cleared"))
+    expect(row).to_be_visible()
+    page.keyboard.press("j")
+    expect(row).to_have_attribute("aria-selected", "true")
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile("/runs/R-0001$"))
+
+
+def test_a_long_run_is_cancelled(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.get_by_role("link", name="Run again").click()
+    expect(page.get_by_label("Mass, low")).to_have_value("4.3")
+    page.get_by_label("DIRECT, evaluations at most").fill("9000000")
+    page.get_by_role("button", name="Options of DIRECT").click()
+    page.get_by_label("Iterations").first.fill("1000000")
+    page.get_by_label("Name", exact=True).fill("Too long")
+    page.get_by_role("button", name="Start run").click()
+    page.wait_for_url("**/runs/R-0002")
+    expect(page.get_by_test_id("outcome")).to_have_text("Running")
+    expect(page.get_by_test_id("best")).to_have_text(re.compile(r"0\.94\d\d"))
+    page.get_by_role("button", name="Cancel run").click()
+    page.get_by_role("dialog").get_by_role("button", name="Cancel run").click()
+    expect(page.get_by_test_id("outcome")).to_have_text("Cancelled")
+    expect(page.get_by_test_id("verdict")).to_have_text("Cancelled: no verdict")
+    assert api(signed_in, "/runs/R-0002")["verdict"] is None
+    expect(page.get_by_role("heading", name="Methods")).to_be_visible()
+    signed_in.shot("run-cancelled-1440-light")
+    page.get_by_role("navigation", name="Main").get_by_role("link", name="Runs").click()
+    expect(page.locator("tr[data-run=R-0002]")).to_contain_text("Cancelled")
+    looks(signed_in, "runs")
+
+
+def test_signing_out_ends_the_session(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.get_by_role("button", name=re.compile("^Session of")).click()
+    page.get_by_role("menuitem", name="Sign out").click()
+    expect(page.get_by_role("heading", name="Sign in with the login link")).to_be_visible()
+    cookies = {c["name"]: c["value"] for c in page.context.cookies()}
+    answer = httpx.get(f"{signed_in.address}/api/v1/runs", cookies=cookies, trust_env=False)
+    assert answer.status_code == 401

@@ -1,0 +1,277 @@
+"""Compiled loops on disk: found again by the next process, compiled anew after any edit, however far away."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+import types
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from worker.kernels.bind import cache_folder, digest, filled, plain
+from worker.kernels.maths import kernel
+
+FILES = {
+    "far.py": """
+        from worker.kernels.maths import kernel
+
+        OFFSET = 0.0
+
+        @kernel
+        def bent(x, by=2.0):
+            return by * x + OFFSET
+    """,
+    "near.py": """
+        import component_far.far as far
+        from worker.kernels.maths import kernel
+
+        @kernel
+        def helped(x):
+            return far.bent(x) + 1.0
+    """,
+    "main.py": """
+        import json
+        import numpy as np
+        from component_far.near import helped
+        from worker.kernels.bind import bind, compile_loop, filled
+
+        slot = None
+
+        def template(x, y):
+            for i in range(len(x)):
+                y[i] = slot(x[i])
+
+        loop = compile_loop(filled(template, {"slot": helped}), "test")
+        y = np.empty(3)
+        loop(np.array([1.0, 2.0, np.nan]), y)
+        stats = loop.stats
+        print(json.dumps({
+            "name": loop.py_func.__qualname__,
+            "answer": [repr(v) for v in y.tolist()],
+            "hits": sum(stats.cache_hits.values()),
+            "misses": sum(stats.cache_misses.values()),
+        }))
+    """,
+}
+
+
+class Package:
+    """A package whose kernel reaches a helper through another module, and its own cache."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        (folder / "component_far").mkdir()
+        (folder / "component_far" / "__init__.py").touch()
+        for name, text in FILES.items():
+            self.write(name, text)
+
+    def write(self, name: str, text: str) -> None:
+        lines = text.split("\n")
+        (self.folder / "component_far" / name).write_text("\n".join(line[8:] for line in lines), encoding="utf-8")
+
+    def edit(self, name: str, old: str, new: str) -> None:
+        assert FILES[name].count(old) == 1
+        self.write(name, FILES[name].replace(old, new))
+
+    def run(self) -> Any:
+        """What a new process answers: the kernel's values, and whether it found the compiled code on disk."""
+        place = {
+            "CLEARANCE_KERNEL_CACHE": str(self.folder / "cache"),
+            "PYTHONPATH": os.pathsep.join([str(self.folder), os.getcwd()]),
+            "PYTHONDONTWRITEBYTECODE": "1",  # edits come faster than the clock of a file system
+        }
+        environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"} | place
+        done = subprocess.run(
+            [sys.executable, "-m", "component_far.main"], env=environment, capture_output=True, check=True, timeout=120
+        )
+        return json.loads(done.stdout)
+
+
+def test_the_next_process_finds_the_code_and_sees_every_edit(tmp_path: Path) -> None:
+    package = Package(tmp_path)
+    first = package.run()
+    assert (first["answer"], first["hits"], first["misses"]) == (["3.0", "5.0", "nan"], 0, 1)
+    assert list((tmp_path / "cache").rglob("*.nbc"))
+
+    again = package.run()
+    assert (again["answer"], again["hits"], again["misses"]) == (["3.0", "5.0", "nan"], 1, 0)
+    assert again["name"] == first["name"]
+
+    package.edit("far.py", "OFFSET = 0.0", "OFFSET = 0.0  # no offset")
+    commented = package.run()
+    assert (commented["name"], commented["hits"]) == (first["name"], 1)
+
+    package.edit("far.py", "by * x", "x / by")
+    edited = package.run()
+    assert (edited["answer"], edited["misses"]) == (["1.5", "2.0", "nan"], 1)
+    assert edited["name"] != first["name"]
+
+
+@pytest.mark.parametrize(("old", "new"), [("OFFSET = 0.0", "OFFSET = 10.0"), ("by=2.0", "by=12.0")])
+def test_constants_and_defaults_of_a_helper_are_seen_too(tmp_path: Path, old: str, new: str) -> None:
+    package = Package(tmp_path)
+    before = package.run()
+    package.edit("far.py", old, new)
+    after = package.run()
+    assert after["name"] != before["name"]
+    assert after["answer"][:2] == ["13.0", "15.0" if old.startswith("OFFSET") else "25.0"]
+    assert after["hits"] == 0
+
+
+# What the digest covers
+
+
+def loaded(text: str, **names: Any) -> Any:
+    """The function `f` of a module's text."""
+    module = types.ModuleType("some_component")
+    vars(module).update(names)
+    exec(compile(text, "some_component.py", "exec"), vars(module))
+    return vars(module)["f"]
+
+
+BASE = "K = 1.0\ndef g(x, a=1.0): return a * x\ndef f(x): return g(x) + K"
+
+SAME = {
+    "a comment": "K = 1.0  # the gain\ndef g(x, a=1.0): return a * x\n# below\ndef f(x): return g(x) + K",
+    "other lines": "\n\nK = 1.0\n\ndef g(x, a=1.0):\n    return a * x\n\ndef f(x):\n    return g(x) + K",
+    "what it does not reach": f"L = 2.0\ndef h(x): return L\n{BASE}",
+}
+
+OTHER = {
+    "a constant": BASE.replace("K = 1.0", "K = 2.0"),
+    "the kind of a constant": BASE.replace("K = 1.0", "K = 1"),
+    "the sign of zero": BASE.replace("K = 1.0", "K = -0.0"),
+    "a default": BASE.replace("a=1.0", "a=2.0"),
+    "an operation": BASE.replace("a * x", "a / x"),
+    "a literal": BASE.replace("+ K", "+ K + 1e-300"),
+    "another function called": BASE.replace("return g(x)", "return h(x)") + "\ndef h(x, a=1.0): return a * x",
+    "a tuple": BASE.replace("K = 1.0", "K = (1.0, 2.0)"),
+    "another tuple": BASE.replace("K = 1.0", "K = (1.0, 3.0)"),
+}
+
+
+def test_what_the_digest_does_not_cover() -> None:
+    for name, text in SAME.items():
+        assert digest(loaded(text)) == digest(loaded(BASE)), name
+
+
+def test_what_the_digest_covers() -> None:
+    digests = {digest(loaded(BASE)): "the function itself"}
+    for name, text in OTHER.items():
+        found = digest(loaded(text))
+        assert found not in digests, f"{name} has the digest of {digests.get(found)}"
+        digests[found] = name
+
+
+def test_the_digest_looks_into_kernels_and_modules() -> None:
+    text = "def f(x): return m.g(x)"
+
+    def module(body: str) -> types.ModuleType:
+        made = types.ModuleType("helper")
+        vars(made)["kernel"] = kernel
+        exec(body, vars(made))
+        return made
+
+    one, other = (loaded(text, m=module(f"@kernel\ndef g(x): return x + {k}")) for k in (1.0, 2.0))
+    assert digest(one) != digest(other)
+
+
+def test_the_digest_looks_into_modules_of_modules() -> None:
+    def package(value: float) -> types.ModuleType:
+        outside, inside = types.ModuleType("helpers"), types.ModuleType("helpers.far")
+        exec(f"def g(x): return x + {value}", vars(inside))
+        vars(outside)["far"] = inside
+        return outside
+
+    one, other = (loaded("def f(x): return helpers.far.g(x)", helpers=package(k)) for k in (1.0, 2.0))
+    assert digest(one) != digest(other)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [(np.array([1.0, 2.0]), np.array([1.0, 3.0])), (np.int64(1), np.int64(2)), (np.float32(1), np.float32(2))],
+)
+def test_the_digest_covers_arrays_and_numbers_of_numpy(one: Any, other: Any) -> None:
+    assert digest(loaded("def f(x): return x + K", K=one)) != digest(loaded("def f(x): return x + K", K=other))
+
+
+def test_the_digest_covers_the_defaults_of_a_named_tuple() -> None:
+    text = "def f(x): return Made(x).a"
+    one, other = (loaded(text, Made=type_with_default(k)) for k in (1.0, 2.0))
+    assert digest(one) != digest(other)
+
+
+def type_with_default(value: float) -> type:
+    class Made(NamedTuple):
+        x: float
+        a: float = value
+
+    return Made
+
+
+def test_recursion_ends() -> None:
+    assert digest(loaded("def f(x): return f(x - 1) if x else 0"))
+
+
+# Filling slots
+
+
+def template(x: float) -> Any:
+    return slot(x) + OFFSET
+
+
+OFFSET = 0.0
+
+
+def slot(x: float) -> float:
+    raise NotImplementedError
+
+
+def test_filling_leaves_the_template_alone() -> None:
+    made = filled(template, {"slot": math.sqrt, "OFFSET": 1.0})
+    assert made(4.0) == 3.0
+    with pytest.raises(NotImplementedError):
+        template(4.0)
+
+
+def test_a_slot_that_there_is_not() -> None:
+    with pytest.raises(ValueError, match="template has no slots named slat, slut"):
+        filled(template, {"slot": math.sqrt, "slat": 1, "slut": 2})
+
+
+class Pair(NamedTuple):
+    a: float
+    b: float
+
+
+@kernel
+def inner(x: float) -> float:
+    return x * 2.0
+
+
+@kernel
+def outer(x: float) -> float:
+    return inner(Pair(x, 1.0).a) + np.floor(x)  # type: ignore[no-any-return]
+
+
+def test_plain_functions_reach_plain_functions() -> None:
+    made = plain(outer)
+    assert isinstance(made, types.FunctionType)
+    assert isinstance(made.__globals__["inner"], types.FunctionType)
+    assert made(1.5) == outer(1.5) == 4.0
+
+
+def test_where_the_cache_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CLEARANCE_KERNEL_CACHE", "/given")
+    assert cache_folder() == Path("/given")
+    monkeypatch.delenv("CLEARANCE_KERNEL_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/base")
+    assert cache_folder() == Path("/base/clearance/kernels")
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    assert cache_folder() == Path.home() / ".cache" / "clearance" / "kernels"

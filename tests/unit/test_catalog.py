@@ -1,0 +1,115 @@
+"""Components and methods are found by presence, here and in other packages; the catalogue is data."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from campaigns import Catalogue
+from campaigns.version import VERSION
+from tests.unit.cases import campaign
+from worker.catalog import catalogue, components, methods, source_of
+from worker.evaluate import usual_threads
+
+
+def test_case_1_is_there() -> None:
+    assert components().keys() >= {
+        ("vehicle", "unicycle"), ("controller", "pid_speed"), ("avoider", "potential_field"), ("obstacle", "circle"),
+        ("criterion", "separation"),
+    }  # fmt: skip
+    assert methods().keys() >= {"direct", "sqp", "monte_carlo"}
+    for (role, name), component in components().items():
+        assert (component.role, component.name) == (role, name)
+
+
+def test_the_catalogue_is_data() -> None:
+    known = catalogue()
+    assert known.version == VERSION
+    assert Catalogue.model_validate_json(known.model_dump_json()) == known
+    mass = next(p for c in known.components if c.name == "unicycle" for p in c.parameters if p.name == "m")
+    assert (mass.symbol, mass.unit, mass.low, mass.high, mass.default) == ("m", "kg", 1e-3, 1e5, 5.0)
+    unicycle = known.component("vehicle", "unicycle")
+    assert unicycle is not None
+    assert [p.name for p in unicycle.starts] == ["x", "y", "theta", "v", "omega"]
+    assert known.component("vehicle", "circle") is None
+    assert known.method("magic") is None
+
+
+def test_where_a_thing_is_declared() -> None:
+    assert source_of(components()["vehicle", "unicycle"]).__name__ == "worker.vehicles.unicycle"
+    assert source_of(methods()["sqp"]).__name__ == "worker.search.sqp"
+
+
+def in_a_new_process(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), os.getcwd()])}
+    return subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+def package(folder: Path, group: str, name: str, text: str) -> None:
+    """An installed package with one entry point."""
+    (folder / f"{name}.py").write_text(text, encoding="utf-8")
+    info = folder / f"{name}-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n", encoding="utf-8")
+    (info / "entry_points.txt").write_text(f"[{group}]\n{name} = {name}\n", encoding="utf-8")
+
+
+CAR = '''"""Car: a unicycle by another name."""
+from dataclasses import replace
+from worker.vehicles import unicycle
+def begin(start, p):
+    return start.x, start.y, start.theta, start.v, start.omega
+component = replace(unicycle.component, name="{name}", title="Car", begin=begin)
+'''
+EVERY = "import json; from worker.catalog import *; print(json.dumps([list(map(str, components())), list(methods())]))"
+
+
+def test_a_component_of_another_package_is_found(tmp_path: Path) -> None:
+    package(tmp_path, "clearance.components", "some_car", CAR.format(name="car"))
+    done = in_a_new_process(EVERY, tmp_path)
+    assert done.returncode == 0, done.stderr
+    found: list[Any] = json.loads(done.stdout)
+    assert "('vehicle', 'car')" in found[0]
+
+
+def test_a_method_of_another_package_is_found(tmp_path: Path) -> None:
+    text = '"""Guessing."""\nfrom dataclasses import replace\nfrom worker.search import direct\n'
+    text += 'method = replace(direct.method, name="guess")\n'
+    package(tmp_path, "clearance.methods", "some_guess", text)
+    done = in_a_new_process(EVERY, tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "guess" in json.loads(done.stdout)[1]
+
+
+def test_two_of_one_name_are_an_error(tmp_path: Path) -> None:
+    package(tmp_path, "clearance.components", "some_car", CAR.format(name="unicycle"))
+    done = in_a_new_process(EVERY, tmp_path)
+    assert done.returncode == 1
+    assert "some_car declares ('vehicle', 'unicycle'), which worker.vehicles.unicycle declares too" in done.stderr
+
+
+def test_the_campaigns_know_nothing_of_the_physics() -> None:
+    code = "import sys, campaigns; print(json.dumps(sorted(m for m in sys.modules if '.' not in m)))"
+    done = in_a_new_process(f"import json; {code}", Path.cwd())
+    loaded = json.loads(done.stdout)
+    assert "campaigns" in loaded
+    assert not {"worker", "backend", "numba", "numpy", "scipy"} & set(loaded)
+
+
+@pytest.mark.parametrize(("given", "expected"), [("3", 3), ("0", None), ("", None), ("many", None), ("-2", None)])
+def test_the_number_of_threads(monkeypatch: pytest.MonkeyPatch, given: str, expected: int | None) -> None:
+    monkeypatch.setenv("CLEARANCE_THREADS", given)
+    assert usual_threads() == (expected or len(os.sched_getaffinity(0)))
+
+
+def test_the_shipped_campaigns_name_their_units() -> None:
+    for path, uncertain in campaign().uncertain.items():
+        assert uncertain.unit, path

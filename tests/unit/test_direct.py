@@ -1,0 +1,225 @@
+"""DIRECT against the published counts of Jones, Perttunen and Stuckman (1993), table 2; regions without values; stops.
+
+The counts are of evaluations until the lowest value is within 1 % and 0.01 % of the optimum, read at the end of an
+iteration, which is where the paper can stop too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.unit.searching import Function, Searched, run, space
+from worker.search import direct
+from worker.search.base import Floats
+from worker.search.direct import method
+
+
+def on(low: float | list[float], high: float | list[float], function: Function) -> Function:
+    """A function of a box as one of the unit cube."""
+    lower, upper = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+    return lambda u: function(lower + u * (upper - lower))
+
+
+SHEKEL_A = np.array(
+    [
+        [4] * 4, [1] * 4, [8] * 4, [6] * 4, [3, 7, 3, 7], [2, 9, 2, 9], [5, 5, 3, 3], [8, 1, 8, 1], [6, 2, 6, 2],
+        [7, 3.6, 7, 3.6],
+    ]
+)  # fmt: skip
+SHEKEL_C = np.array([0.1, 0.2, 0.2, 0.4, 0.4, 0.6, 0.3, 0.7, 0.5, 0.5])
+
+
+def shekel(m: int) -> Function:
+    def value(x: Floats) -> Floats:
+        return -(1 / (((x[:, None, :] - SHEKEL_A[:m]) ** 2).sum(axis=2) + SHEKEL_C[:m])).sum(axis=1)
+
+    return on(0, 10, value)
+
+
+HARTMAN_C = np.array([1.0, 1.2, 3.0, 3.2])
+HARTMAN3 = (
+    np.array([[3, 10, 30], [0.1, 10, 35], [3, 10, 30], [0.1, 10, 35]]),
+    np.array([[0.3689, 0.117, 0.2673], [0.4699, 0.4387, 0.747], [0.1091, 0.8732, 0.5547], [0.03815, 0.5743, 0.8828]]),
+)
+HARTMAN6 = (
+    np.array(
+        [[10, 3, 17, 3.5, 1.7, 8], [0.05, 10, 17, 0.1, 8, 14], [3, 3.5, 1.7, 10, 17, 8], [17, 8, 0.05, 10, 0.1, 14]]
+    ),
+    np.array(
+        [
+            [0.1312, 0.1696, 0.5569, 0.0124, 0.8283, 0.5886], [0.2329, 0.4135, 0.8307, 0.3736, 0.1004, 0.9991],
+            [0.2348, 0.1451, 0.3522, 0.2883, 0.3047, 0.6650], [0.4047, 0.8828, 0.8732, 0.5743, 0.1091, 0.0381],
+        ]
+    ),
+)  # fmt: skip
+
+
+def hartman(a: Floats, p: Floats) -> Function:
+    return lambda x: -(HARTMAN_C * np.exp(-(a * (x[:, None, :] - p) ** 2).sum(axis=2))).sum(axis=1)
+
+
+def branin(x: Floats) -> Floats:
+    a, b = x[:, 0], x[:, 1]
+    bent = b - 5.1 / (4 * np.pi**2) * a**2 + 5 / np.pi * a - 6
+    return np.asarray(bent**2 + 10 * (1 - 1 / (8 * np.pi)) * np.cos(a) + 10)
+
+
+def goldstein_price(x: Floats) -> Floats:
+    a, b = x[:, 0], x[:, 1]
+    one = 1 + (a + b + 1) ** 2 * (19 - 14 * a + 3 * a**2 - 14 * b + 6 * a * b + 3 * b**2)
+    two = 30 + (2 * a - 3 * b) ** 2 * (18 - 32 * a + 12 * a**2 + 48 * b - 36 * a * b + 27 * b**2)
+    return np.asarray(one * two)
+
+
+def camel(x: Floats) -> Floats:
+    a, b = x[:, 0], x[:, 1]
+    return np.asarray((4 - 2.1 * a**2 + a**4 / 3) * a**2 + a * b + (-4 + 4 * b**2) * b**2)
+
+
+def shubert(x: Floats) -> Floats:
+    i = np.arange(1, 6)
+    a, b = ((i * np.cos((i + 1) * x[:, k, None] + i)).sum(axis=1) for k in (0, 1))
+    return np.asarray(a * b)
+
+
+PUBLISHED: dict[str, tuple[int, Function, float, int, int]] = {
+    "Shekel 5": (4, shekel(5), -10.15319967905823, 103, 155),
+    "Shekel 7": (4, shekel(7), -10.40294056681868, 97, 145),
+    "Shekel 10": (4, shekel(10), -10.53640981669204, 97, 145),
+    "Hartman 3": (3, hartman(*HARTMAN3), -3.862782147820756, 83, 199),
+    "Hartman 6": (6, hartman(*HARTMAN6), -3.322368011415515, 213, 571),
+    "Branin": (2, on([-5, 0], [10, 15], branin), 0.39788735772973816, 63, 195),
+    "Goldstein-Price": (2, on(-2, 2, goldstein_price), 3.0, 101, 191),
+    "six-hump camel": (2, on([-3, -2], [3, 2], camel), -1.0316284534898774, 113, 285),
+    "Shubert": (2, on(-10, 10, shubert), -186.7309088310239, 2883, 2967),
+}
+
+
+def counted(name: str, within: float) -> int:
+    dimension, function, optimum, _, _ = PUBLISHED[name]
+    found = run(method, function, dimension, 20_000, until=lambda f: (f.lowest - optimum) / abs(optimum) < within)
+    return sum(map(len, found.batches))
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_the_published_counts(name: str) -> None:
+    assert (counted(name, 1e-2), counted(name, 1e-4)) == PUBLISHED[name][3:]
+
+
+def bowl(x: Floats) -> Floats:
+    return np.asarray(((x - 0.3) ** 2).sum(axis=1))
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3, 5])
+def test_points_are_distinct_and_lie_inside(dimension: int) -> None:
+    points = run(method, bowl, dimension, 4000).points
+    assert len(np.unique(points, axis=0)) == len(points)
+    assert points.shape[1] == dimension
+    assert (points > 0).all()
+    assert (points < 1).all()
+
+
+def test_batches_are_whole_iterations() -> None:
+    found = run(method, bowl, 3, 2000)
+    assert found.batches[0].tolist() == [[0.5, 0.5, 0.5]]
+    assert len(found.batches[1]) == 6  # the centre's box along every side
+    centres = {tuple(found.batches[0][0])}
+    for points in found.batches[1:]:
+        assert len(points) % 2 == 0
+        pairs = points.reshape(-1, 2, 3)
+        middle = pairs.mean(axis=1)
+        assert {tuple(np.round(m, 12)) for m in middle} <= {tuple(np.round(c, 12)) for c in centres}
+        centres |= set(map(tuple, points))
+
+
+def test_what_happens_in_the_middle_of_ties_is_symmetric() -> None:
+    # The function and the box are mirrored in both axes: so must be the points of every iteration.
+    found = run(method, lambda x: ((x - 0.5) ** 2).sum(axis=1), 2, 600)
+    for points in found.batches:
+        rounded = np.round(points, 9)
+        for mirror in ([1, 0], [0, 1]):
+            mirrored = np.round(np.where(mirror, 1 - points, points), 9)
+            assert set(map(tuple, rounded)) == set(map(tuple, mirrored))
+
+
+def edge(x: Floats) -> Floats:
+    """Falls towards the wall at x = 0.37, beyond which there is no value."""
+    values = (x[:, 0] - 1) ** 2 + 0.1 * (x[:, 1] - 0.6) ** 2
+    return np.where(x[:, 0] > 0.37, np.nan, values)
+
+
+@pytest.mark.parametrize("status", [1, 2, 3])
+def test_an_optimum_at_the_edge_of_a_region_without_values_is_found(status: int) -> None:
+    found = run(method, edge, 2, 3000, status=status)
+    values = np.concatenate(found.values)
+    best = found.points[np.nanargmin(values)]
+    assert best == pytest.approx([0.37, 0.6], abs=1e-3)
+    assert np.isnan(values).mean() < 0.6  # it does not drown in the region
+
+
+def test_holes_where_the_centre_lies() -> None:
+    def holed(x: Floats) -> Floats:
+        return np.where(np.abs(x - 0.5).max(axis=1) < 0.1, np.nan, bowl(x))
+
+    assert run(method, holed, 2, 1000).lowest < 1e-6
+
+
+def test_nothing_but_failures() -> None:
+    found = run(method, lambda x: np.full(len(x), np.nan), 2, 500)
+    points = found.points
+    assert len(points) >= 500
+    assert len(np.unique(points, axis=0)) == len(points)
+
+
+def test_a_failed_centre_takes_the_lowest_value_nearby() -> None:
+    boxes = direct.Boxes(2)
+    third = 1 / 3
+    centre = np.array([[0.5, 0.5], [0.5 - third, 0.5], [0.5 + third, 0.5]])
+    boxes.add(centre, np.array([[1, 0]] * 3), np.array([4.0, np.inf, np.inf]))
+    direct._rescue(boxes, np.empty(0, dtype=np.int64), 0)
+    # Both neighbours are exactly one side away: their boxes at twice the size reach the centre.
+    assert boxes.value[:3] == pytest.approx([4.0, 4.0 + 4e-6, 4.0 + 4e-6], abs=1e-12)
+
+
+def test_what_is_kept_between_iterations_is_what_a_fresh_look_would_give() -> None:
+    chance = np.random.default_rng(1)
+    boxes = direct.Boxes(2)
+    boxes.add(np.array([[0.5, 0.5]]), np.zeros((1, 2), dtype=np.int64), np.array([1.0]))
+    for _ in range(25):
+        parents = direct.promising(boxes, 1e-4)
+        points, owners, sides = direct._new_centres(boxes, parents)
+        values = np.where(chance.random(len(points)) < 0.4, np.inf, bowl(points))
+        first = boxes.count
+        direct._divide(boxes, parents, points, owners, sides, values)
+        direct._rescue(boxes, parents, first)
+        lost = np.flatnonzero(boxes.lost[: boxes.count])
+        feasible = np.flatnonzero(~boxes.lost[: boxes.count])
+        assert np.array_equal(boxes.near[lost], direct._lowest_near(boxes, lost, feasible))
+    assert boxes.lost[: boxes.count].sum() > 50
+
+
+def test_rules_by_which_it_stops() -> None:
+    ten = run(method, bowl, 2, 10_000, options={"iterations": 10})
+    assert ten.text == "did the 10 iterations asked for"
+    assert len(ten.batches) == 11
+    small = run(method, bowl, 2, 10_000, options={"smallest": 0.01})
+    assert small.text is not None
+    assert small.text.startswith("the best rectangle is smaller than 0.01 after ")
+    budget = run(method, bowl, 2, 100)
+    assert budget.text is None
+    assert sum(map(len, budget.batches[:-1])) < 100
+
+
+def test_the_half_diagonals() -> None:
+    # One side of length 1/3 and one of 1: half of sqrt(1/9 + 1).
+    assert direct.sizes(np.array([0, 1, 2]), 2) == pytest.approx(
+        [0.5**0.5, 0.5 * (10 / 9) ** 0.5, 0.5 * (2 / 9) ** 0.5]
+    )
+
+
+def test_it_asks_for_the_same_points_every_time() -> None:
+    one, two = (run(method, bowl, 3, 1000, seed=seed) for seed in (1, 2))
+    assert np.array_equal(one.points, two.points)
+    assert isinstance(one, Searched)
+    assert space(3, 1).budget == 1

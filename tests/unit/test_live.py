@@ -1,0 +1,180 @@
+"""Live flights: the protocol of `python -m worker.live`, with a real process."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.unit.cases import CASE1, document
+
+PATIENCE = 60.0
+"""[s]; the first flight may have to be compiled."""
+
+
+class Live:
+    """One process that answers."""
+
+    def __init__(self) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "worker.live"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+        assert self.process.stdout is not None
+        self.buffer = b""
+
+    def say(self, line: bytes) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(line + b"\n")
+        self.process.stdin.flush()
+
+    def hear(self) -> Any:
+        """The next line, which must be JSON as the standard has it."""
+        assert self.process.stdout is not None
+        while b"\n" not in self.buffer:
+            assert select.select([self.process.stdout], [], [], PATIENCE)[0], "no answer"
+            more = os.read(self.process.stdout.fileno(), 1 << 16)
+            assert more, "the process ended"
+            self.buffer += more
+        line, _, self.buffer = self.buffer.partition(b"\n")
+        return json.loads(line, parse_constant=lambda name: pytest.fail(f"{name} in an answer"))
+
+    def ask(self, **request: Any) -> Any:
+        self.say(json.dumps(request).encode())
+        return self.hear()
+
+    def end(self) -> tuple[int, bytes]:
+        """Close its input; exit code and what it wrote to standard error."""
+        _, errors = self.process.communicate(timeout=PATIENCE)
+        return self.process.returncode, errors
+
+
+@pytest.fixture(scope="module")
+def live() -> Iterator[Live]:
+    made = Live()
+    assert made.hear() == {"ready": True}
+    yield made
+    assert made.end() == (0, b"")
+
+
+def test_a_flight(live: Live) -> None:
+    answer = live.ask(id=7, campaign=CASE1, parameters={"vehicle.m": 6.0, "vehicle.J": 0.06}, rows=100)
+    assert set(answer) == {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"}
+    assert (answer["id"], answer["status"], answer["reason"]) == (7, "ok", "")
+    assert answer["cost"] == pytest.approx(0.9417402, abs=2e-6)
+    assert answer["margin"] == answer["cost"] - 0.5
+    assert list(answer["data"]) == [c["name"] for c in answer["columns"]]
+    assert {len(values) for values in answer["data"].values()} == {len(answer["data"]["t"])}
+    assert 50 < len(answer["data"]["t"]) <= 100
+    assert answer["meta"]["closest"]["value"] == pytest.approx(answer["cost"], abs=1e-9)
+
+
+def test_what_is_left_out_is_nominal(live: Live) -> None:
+    answer = live.ask(id="a", campaign=CASE1)
+    assert answer["id"] == "a"
+    assert answer["cost"] == pytest.approx(0.9435642, abs=2e-6)
+    assert 300 < len(answer["data"]["t"]) <= 400
+    assert answer["meta"]["parameters"] == {"vehicle.m": 5.0, "vehicle.J": 0.05}
+
+
+def test_what_is_certain_may_be_moved_too(live: Live) -> None:
+    moved = live.ask(id=1, campaign=CASE1, parameters={"obstacles.0.position.x": 40.0, "start.v": 0.5})
+    assert moved["status"] == "ok"
+    assert moved["meta"]["obstacles"][0]["position"] == [40.0, 4.0, 0.0]
+    assert moved["data"]["v"][0] == 0.5
+
+
+def test_answers_come_in_order_with_their_ids(live: Live) -> None:
+    for number in range(5):
+        live.say(json.dumps({"id": number, "campaign": CASE1, "rows": 2}).encode())
+    assert [live.hear()["id"] for _ in range(5)] == list(range(5))
+
+
+def test_a_failed_flight_has_a_reason(live: Live) -> None:
+    answer = live.ask(id=1, campaign=CASE1, parameters={"vehicle.J": 0.001})
+    assert (answer["status"], answer["cost"], answer["margin"]) == ("failed", None, None)
+    assert answer["reason"].startswith("the flight left the model's envelope at t = 0.005 s")
+    assert answer["data"]["t"] == [0.0, 0.005]
+
+
+def test_an_excluded_flight_has_a_reason(live: Live) -> None:
+    answer = live.ask(id=1, campaign=CASE1, parameters={"start.x": 4.0, "start.y": 4.0})
+    assert (answer["status"], answer["cost"]) == ("excluded", None)
+    assert "at or below the threshold" in answer["reason"]
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ({"vehicle.n": 1.0}, "the scenario has no parameter 'vehicle.n'"),
+        ({"vehicle.m": 0.0}, "vehicle.m lies within 0.001 to 100000 kg, given 0.0"),
+        ({"vehicle.m": float("nan")}, "vehicle.m lies within 0.001 to 100000 kg, given nan"),
+        ({"vehicle.m": float("inf")}, "vehicle.m lies within 0.001 to 100000 kg, given inf"),
+        ({"vehicle.m": "5"}, "vehicle.m takes a number, given '5'"),
+        ({"vehicle.m": True}, "vehicle.m takes a number, given True"),
+        ({"vehicle.m": None}, "vehicle.m takes a number, given None"),
+        ([5.0], "not a request for a flight"),
+    ],
+)
+def test_parameters_that_cannot_be_flown(live: Live, parameters: Any, said: str) -> None:
+    answer = live.ask(id=3, campaign=CASE1, parameters=parameters)
+    assert set(answer) == {"id", "error"}
+    assert answer["id"] == 3
+    assert said in answer["error"]
+
+
+@pytest.mark.parametrize(
+    ("request_", "said"),
+    [
+        (b"{", "not a request for a flight: JSONDecodeError"),
+        (b"[]", "not a request for a flight: TypeError"),
+        (b"null", "not a request for a flight: TypeError"),
+        (b"{}", "not a request for a flight: KeyError: 'id'"),
+        (b'{"id": "\xff"}', "not a request for a flight: UnicodeDecodeError"),
+        (b'{"id": NaN, "campaign": {}}', "not a request for a flight: TypeError: id is a whole number or text"),
+        (b'{"id": [1], "campaign": {}}', "not a request for a flight: TypeError: id is a whole number or text"),
+        (b'{"id": 1}', "not a request for a flight: KeyError: 'campaign'"),
+        (b"[" * 100_000, "nested too deeply"),
+        (b'{"id": 1, "campaign": [], "rows": 5}', "a campaign is a mapping"),
+        (b'{"id": 1, "campaign": {}}', "scenario: this key is required"),
+    ],
+)
+def test_requests_that_are_none(live: Live, request_: bytes, said: str) -> None:
+    live.say(request_)
+    answer = live.hear()
+    assert set(answer) == {"id", "error"}
+    assert said in answer["error"] or "RecursionError" in answer["error"]
+
+
+@pytest.mark.parametrize("rows", ["many", [1], -5, 0, 10**9, None])
+def test_odd_numbers_of_rows_do_no_harm(live: Live, rows: Any) -> None:
+    answer = live.ask(id=1, campaign=CASE1, rows=rows)
+    assert "error" in answer or len(answer["data"]["t"]) <= 3001
+
+
+def test_a_campaign_that_this_installation_cannot_fly(live: Live) -> None:
+    answer = live.ask(id=1, campaign=document(scenario__vehicle__component="car"))
+    assert "scenario.vehicle.component: no such vehicle; " in answer["error"]
+
+
+def test_many_campaigns_in_turn(live: Live) -> None:
+    # More than it keeps ready; and the first again afterwards.
+    thresholds = [0.4 + k / 100 for k in range(18)] + [0.4]
+    margins = [
+        live.ask(id=k, campaign=document(criterion__threshold=t), rows=2)["margin"] for k, t in enumerate(thresholds)
+    ]
+    assert margins == pytest.approx([0.943564 - t for t in thresholds], abs=1e-5)
+
+
+def test_it_ends_with_its_input_even_in_the_middle_of_a_line() -> None:
+    made = Live()
+    assert made.hear() == {"ready": True}
+    assert made.process.stdin is not None
+    made.process.stdin.write(b'{"id": 1')
+    code, errors = made.end()
+    assert (code, errors) == (0, b"")

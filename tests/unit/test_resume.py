@@ -1,0 +1,173 @@
+"""Whole runs: the same bits whatever the threads, the batch and the interruptions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns import Campaign
+from tests.unit.cases import searching
+from worker import integrator
+from worker.evaluate import InProcess
+from worker.problem import Problem
+from worker.runner import Cancelled, Tally, execute
+from worker.search.base import EXCLUDED, Floats
+from worker.stages import base
+from worker.store import Columns, Conclusion, MemoryStore, join
+
+SEARCHES = (
+    {"method": "direct", "evaluations": 150},
+    {"method": "sqp", "evaluations": 60, "starts": [{"vehicle.m": 4.5}, {"vehicle.m": 5.5, "vehicle.J": 0.048}]},
+    {"method": "monte_carlo", "evaluations": 120},
+)
+QUICK = searching(*SEARCHES, scenario__horizon=1.0)
+"""One second of flight: a run takes no time."""
+
+
+@pytest.fixture(autouse=True)
+def few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The other integrator's dense output is read less often: these tests are not about its accuracy."""
+    monkeypatch.setattr(integrator, "LOOKS", 200)
+
+
+class Interrupted(Exception):
+    pass
+
+
+class Unreliable(MemoryStore):
+    """Raises after so many evaluations were stored."""
+
+    def __init__(self, left: int) -> None:
+        super().__init__()
+        self.left = left
+
+    def append(self, position: int, first: int, columns: Columns) -> None:
+        super().append(position, first, columns)
+        self.left -= len(columns.status)
+        if self.left <= 0:
+            self.left = 10**9
+            raise Interrupted
+
+
+def without_time(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {k: without_time(v) for k, v in value.items() if k != "seconds"}
+    return [without_time(v) for v in value] if isinstance(value, list) else value
+
+
+def outcome(store: MemoryStore, conclusion: Conclusion) -> Any:
+    """All that a run found, without the time it took."""
+    columns = [join(store.chunks.get(k, [])) for k in range(len(store.stages))]
+    return (
+        conclusion,
+        [without_time(r.result) for r in store.stages],
+        [without_time(vars(f)) for f in store.findings],
+        [
+            None if c is None else (c.points.tobytes(), c.costs.tobytes(), c.status.tobytes(), c.reasons)
+            for c in columns
+        ],
+        {name: (t.data.tobytes(), t.meta) for name, t in store.traces.items()},
+    )
+
+
+def run(asked: Campaign, threads: int = 1) -> Any:
+    store = MemoryStore()
+    return outcome(store, execute(asked, store, threads=threads))
+
+
+@pytest.fixture(scope="module")
+def whole() -> Any:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(integrator, "LOOKS", 200)
+        return run(QUICK)
+
+
+def test_the_result_does_not_depend_on_the_threads(whole: Any) -> None:
+    for threads in (2, 3):
+        assert run(QUICK, threads) == whole
+
+
+@pytest.mark.parametrize("k", [1, 2, 11, 100, 161, 180, 225, 340, 342])
+def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
+    k: int, whole: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(base, "FLUSH_ROWS", 7)
+    flown: list[int] = []
+    fly = Problem.fly
+
+    def counted(problem: Problem, points: Floats) -> Any:
+        flown.append(len(points))
+        return fly(problem, points)
+
+    monkeypatch.setattr(Problem, "fly", counted)
+    store = Unreliable(k)
+    with pytest.raises(Interrupted):
+        execute(QUICK, store, threads=1)
+    held = sum(len(c.status) for chunks in store.chunks.values() for c in chunks)
+    assert held == sum(flown) >= k
+    conclusion = execute(QUICK, store, threads=1)
+    assert outcome(store, conclusion) == whole
+    assert sum(flown) == sum(len(c.status) for chunks in store.chunks.values() for c in chunks)
+
+
+def test_a_finished_run_that_was_not_concluded_flies_nothing(whole: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = MemoryStore()
+    execute(QUICK, store, threads=1)
+    monkeypatch.setattr(Problem, "fly", lambda *_: pytest.fail("everything is stored"))
+    assert outcome(store, execute(QUICK, store, threads=1)) == whole
+
+
+def test_a_run_is_cancelled_between_any_two_requests() -> None:
+    store, asked = MemoryStore(), []
+
+    def cancelled() -> bool:
+        asked.append(True)
+        return len(asked) > 30
+
+    with pytest.raises(Cancelled):
+        execute(QUICK, store, cancelled=cancelled, threads=1)
+    assert store.conclusion is None
+    assert store.stages[2].state == "running"
+
+
+def test_progress_is_told() -> None:
+    told: dict[int, Tally] = {}
+    store = MemoryStore()
+    execute(QUICK, store, progress=lambda position, tally: told.update({position: replace(tally)}), threads=1)
+    assert {p: t.evaluations for p, t in told.items()} == {
+        p: len(c.status) for p in range(len(store.stages)) if (c := store.evaluations(p)) is not None
+    }
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 17, 33, 100])
+def test_bits_do_not_depend_on_the_batch(count: int) -> None:
+    problem = Problem(QUICK)
+    points = np.random.default_rng(1).random((100, 2))
+    alone = problem.fly(points[:1])[0].costs
+    evaluate = InProcess(problem, 3)
+    try:
+        batch, reasons = evaluate(points[:count])
+    finally:
+        evaluate.close()
+    assert batch.costs[:1].tobytes() == alone.tobytes()
+    assert batch.costs.tobytes() == problem.fly(points)[0].costs[:count].tobytes()
+    assert reasons == {}
+
+
+def test_reasons_keep_their_rows_over_threads() -> None:
+    uncertain = {"start.x": {"low": 0.0, "high": 4.0}, "start.y": {"low": 0.0, "high": 4.0}}
+    problem = Problem(searching({"method": "direct", "evaluations": 1}, uncertain=uncertain))
+    points = np.random.default_rng(1).random((200, 2)) * 0.1
+    inside = [3, 64, 150, 199]
+    points[inside] = 1.0  # on the obstacle
+    evaluate = InProcess(problem, 3)
+    try:
+        batch, reasons = evaluate(points)
+    finally:
+        evaluate.close()
+    assert sorted(reasons) == inside
+    assert np.flatnonzero(batch.status == EXCLUDED).tolist() == inside
+    assert "at or below the threshold of 0.5 m" in reasons[64]

@@ -1,0 +1,295 @@
+"""Every rule of the verdict, one test each, on evidence written out by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from campaigns import Campaign
+from tests.unit.cases import campaign, case1
+from worker.problem import Problem
+from worker.stages.search import bound
+from worker.stages.verdict import Evidence, conclude
+from worker.store import Conclusion, Finding
+
+NOMINAL, WORST = 0.94, 0.84
+"""[m]; the threshold is 0.5 m, and 5 % of nominal minus worst is 0.005 m."""
+
+TITLES = {"direct": "DIRECT", "sqp": "SQP multistart", "monte_carlo": "Monte Carlo", "ga": "Genetic algorithm"}
+KINDS = {"direct": "global", "ga": "global", "sqp": "local", "monte_carlo": "random"}
+
+
+def search(method: str, cost: float | None = WORST, **changes: Any) -> dict[str, Any]:
+    """The result of one search stage."""
+    made: dict[str, Any] = {
+        "method": method,
+        "title": TITLES[method],
+        "kind": KINDS[method],
+        "best": None if cost is None else {"cost": cost, "margin": cost - 0.5, "parameters": {}, "index": 0},
+        "evaluations": 1000,
+        "failed": 0,
+        "excluded": 0,
+        "stop": {"kind": "budget", "text": "used its budget of 1000 evaluations"},
+        "minima": [],
+        "sample": None,
+    }
+    return made | changes
+
+
+def sample(violations: int = 0, samples: int = 1000) -> dict[str, Any]:
+    upper = bound(violations, samples, 0.95)
+    text = f"{violations} of {samples} violate"
+    return {"samples": samples, "violations": violations, "confidence": 0.95, "upper_bound": upper, "text": text}
+
+
+def finding(cost: float = WORST, confirmed: bool = True) -> Finding:
+    validation = {"name": "F1", "ok": confirmed}
+    return Finding("F1", cost, cost - 0.5, {"vehicle.m": 6.0}, [1.0], ["direct"], {"vehicle.m": "high"}, validation)
+
+
+def evidence(**changes: Any) -> Evidence:
+    """Evidence by which everything is cleared, with changes."""
+    given = Evidence(
+        nominal={"cost": NOMINAL, "margin": NOMINAL - 0.5, "status": "ok", "reason": ""},
+        searches=[search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())],
+        validation={"ok": True, "text": "half the step and DOP853 agree for nominal and F1"},
+        finding=finding(),
+        evaluations=3343,
+        failed=0,
+        excluded=0,
+    )
+    return replace(given, **changes)
+
+
+def concluded(asked: Campaign | None = None, **changes: Any) -> Conclusion:
+    problem = case1() if asked is None else Problem(asked)
+    return conclude(problem, evidence(**changes), {"clearance": "test"})
+
+
+def barred(name: str, asked: Campaign | None = None, **changes: Any) -> str:
+    """The sentence of the one check that does not hold; the verdict must be inconclusive and tell it."""
+    conclusion = concluded(asked, **changes)
+    wrong = [c for c in conclusion.summary["checks"] if not c["ok"]]
+    assert [c["name"] for c in wrong] == [name]
+    assert conclusion.verdict == conclusion.summary["verdict"] == "inconclusive"
+    assert conclusion.reason.startswith(f"Nothing may be claimed: {wrong[0]['text']}. ")
+    return str(wrong[0]["text"])
+
+
+def test_cleared_when_everything_holds() -> None:
+    conclusion = concluded()
+    assert conclusion.verdict == "cleared"
+    assert all(c["ok"] for c in conclusion.summary["checks"])
+    assert [c["name"] for c in conclusion.summary["checks"]] == [
+        "nominal", "search", "no violation", "agreement", "validation", "evaluations",
+    ]  # fmt: skip
+
+
+def test_the_sentence_states_bounds_methods_evaluations_margin_bound_and_doubt() -> None:
+    said = concluded().reason
+    for part in (
+        "vehicle.m 4 to 6 kg", "vehicle.J 0.04 to 0.06 kg m2", "DIRECT, SQP multistart and Monte Carlo",
+        "3\u202f343 evaluations", "a margin of +0.34 m", "d_min = 0.84 m", "0 of 1000 violate",
+        "A search can miss a worse case", "horizon 15 s, step 0.005 s", "1 obstacle;",
+    ):  # fmt: skip
+        assert part in said
+    assert concluded().summary["scope"] in said
+
+
+def test_what_stands_with_the_verdict() -> None:
+    conclusion = concluded()
+    summary = conclusion.summary
+    assert (conclusion.nominal_cost, conclusion.worst_cost, conclusion.worst_method) == (NOMINAL, WORST, "direct")
+    assert summary["worst"] == {
+        "cost": WORST, "margin": WORST - 0.5, "parameters": {"vehicle.m": 6.0}, "method": "direct", "finding": "F1",
+    }  # fmt: skip
+    assert summary["provenance"] == {"clearance": "test", "digest": campaign().digest, "seed": 1}
+    assert (summary["quantity"], summary["unit"]) == ("d_min", "m")
+    assert summary["statistics"]["upper_bound"] == pytest.approx(0.00299, abs=1e-5)
+
+
+def violation(**changes: Any) -> dict[str, Any]:
+    worst = 0.49
+    searches = [search("direct", worst), search("sqp", worst)]
+    return {"finding": finding(worst), "searches": searches, **changes}
+
+
+def test_violated_when_a_validated_finding_violates() -> None:
+    conclusion = concluded(**violation())
+    assert conclusion.verdict == "violated"
+    assert conclusion.reason.startswith("d_min falls to or below 0.5 m. The worst case found has d_min = 0.49 m")
+    assert "It was validated" in conclusion.reason
+
+
+def test_a_finding_on_the_threshold_violates() -> None:
+    assert concluded(**violation(finding=finding(0.5))).verdict == "violated"
+
+
+def test_violated_needs_validation() -> None:
+    text = "half the step or DOP853 disagrees beyond tolerance for F1"
+    conclusion = concluded(**violation(finding=finding(0.49, False), validation={"ok": False, "text": text}))
+    assert conclusion.verdict == "inconclusive"
+    assert "violates the criterion by 0.01 m; validation did not confirm it" in conclusion.reason
+    assert text in conclusion.reason
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"failed": 5},
+        {"searches": [search("direct", 0.49), search("ga", 0.9)]},
+        {"searches": [search("monte_carlo", 0.49, sample=sample())]},
+        {"validation": {"ok": False, "text": "half the step disagrees for nominal"}},
+        {"nominal": {"cost": None, "margin": None, "status": "failed", "reason": "it diverged"}},
+    ],
+)
+def test_nothing_that_bars_cleared_bars_a_validated_violation(changes: dict[str, Any]) -> None:
+    assert concluded(**violation(**changes)).verdict == "violated"
+
+
+def test_a_failed_nominal_flight() -> None:
+    nominal = {"cost": None, "margin": None, "status": "failed", "reason": "the flight diverged at t = 3 s"}
+    conclusion = concluded(nominal=nominal)
+    assert conclusion.verdict == "inconclusive"
+    assert "the nominal flight was not evaluated: the flight diverged at t = 3 s" in conclusion.reason
+    assert conclusion.nominal_cost is None
+
+
+def test_a_nominal_flight_that_violates_unconfirmed() -> None:
+    nominal = {"cost": 0.45, "margin": -0.05, "status": "ok", "reason": ""}
+    searches = [search("direct", 0.4), search("sqp", 0.4)]
+    conclusion = concluded(nominal=nominal, searches=searches, finding=finding(0.4, False))
+    assert conclusion.verdict == "inconclusive"
+    assert "the nominal flight has 0.45 m, margin \u22120.05 m" in conclusion.reason
+
+
+def test_no_flight_at_all() -> None:
+    nominal = {"cost": None, "margin": None, "status": "failed", "reason": "it diverged"}
+    searches = [search("direct", None), search("sqp", None)]
+    conclusion = concluded(nominal=nominal, searches=searches, finding=None, failed=3343)
+    assert (conclusion.verdict, conclusion.worst_cost, conclusion.worst_method) == ("inconclusive", None, None)
+    assert conclusion.reason.startswith(
+        "No flight could be evaluated: the nominal flight was not evaluated: it diverged."
+    )
+
+
+def test_a_search_without_any_flight() -> None:
+    said = barred("search", searches=[search("direct"), search("sqp"), search("monte_carlo", None)])
+    assert said == "Monte Carlo evaluated no flight successfully"
+
+
+def test_a_search_that_did_not_end() -> None:
+    assert barred("search", complete=False).startswith("not every search ended: DIRECT used its budget")
+
+
+def test_failed_evaluations_bar_cleared() -> None:
+    assert barred("evaluations", failed=1) == "1 of 3\u202f343 evaluations failed"
+
+
+def test_excluded_evaluations_do_not_but_are_told() -> None:
+    conclusion = concluded(excluded=40)
+    assert conclusion.verdict == "cleared"
+    assert conclusion.summary["checks"][5]["text"] == "none of 3\u202f343 evaluations failed, 40 excluded"
+
+
+def test_validation_that_disagrees() -> None:
+    text = "half the step or DOP853 disagrees beyond tolerance for nominal"
+    assert barred("validation", validation={"ok": False, "text": text}) == text
+
+
+def test_one_method_alone_is_never_enough() -> None:
+    said = "only DIRECT reached the worst case; a verdict needs a second method to confirm it"
+    assert barred("agreement", searches=[search("direct")]) == said
+
+
+def test_two_stages_of_one_method_are_one_method() -> None:
+    said = "only DIRECT reached the worst case; a verdict needs a second method to confirm it"
+    assert barred("agreement", searches=[search("direct"), search("direct", WORST + 0.001)]) == said
+
+
+def test_a_random_sample_is_no_second_method() -> None:
+    barred("agreement", searches=[search("direct"), search("monte_carlo", WORST, sample=sample())])
+
+
+def test_a_second_method_that_stopped_short_is_none() -> None:
+    barred("agreement", searches=[search("direct"), search("sqp", WORST + 0.006)])
+    assert concluded(searches=[search("direct"), search("sqp", WORST + 0.004)]).verdict == "cleared"
+
+
+def test_local_methods_alone_are_not_enough() -> None:
+    said = barred("agreement", searches=[search("sqp"), search("monte_carlo", sample=sample())])
+    assert said == "no global method searched; add one, such as DIRECT"
+
+
+def test_a_global_method_that_stopped_short_is_named_with_how_much() -> None:
+    searches = [search("ga", WORST + 0.0125), search("direct"), search("sqp")]
+    said = "the worst case is 0.84, but Genetic algorithm stopped 0.0125 above it"
+    assert barred("agreement", searches=searches) == said
+
+
+def test_every_global_method_that_stopped_short_is_named() -> None:
+    searches = [search("ga", WORST + 0.0125), search("direct", WORST + 0.05), search("sqp")]
+    said = barred("agreement", searches=searches)
+    assert said.endswith("but Genetic algorithm stopped 0.0125 above it and DIRECT stopped 0.05 above it")
+
+
+@pytest.mark.parametrize("first", [WORST, WORST + 0.05])
+def test_every_stage_of_a_global_method_must_reach_it(first: float) -> None:
+    other = WORST + 0.05 if first == WORST else WORST
+    said = barred("agreement", searches=[search("direct", first), search("direct", other), search("sqp")])
+    assert said == "the worst case is 0.84, but DIRECT stopped 0.05 above it"
+
+
+def test_a_global_method_without_a_flight_is_named() -> None:
+    conclusion = concluded(searches=[search("ga", None), search("direct"), search("sqp")])
+    assert conclusion.verdict == "inconclusive"
+    assert "Genetic algorithm found no flight" in conclusion.reason
+    assert "inf" not in conclusion.reason
+
+
+def test_the_worst_of_the_sample_holds_against_the_global_methods() -> None:
+    searches = [search("direct", WORST + 0.05), search("sqp", WORST + 0.05), search("monte_carlo", sample=sample())]
+    said = barred("agreement", searches=searches)
+    assert said == "the worst case is 0.84, but DIRECT stopped 0.05 above it"
+
+
+def test_agreement_is_a_share_of_nominal_minus_worst() -> None:
+    searches = [search("direct"), search("ga", WORST + 0.015)]
+    barred("agreement", searches=searches)
+    assert concluded(campaign(agreement=0.2), searches=searches).verdict == "cleared"
+
+
+def test_a_flat_campaign_agrees_up_to_rounding() -> None:
+    searches = [search("direct", NOMINAL), search("ga", NOMINAL + 1e-13)]
+    assert concluded(searches=searches, finding=finding(NOMINAL)).verdict == "cleared"
+
+
+def test_the_target_is_met() -> None:
+    conclusion = concluded(campaign(target_probability=0.003))
+    assert conclusion.verdict == "cleared"
+    assert conclusion.summary["checks"][-1]["text"] == "the bound of 0.299 % meets the target of 0.3 %"
+
+
+def test_the_target_is_not_met() -> None:
+    said = barred("target", campaign(target_probability=0.0029))
+    assert said == "the bound of 0.299 % does not meet the target of 0.29 %"
+
+
+def test_a_target_without_a_sample() -> None:
+    said = barred("target", campaign(target_probability=0.5), searches=[search("direct"), search("sqp")])
+    assert said == "the target P(violation) of 50 % needs a random sample; add Monte Carlo"
+
+
+def test_the_first_sample_counts_whatever_a_second_says() -> None:
+    searches = [
+        search("direct"), search("sqp"),
+        search("monte_carlo", sample=sample(samples=100)), search("monte_carlo", sample=sample(samples=10_000)),
+    ]  # fmt: skip
+    barred("target", campaign(target_probability=0.003), searches=searches)
+
+
+def test_without_a_target_the_bound_decides_nothing() -> None:
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(samples=2))]
+    assert concluded(searches=searches).verdict == "cleared"

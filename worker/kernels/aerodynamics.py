@@ -145,8 +145,9 @@ def loads(air: Vector, rates: Vector, u: Controls, p: Any) -> tuple[Vector, Vect
     square = flat + air[1] * air[1]
     speed = math.sqrt(square)
     forward = math.sqrt(flat)
-    per_speed = 1.0 / speed
-    per_forward = 1.0 / forward
+    per_both = 1.0 / (speed * forward)
+    per_speed = per_both * forward
+    per_forward = per_both * speed
     alpha = atan2(air[2], air[0])
     beta = atan2(air[1], forward)
     c_a, s_a = air[0] * per_forward, air[2] * per_forward

@@ -93,7 +93,13 @@ def kinematics(x: State, a: Attitude) -> tuple[Vector, Vector]:
 def through_air(x: State, a: Attitude, env: Surroundings) -> Vector:
     """Velocity through the air in body axes [m/s]."""
     wind = to_body(a, (env.wind_x, env.wind_y, env.wind_z))
-    return x[6] - wind[0], x[7] - wind[1], x[8] - wind[2]
+    # without an environment the wind is a constant 0: the compiler sees it, and drops what stands above
+    calm = (env.wind_x == 0.0) & (env.wind_y == 0.0) & (env.wind_z == 0.0)
+    return (
+        x[6] - (0.0 if calm else wind[0]),
+        x[7] - (0.0 if calm else wind[1]),
+        x[8] - (0.0 if calm else wind[2]),
+    )
 
 
 @kernel

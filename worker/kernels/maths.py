@@ -1,7 +1,8 @@
 """The `kernel` decorator, and elementary functions without branches or libm, so that the lane loop vectorises.
 
-Minimax polynomials of the Cephes library (S. L. Moshier): sin and cos on [-pi/4, pi/4] after Cody-Waite reduction in
-two parts, atan on [-tan(pi/8), tan(pi/8)]. Every function keeps NaN. Errors are measured in tests/unit/test_maths.py.
+Minimax polynomials of the Cephes library (S. L. Moshier) for sin and cos on [-pi/4, pi/4] after Cody-Waite reduction in
+two parts; a polynomial in x^2 through Chebyshev's nodes for atan on [-tan(pi/8), tan(pi/8)]: a quotient as in Cephes
+needs fewer terms, but divisions are what limits a wide loop. Every function keeps NaN. Errors are measured in tests/unit/test_maths.py.
 """
 
 from __future__ import annotations
@@ -88,15 +89,12 @@ def atan2(y: float, x: float) -> float:
     reduced = above / (below + 1e-300)
     offset = 0.7853981633974483 if upper else 0.0
     z = reduced * reduced
-    p = (
-        ((-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z - 7.500855792314704667340e1) * z
-        - 1.228866684490136173410e2
-    ) * z - 6.485021904942025371773e1
-    q = (
-        (((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z + 4.328810604912902668951e2) * z
-        + 4.853903996359136964868e2
-    ) * z + 1.945506571482613964425e2
-    angle = offset + reduced + reduced * z * p / q
+    p = -0.050854071801228175 + z * (0.039230436304980514 + z * -0.01917539771849316)
+    p = -0.06664510493724213 + z * (0.05858140715312468 + z * p)
+    p = -0.09090904575108247 + z * (0.07692183122146765 + z * p)
+    p = -0.14285714284665557 + z * (0.1111111101518004 + z * p)
+    p = -0.3333333333333333 + z * (0.19999999999995516 + z * p)
+    angle = offset + reduced + reduced * z * p
     angle = HALF_PI - angle if ay > ax else angle
     angle = PI - angle if x < 0.0 else angle
     angle = -angle if y < 0.0 else angle

@@ -98,7 +98,8 @@ def perceive(q: Vector, v: Vector, own: Vector, body: Any, p: Any) -> Encounter:
     distance = norm3((x, y, z))
     per = 1.0 / distance
     n = (x * per, y * per, z * per)
-    flat = 1.0 / (norm2(n[0], n[1]) + TINY)
+    level = norm2(n[0], n[1])
+    flat = 1.0 / (level if level > TINY else 1.0)
     right = (-n[1] * flat, n[0] * flat, 0.0)
     speed = norm3((body.vx, body.vy, body.vz))
     longer = 1.0 + p.du_0 / (speed if speed > TINY else 1.0)
@@ -110,7 +111,8 @@ def perceive(q: Vector, v: Vector, own: Vector, body: Any, p: Any) -> Encounter:
     closing = (v[0] - body.vx) * n[0] + (v[1] - body.vy) * n[1] + (v[2] - body.vz) * n[2]
     turn = arcsine(p.radius * per)
     turn = p.eta_max if turn > p.eta_max else turn
-    per_size = 1.0 / (norm3(relative) + TINY)
+    size = norm3(relative)
+    per_size = 1.0 / (size if size > TINY else 1.0)
     wait = distance * towards * per_size * per_size
     near = 1.0 if (closing > 0.0) & (distance < p.reach) else 0.0
     miss = distance * norm3(across) * per_size

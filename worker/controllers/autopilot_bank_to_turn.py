@@ -23,7 +23,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.kernels import autopilot
 from worker.kernels.aerodynamics import Controls, Trimmed
 from worker.kernels.aircraft import State
-from worker.kernels.autopilot import Loops, aileron, aim, elevator, heading, throttle
+from worker.kernels.autopilot import Loops, aileron, elevator, throttle, turn
 from worker.kernels.component import Controller, Derived, Parameter, extended
 from worker.kernels.maths import clip, kernel, sincos
 from worker.kernels.space import Vector, norm3
@@ -48,47 +48,30 @@ def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
 
 
 @kernel
-def prepare(x: State, demand: Vector, p: Any) -> Sums:
+def prepare(x: State, wanted: Vector, p: Any) -> Sums:
     return 0.0, 0.0, 0.0
 
 
 @kernel
-def bank(turn: float, p: Any) -> float:
-    return clip(p.k_phi * turn, -p.phi_max, p.phi_max)
+def bank(error: float, p: Any) -> float:
+    return clip(p.k_phi * error, -p.phi_max, p.phi_max)
 
 
 @kernel
-def control(x: State, c: Sums, wanted: Vector, p: Any) -> tuple[Controls, Sums]:
-    speed, climb, turn = wanted
+def command(t: float, x: State, c: Sums, wanted: Vector, p: Any) -> tuple[Controls, Sums]:
+    speed, climb, heading = wanted
     e, de = elevator(x, p.alpha + climb, c[0], p)
-    a, da = aileron(x, bank(turn, p), c[1], p)
+    a, da = aileron(x, bank(turn(x, heading, p), p), c[1], p)
     s_phi, _ = sincos(x[3])
     _, c_theta = sincos(x[4])
     level = p.g * s_phi * c_theta / norm3((x[6], x[7], x[8]))
-    t, dt = throttle(x, speed, c[2], p)
-    return (e, a, clip(p.K_d3 * (x[11] - level), -p.stop, p.stop), t), (de, da, dt)
+    power, dt = throttle(x, speed, c[2], p)
+    return (e, a, clip(p.K_d3 * (x[11] - level), -p.stop, p.stop), power), (de, da, dt)
 
 
 @kernel
-def command_force(t: float, x: State, c: Sums, demand: Vector, p: Any) -> tuple[Controls, Sums]:
-    return control(x, c, aim(x, demand, p.k_u, p), p)
-
-
-@kernel
-def command_velocity(t: float, x: State, c: Sums, demand: Vector, p: Any) -> tuple[Controls, Sums]:
-    return control(x, c, aim(x, demand, 1.0, p), p)
-
-
-@kernel
-def follow_force(x: State, demand: Vector, p: Any) -> tuple[float, float, float, float]:
-    speed, climb, turn = aim(x, demand, p.k_u, p)
-    return speed, bank(turn, p), p.alpha + climb, heading(x, demand)
-
-
-@kernel
-def follow_velocity(x: State, demand: Vector, p: Any) -> tuple[float, float, float, float]:
-    speed, climb, turn = aim(x, demand, 1.0, p)
-    return speed, bank(turn, p), p.alpha + climb, heading(x, demand)
+def references(x: State, wanted: Vector, p: Any) -> tuple[float, float, float, float]:
+    return wanted[0], bank(turn(x, wanted[2], p), p), p.alpha + wanted[1], wanted[2]
 
 
 component = Controller(
@@ -99,7 +82,8 @@ component = Controller(
     states=3,
     signals=autopilot.SIGNALS,
     prepare={"force": prepare, "velocity": prepare},
-    command={"force": command_force, "velocity": command_velocity},
-    references={"force": follow_force, "velocity": follow_velocity},
+    command={"force": command, "velocity": command},
+    references={"force": references, "velocity": references},
+    translate={"force": autopilot.from_force, "velocity": autopilot.from_velocity},
     derived=Derived(Constants, derive),
 )

@@ -24,7 +24,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.kernels import autopilot
 from worker.kernels.aerodynamics import Controls, Trimmed
 from worker.kernels.aircraft import State
-from worker.kernels.autopilot import Loops, aileron, aim, elevator, heading, held, throttle
+from worker.kernels.autopilot import Loops, aileron, elevator, held, throttle, turn
 from worker.kernels.component import Controller, Derived, Parameter, extended
 from worker.kernels.maths import kernel
 from worker.kernels.space import Vector
@@ -48,40 +48,24 @@ def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
 
 
 @kernel
-def prepare(x: State, demand: Vector, p: Any) -> Sums:
+def prepare(x: State, wanted: Vector, p: Any) -> Sums:
     return 0.0, 0.0, 0.0, 0.0
 
 
 @kernel
-def control(x: State, c: Sums, wanted: Vector, p: Any) -> tuple[Controls, Sums]:
-    speed, climb, turn = wanted
+def command(t: float, x: State, c: Sums, wanted: Vector, p: Any) -> tuple[Controls, Sums]:
+    speed, climb, heading = wanted
     e, de = elevator(x, p.alpha + climb, c[0], p)
     a, da = aileron(x, 0.0, c[1], p)
-    r, dr = held(p.K_d3 * x[11] - p.K_p3 * turn - p.K_i3 * c[2], -p.stop, p.stop, turn, -turn)
-    t, dt = throttle(x, speed, c[3], p)
-    return (e, a, r, t), (de, da, dr, dt)
+    error = turn(x, heading, p)
+    r, dr = held(p.K_d3 * x[11] - p.K_p3 * error - p.K_i3 * c[2], -p.stop, p.stop, error, -error)
+    power, dt = throttle(x, speed, c[3], p)
+    return (e, a, r, power), (de, da, dr, dt)
 
 
 @kernel
-def command_force(t: float, x: State, c: Sums, demand: Vector, p: Any) -> tuple[Controls, Sums]:
-    return control(x, c, aim(x, demand, p.k_u, p), p)
-
-
-@kernel
-def command_velocity(t: float, x: State, c: Sums, demand: Vector, p: Any) -> tuple[Controls, Sums]:
-    return control(x, c, aim(x, demand, 1.0, p), p)
-
-
-@kernel
-def follow_force(x: State, demand: Vector, p: Any) -> tuple[float, float, float, float]:
-    speed, climb, _ = aim(x, demand, p.k_u, p)
-    return speed, 0.0, p.alpha + climb, heading(x, demand)
-
-
-@kernel
-def follow_velocity(x: State, demand: Vector, p: Any) -> tuple[float, float, float, float]:
-    speed, climb, _ = aim(x, demand, 1.0, p)
-    return speed, 0.0, p.alpha + climb, heading(x, demand)
+def references(x: State, wanted: Vector, p: Any) -> tuple[float, float, float, float]:
+    return wanted[0], 0.0, p.alpha + wanted[1], wanted[2]
 
 
 component = Controller(
@@ -92,7 +76,8 @@ component = Controller(
     states=4,
     signals=autopilot.SIGNALS,
     prepare={"force": prepare, "velocity": prepare},
-    command={"force": command_force, "velocity": command_velocity},
-    references={"force": follow_force, "velocity": follow_velocity},
+    command={"force": command, "velocity": command},
+    references={"force": references, "velocity": references},
+    translate={"force": autopilot.from_force, "velocity": autopilot.from_velocity},
     derived=Derived(Constants, derive),
 )

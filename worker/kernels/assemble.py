@@ -166,6 +166,7 @@ def _glue(made: Loop) -> dict[str, Any]:
     slots = _constants(made) | _components(made.parts) | chains(made.parts, made.extended)
     slots["kept"] = _filled(glue.four_kept if made.parts.late else glue.none_kept, slots)
     slots["demand"] = _filled(_demand(made.parts), slots)
+    slots |= _translation(made.parts, slots)
     parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
     names = (
         "aware",
@@ -188,6 +189,16 @@ def _demand(parts: Parts) -> Function:
     if not parts.sampled:
         return glue.asked
     return glue.waited if parts.late else glue.held
+
+
+def _translation(parts: Parts, slots: dict[str, Any]) -> dict[str, Any]:
+    """Where a demand becomes the controller's: at the sample; but one that comes late is blended as it was given."""
+    once = parts.sampled and not parts.late
+    plainly = bind(glue.as_demanded, {})
+    if parts.controller.translate is None:
+        return {"on_sample": plainly, "on_use": plainly}
+    with_it = _filled(glue.translated, slots | {"translate": parts.controller.translate[parts.avoider.demand]})
+    return {"on_sample": with_it, "on_use": plainly} if once else {"on_sample": plainly, "on_use": with_it}
 
 
 def _filled(template: Function, slots: dict[str, Any]) -> Any:

@@ -1,7 +1,7 @@
 """Loops that every autopilot of a fixed-wing aircraft shares: references from a demand, PID loops held by their stops.
 
 Srikanthakumar, equations 3.46 to 3.50; integration is conditional (Astrom and Hagglund, Advanced PID Control (2006),
-section 3.5): an integrator stands still while its actuator is at a stop and the error pushes on. Start at `references`.
+section 3.5): an integrator stands still while its actuator is at a stop and the error pushes on. Start at `referred`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.aircraft import State
 from worker.kernels.component import Parameter, Signal
-from worker.kernels.maths import atan2, clip, kernel, norm2, sincos, wrap
+from worker.kernels.maths import atan2, clip, kernel, norm2, wrap
 from worker.kernels.space import Vector, norm3
 
 STILL = 1e-9
@@ -46,22 +46,30 @@ class Loops(NamedTuple):
 
 
 @kernel
-def aim(x: State, demand: Vector, per_demand: float, p: Any) -> Vector:
-    """Speed [m/s], path angle and error of the heading [rad] that a demand asks for, each within its limits."""
-    north, east, down = demand
-    level = norm2(north, east)
+def referred(x: State, demand: Vector, per_demand: float, p: Any) -> Vector:
+    """What a demand asks for: speed [m/s] and path angle [rad] within their limits, heading [rad]."""
+    level = norm2(demand[0], demand[1])
     speed = clip(per_demand * norm3(demand), p.u_min, p.u_max)
-    climb = clip(atan2(-down, level), -p.gamma_max, p.gamma_max)
-    s, c = sincos(x[5])
-    turn = atan2(east * c - north * s, north * c + east * s)  # the difference of two headings needs no wrapping
-    turn = 0.0 if level < STILL else turn
-    return speed, climb, clip(turn, -p.e_max, p.e_max)
+    climb = clip(atan2(-demand[2], level), -p.gamma_max, p.gamma_max)
+    return speed, climb, (x[5] if level < STILL else atan2(demand[1], demand[0]))
 
 
 @kernel
-def heading(x: State, demand: Vector) -> float:
-    """The heading that a demand asks for [rad], in [-pi, pi)."""
-    return wrap(x[5]) if norm2(demand[0], demand[1]) < STILL else atan2(demand[1], demand[0])
+def from_force(x: State, demand: Vector, p: Any) -> Vector:
+    """References of a force [N]."""
+    return referred(x, demand, p.k_u, p)
+
+
+@kernel
+def from_velocity(x: State, demand: Vector, p: Any) -> Vector:
+    """References of a velocity [m/s]."""
+    return referred(x, demand, 1.0, p)
+
+
+@kernel
+def turn(x: State, heading: float, p: Any) -> float:
+    """The error of the heading that is acted on [rad]."""
+    return clip(wrap(heading - x[5]), -p.e_max, p.e_max)
 
 
 @kernel

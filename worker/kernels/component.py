@@ -162,6 +162,8 @@ class Controller:
 
     prepare(x, demand, p) -> c; command(t, x, c, demand, p) -> (u, dc); references(x, demand, p) -> what it aims at.
     `command` holds one kernel per kind of demand it accepts: it owns the mapping from the demand to its references.
+    Where it has translate(x, demand, p) -> as many numbers as a demand has, the others receive these in place of the
+    demand: with sampled guidance they are worked out once a sample and held, as an autopilot holds its references.
     """
 
     name: str
@@ -173,6 +175,7 @@ class Controller:
     prepare: dict[str, Kernel]
     command: dict[str, Kernel]
     references: dict[str, Kernel]
+    translate: dict[str, Kernel] | None = None
     derived: Derived | None = None
     role: Literal["controller"] = "controller"
 

@@ -112,7 +112,7 @@ def _slot(*_: Any) -> Any:
 
 
 begin = derivative = position = velocity = outside = pose = measured = settle = felt = _slot
-prepare = command = references = derive = balance = _slot
+prepare = command = references = derive = balance = translate = on_sample = on_use = _slot
 steer = remember = kept = wait = late_by = blended = _slot
 body = move = wake = before = demand = _slot
 bodies = perceived = sight = shifted = shown = samples = centre = centres = actuated = surroundings = errors = (
@@ -406,6 +406,16 @@ def as_measured(x: Any, env: Any, p: Any) -> Any:
     return x
 
 
+def as_demanded(x: Any, want: Any, p: Any) -> Any:
+    """A demand that stays as it is."""
+    return want
+
+
+def translated(x: Any, want: Any, p: Any) -> Any:
+    """What the controller makes of a demand."""
+    return translate(x, want, Controller(*p[C0:C1]))
+
+
 def asked(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
     """Continuous guidance: the avoider is asked at every stage of the integrator."""
     return steer(t, q, v, Goal(*p[G0:G1]), around, g[DIMENSION:M1], Avoider(*p[A0:A1]))[0]
@@ -485,9 +495,9 @@ def aware(t: float, x: Any, p: Any) -> Any:
 
 def guide(t: float, x: Any, g: Any, p: Any) -> Any:
     """One guidance sample: demand and the avoider's memory."""
-    _, q, v, seen = aware(t, x, p)
+    xm, q, v, seen = aware(t, x, p)
     want, memory = steer(t, q, v, Goal(*p[G0:G1]), seen, g[DIMENSION:M1], Avoider(*p[A0:A1]))
-    return want + memory + kept(t, want, g)
+    return on_sample(xm, want, p) + memory + kept(t, want, g)
 
 
 def blank(p: Any) -> Any:
@@ -509,6 +519,7 @@ def initial(p: Any) -> Any:
     xe = woken_environment(p)
     env, _ = surroundings(0.0, position(xv, vp), velocity(xv, vp), xe, p)
     xm = felt(xm, env, vp)
+    want = on_use(xm, on_sample(xm, want, p), p)
     xc = prepare(xm, want, cp)
     u, _ = command(0.0, xm, xc, want, cp)
     return xv + xc + rested(u, p) + xe + xo
@@ -523,7 +534,8 @@ def closed_loop(t: float, x: Any, g: Any, p: Any) -> Any:
     q = position(xv, vp)
     v = velocity(xv, vp)
     env, dxe = surroundings(t, q, v, x[XE0:XE1], p)
-    u, dxc = command(t, felt(xm, env, vp), x[XC0:XC1], want, Controller(*p[C0:C1]))
+    xm = felt(xm, env, vp)
+    u, dxc = command(t, xm, x[XC0:XC1], on_use(xm, want, p), Controller(*p[C0:C1]))
     u, dxa = actuated(t, u, x[XA0:XA1], p)
     dxv = derivative(t, xv, u, env, vp)
     dxo = moved(t, x[XO0:XO1], q, v, p)
@@ -562,6 +574,7 @@ def observation(t: float, x: Any, g: Any, p: Any) -> Any:
     v = velocity(xv, vp)
     env, _ = surroundings(t, q, v, x[XE0:XE1], p)
     xm = felt(xm, env, vp)
+    want = on_use(xm, want, p)
     u, _ = command(t, xm, x[XC0:XC1], want, cp)
     u, _ = actuated(t, u, x[XA0:XA1], p)
     around = bodies(t, x[XO0:XO1], q, p)

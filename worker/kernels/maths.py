@@ -1,8 +1,9 @@
 """The `kernel` decorator, and elementary functions without branches or libm, so that the lane loop vectorises.
 
 Minimax polynomials of the Cephes library (S. L. Moshier) for sin and cos on [-pi/4, pi/4] after Cody-Waite reduction in
-two parts; a polynomial in x^2 through Chebyshev's nodes for atan on [-tan(pi/8), tan(pi/8)]: a quotient as in Cephes
-needs fewer terms, but divisions are what limits a wide loop. Every function keeps NaN. Errors are measured in tests/unit/test_maths.py.
+two parts; a polynomial in x^2 through Chebyshev's nodes for atan on [-tan(pi/8), tan(pi/8)]: the quotient of Cephes has
+fewer terms, but divisions are what limits a wide loop. Every function keeps NaN. Errors are measured in
+tests/unit/test_maths.py.
 """
 
 from __future__ import annotations

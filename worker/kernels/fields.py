@@ -23,7 +23,7 @@ def attraction(distance: float, k: float, s: float) -> float:
 def cruise(distance: float, speed: float, k: float) -> float:
     """Velocity per displacement to the goal [1/s]: `speed` on the way, k times the distance near its end."""
     rate = speed / (distance + 1e-300)
-    return rate if rate < k else k
+    return k if rate > k else rate
 
 
 @kernel
@@ -67,4 +67,5 @@ def relative(gap: float, closing: float, eta: float, rho_0: float, a: float, flo
     g = eta / (left * left)
     along = -g * (1.0 + closing * per_a)
     across = g * closing * per_a / near
-    return (along if active else 0.0), (across if active else 0.0)
+    nothing = 0.0 * (left + rho_0)  # not 0.0: a comparison with NaN is False and would lose it
+    return (along if active else nothing), (across if active else nothing)

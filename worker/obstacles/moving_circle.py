@@ -39,7 +39,8 @@ class Constants(NamedTuple):
 def derive(p: MovingCircle, trim: object) -> tuple[float, ...]:
     start, goal = (p.position_x, p.position_y, 0.0), (p.goal_x, p.goal_y, 0.0)
     vx, vy, _, _, stop = leg(start, goal, p.speed, 0.0, True)
-    return p.position_x, p.position_y, vx, vy, stop, p.goal_x, p.goal_y, p.radius
+    # 0 times the velocity: what is not a number on the way is none at its end
+    return p.position_x, p.position_y, vx, vy, stop, p.goal_x + 0.0 * vx, p.goal_y + 0.0 * vy, p.radius
 
 
 @kernel

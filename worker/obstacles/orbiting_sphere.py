@@ -1,0 +1,70 @@
+"""Sphere that goes round: its centre moves on a horizontal circle at constant speed, climbing where `climb` says so.
+
+    c(t) = centre + (R cos phi, R sin phi, climb t),   phi = phase + speed t / R
+
+phi counts from x towards y: with z down that is clockwise seen from above. Gives way to nothing. Its radius is what an
+avoider keeps off; the criterion reads distances to its own centre.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.glue import Body3
+from worker.kernels.maths import kernel, sincos
+
+
+class OrbitingSphere(NamedTuple):
+    centre_x: Annotated[float, Parameter("m", "Centre of the way, x", -1e6, 1e6, symbol="x", name="centre.x")]
+    centre_y: Annotated[float, Parameter("m", "Centre of the way, y", -1e6, 1e6, symbol="y", name="centre.y")]
+    centre_z: Annotated[float, Parameter("m", "Centre of the way, z", -1e6, 1e6, symbol="z", name="centre.z")]
+    way: Annotated[float, Parameter("m", "Radius of the way", 1e-3, 1e6, symbol="R")] = 200.0
+    phase: Annotated[float, Parameter("rad", "Where it is at the start, from the x axis", -6.4, 6.4, "φ_0")] = 0.0
+    speed: Annotated[float, Parameter("m/s", "Horizontal speed, positive from x towards y", -1e3, 1e3, "v_o")] = 20.0
+    climb: Annotated[float, Parameter("m/s", "Speed along z", -1e3, 1e3, symbol="v_z")] = 0.0
+    radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
+
+
+class Constants(NamedTuple):
+    x: float
+    y: float
+    z: float
+    way: float
+    phase: float
+    speed: float
+    climb: float
+    rate: float
+    radius: float
+
+
+@kernel
+def derive(p: OrbitingSphere, trim: object) -> tuple[float, ...]:
+    return p.centre_x, p.centre_y, p.centre_z, p.way, p.phase, p.speed, p.climb, p.speed / p.way, p.radius
+
+
+@kernel
+def body(t: float, o: tuple[()], q: tuple[float, float, float], p: Constants) -> Body3:
+    s, c = sincos(p.phase + p.rate * t)
+    x = p.x + p.way * c
+    y = p.y + p.way * s
+    z = p.z + p.climb * t
+    dx = q[0] - x
+    dy = q[1] - y
+    dz = q[2] - z
+    d = math.sqrt(dx * dx + dy * dy + dz * dz)
+    near = 1.0 / (d + 1e-12)
+    gap = d - p.radius
+    return Body3(x, y, z, -p.speed * s, p.speed * c, p.climb, p.radius, gap, dx * near, dy * near, dz * near)
+
+
+component = Obstacle(
+    name="orbiting_sphere",
+    title="Sphere, circular way",
+    dimension=3,
+    parameters=OrbitingSphere,
+    body=body,
+    moving=True,
+    derived=Derived(Constants, derive),
+)

@@ -1,0 +1,314 @@
+"""Avoiders: gradients of the potentials, closed forms of the geometric laws, and each flown with each vehicle."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from campaigns import library, load_file
+from tests.physics.scenes import changed, flight, uncompiled
+from worker.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none, orca
+from worker.catalog import components
+from worker.kernels.bind import plain
+from worker.kernels.closest import NEVER, Rules, miss, resolve
+from worker.kernels.component import Avoider, Controller, Vehicle
+from worker.kernels.glue import Body, Body3
+from worker.obstacles import box, box_3d, circle, cylinder
+from worker.problem import Problem
+
+CASE = load_file(library()["unicycle_static"])
+BOX = box.Constants(*plain(box.derive)(box.Box(1.0, 3.2, 1.0, 0.6, 0.4), ()))
+BOX3 = box_3d.Constants(*plain(box_3d.derive)(box_3d.Box3(1.0, 3.2, 0.5, 1.0, 0.6, 2.0, 0.4), ()))
+
+
+def around(*q: float) -> tuple[Any, ...]:
+    """A circle and a box, or a cylinder and a box in space, seen from q."""
+    if len(q) == 2:
+        return plain(circle.body)(0.0, (), q, circle.Circle(4.0, 4.0, 0.5)), plain(box.body)(0.0, (), q, BOX)
+    stood = cylinder.Cylinder(4.0, 4.0, 0.0, 0.5, 3.0)
+    return plain(cylinder.body)(0.0, (), q, stood), plain(box_3d.body)(0.0, (), q, BOX3)
+
+
+def slope(potential: Any, q: Any, h: float = 1e-6) -> list[float]:
+    """The gradient by central differences."""
+    return [(potential(q + h * e) - potential(q - h * e)) / (2 * h) for e in np.eye(len(q))]
+
+
+def pull(distance: float, k_att: float, s: float) -> float:
+    """The conic-quadratic potential (2.7), k_att = 2 k_a."""
+    return 0.5 * k_att * (distance**2 if distance <= s else 2 * s * distance - s**2)
+
+
+class TestGradients:
+    """A force is the negative gradient of its potential."""
+
+    PLANE = ((3.0, 3.2), (2.0, 2.9), (0.4, 2.2), (5.0, 6.0), (2.6, 3.9), (-3.0, 8.0))
+    SPACE = ((3.0, 3.2, 0.3), (2.0, 2.9, -1.0), (0.4, 2.2, 1.9), (5.0, 6.0, 2.0), (2.6, 3.9, 0.0), (4.2, 4.1, 2.2))
+
+    @pytest.mark.parametrize("s", [1.5, 4.0, 1e9])
+    @pytest.mark.parametrize("q", PLANE)
+    def test_attraction(self, q: tuple[float, float], s: float) -> None:
+        goal = np.array([6.0, 7.0])
+        force, _ = plain(none.steer)(0.0, q, (0.0, 0.0), none.Goal(*goal), (), (), none.Attraction(5.0, s))
+        gradient = slope(lambda at: pull(float(np.linalg.norm(goal - at)), 5.0, s), np.array(q))
+        assert force == pytest.approx([-g for g in gradient], rel=1e-6, abs=1e-6)
+
+    @pytest.mark.parametrize("n", [0.0, 1.0, 2.0, 3.0])
+    @pytest.mark.parametrize("q", PLANE + SPACE)
+    def test_gnron(self, q: tuple[float, ...], n: float) -> None:
+        file: Any = gnron if len(q) == 2 else gnron_3d
+        p = file.Gnron(5.0, 4.0, 2.0, n, 3.0)
+        goal = np.array([6.0, 7.0, 1.0][: len(q)])
+
+        def potential(at: Any) -> float:
+            g = float(np.linalg.norm(goal - at))
+            near = [b.gap for b in around(*at) if b.gap <= p.d_0]
+            return pull(g, p.k_att, p.s) + sum(0.5 * p.k_rep * (1 / d - 1 / p.d_0) ** 2 * g**n for d in near)
+
+        force, _ = plain(file.steer)(0.0, q, (0.0,) * len(q), file.Goal(*goal), around(*q), (), p)
+        assert force == pytest.approx([-g for g in slope(potential, np.array(q))], rel=1e-5, abs=1e-5)
+
+    def test_the_repulsion_of_gnron_vanishes_at_the_goal(self) -> None:
+        beside = plain(circle.body)(0.0, (), (6.0, 7.0), circle.Circle(6.5, 7.0, 0.3))
+        for n in (1.0, 2.0, 3.0):
+            p = gnron.Gnron(5.0, 4.0, 2.0, n)
+            force, _ = plain(gnron.steer)(0.0, (6.0, 7.0), (0.0, 0.0), gnron.Goal(6.0, 7.0), (beside,), (), p)
+            assert force == pytest.approx((0.0, 0.0), abs=1e-12)
+
+    @pytest.mark.parametrize(
+        ("q", "v"), [((3.0, 3.2), (0.9, 0.5)), ((2.2, 3.5), (0.8, -0.2)), ((4.4, 2.9), (0.1, 0.6))]
+    )
+    def test_ge_cui(self, q: tuple[float, float], v: tuple[float, float]) -> None:
+        # The negative gradient over position and velocity (2.16). It is exact for a point: the printed F_rep2 turns n
+        # with the distance from the surface, which is the distance from the centre only there.
+        p = ge_cui.GeCui(k_att=0.0, eta=5.3, rho_0=4.0, A_max=0.71)
+        at, moving = np.array([4.0, 4.0]), np.array([0.3, -0.4])
+
+        def potential(state: Any) -> float:
+            r = at - state[:2]
+            distance = float(np.linalg.norm(r))
+            closing = float((state[2:] - moving) @ r / distance)
+            gap = distance - closing**2 / (2 * p.A_max)
+            return p.eta * (1 / gap - 1 / p.rho_0) if closing > 0 and gap < p.rho_0 else 0.0
+
+        d = math.dist(at, q)
+        body = Body(*at, *moving, 0.0, d, (q[0] - at[0]) / d, (q[1] - at[1]) / d)
+        force, _ = plain(ge_cui.steer)(0.0, q, v, ge_cui.Goal(9.0, 9.0), (body,), (), p)
+        gradient = slope(potential, np.array([*q, *v]))
+        assert force == pytest.approx([-gradient[0] - gradient[2], -gradient[1] - gradient[3]], rel=1e-6)
+
+    def test_ge_cui_is_silent_when_the_distance_grows_or_the_gap_suffices(self) -> None:
+        p = ge_cui.GeCui(k_att=0.0)
+        steer = plain(ge_cui.steer)
+
+        def force(v: tuple[float, float], gap: float) -> Any:
+            body = Body(10.0, 0.0, 0.0, 0.0, 1.0, gap, -1.0, 0.0)
+            return steer(0.0, (0.0, 0.0), v, ge_cui.Goal(0.0, 0.0), (body,), (), p)[0]
+
+        assert force((-0.1, 0.0), 1.0) == (0.0, 0.0)
+        assert force((0.5, 0.0), 4.0 + 0.25 / 1.42 + 1e-9) == (0.0, 0.0)
+        assert force((0.5, 0.0), 4.0 + 0.25 / 1.42 - 1e-9)[0] < -0.3  # it jumps: the gradient does not vanish there
+        assert force((0.5, 0.0), -2.0) == force((0.5, 0.0), 0.05)  # "not defined" there: held at the floor
+
+
+class TestClosestApproach:
+    RULES = Rules(3.0, 100.0, 0.0)
+
+    def test_the_miss_is_across_the_relative_velocity(self) -> None:
+        r, c = np.array([9.0, 2.0, -1.0]), np.array([-2.0, 0.3, 0.2])
+        tau, found = plain(miss)(tuple(r), tuple(c))
+        unit = c / np.linalg.norm(c)
+        assert found == pytest.approx(np.cross(unit, np.cross(r, unit)))
+        assert tau == pytest.approx(-r @ c / (c @ c))
+
+    @pytest.mark.parametrize(
+        ("r", "other"),
+        [
+            ((-9.0, 0.5, 0.0), (0.0, 0.0, 0.0)),  # behind
+            ((9.0, 3.5, 0.0), (0.0, 0.0, 0.0)),  # abeam by more than the clearance
+            ((400.0, 0.0, 0.0), (0.0, 0.0, 0.0)),  # beyond the horizon
+            ((9.0, 0.5, 0.0), (3.0, 0.0, 0.0)),  # faster, the same way
+        ],
+    )
+    def test_no_conflict(self, r: Any, other: Any) -> None:
+        assert plain(resolve)(r, (2.0, 0.0, 0.0), other, (0.0, -1.0, 0.0), self.RULES)[0] == NEVER
+
+    @pytest.mark.parametrize("r", [(9.0, 0.5, 0.0), (9.0, -0.7, 0.4), (5.0, 2.0, 0.0)])
+    def test_flying_the_resolution_keeps_the_clearance(self, r: Any) -> None:
+        own, other = np.array([2.0, 0.0, 0.0]), np.array([-1.0, 0.2, 0.1])
+        tau, u = plain(resolve)(r, tuple(own), tuple(other), (0.0, -1.0, 0.0), self.RULES)
+        assert np.linalg.norm(u) == pytest.approx(2.0)
+        _, m = plain(miss)(r, tuple(other - own))
+        moved = np.array(u) * np.dot(own, own) * tau / np.dot(u, own) - own * tau  # as far ahead as without it
+        wanted = -(3.0 - np.linalg.norm(m)) * np.array(m) / np.linalg.norm(m)
+        # it has the direction of V tau - (r_safe - r_m) m^
+        assert np.cross(u, own * tau + wanted) == pytest.approx(np.zeros(3), abs=1e-12)
+        assert np.dot(moved, wanted) > 0
+
+    def test_head_on_it_turns_right(self) -> None:
+        plane = closest_approach.ClosestApproach(speed=2.0, clearance=1.0, horizon=20.0)
+        ahead = Body(8.0, 0.0, -1.0, 0.0, 0.5, 7.5, -1.0, 0.0)
+        u, _ = plain(closest_approach.steer)(
+            0.0, (0.0, 0.0), (2.0, 0.0), closest_approach.Goal(20.0, 0.0), (ahead,), (), plane
+        )
+        assert u[1] < 0
+        space = closest_approach_3d.ClosestApproach(speed=2.0, clearance=1.0, horizon=20.0)
+        there = Body3(8.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.5, 7.5, -1.0, 0.0, 0.0)
+        u3, _ = plain(closest_approach_3d.steer)(
+            0.0, (0.0, 0.0, 0.0), (2.0, 0.0, 0.0), closest_approach_3d.Goal(20.0, 0.0, 0.0), (there,), (), space
+        )
+        assert u3[1] > 0  # z is down: y is right of x
+        assert (u3[0], -u3[1], u3[2]) == pytest.approx((*u, 0.0))
+
+    def test_the_soonest_conflict_is_resolved(self) -> None:
+        p = closest_approach.ClosestApproach(speed=2.0, clearance=1.0, horizon=20.0)
+        goal = closest_approach.Goal(20.0, 0.0)
+        near, far = Body(4.0, 0.3, 0, 0, 0.5, 3.5, -1.0, 0.0), Body(9.0, -0.3, 0, 0, 0.5, 8.5, -1.0, 0.0)
+        steer = plain(closest_approach.steer)
+        demands = [steer(0.0, (0.0, 0.0), (2.0, 0.0), goal, b, (), p)[0] for b in ((near,), (near, far), (far, near))]
+        assert demands[0] == demands[1] == demands[2]
+        assert demands[0][1] < 0
+
+    def test_it_slows_down_at_the_goal(self) -> None:
+        p = closest_approach.ClosestApproach(speed=2.0, k_goal=1.0)
+        goal = closest_approach.Goal(3.0, 4.0)
+        steer = plain(closest_approach.steer)
+        assert steer(0.0, (0.0, 0.0), (0.0, 0.0), goal, (), (), p)[0] == pytest.approx((1.2, 1.6))
+        assert steer(0.0, (3.0, 3.5), (0.0, 0.0), goal, (), (), p)[0] == pytest.approx((0.0, 0.5))
+
+
+def disc(x: float, y: float, vx: float = 0.0, vy: float = 0.0, radius: float = 0.5) -> Body:
+    d = math.hypot(x, y)
+    return Body(x, y, vx, vy, radius, d - radius, -x / d, -y / d)
+
+
+class TestOrca:
+    P = orca.Orca(speed=1.0, v_max=1.5, radius=0.5, tau=5.0, c=1.0)
+    GOAL = orca.Goal(20.0, 0.0)
+
+    def steer(self, v: tuple[float, float], *bodies: Body, p: orca.Orca = P) -> tuple[float, float]:
+        return plain(orca.steer)((0.0), (0.0, 0.0), v, self.GOAL, bodies, (), p)[0]  # type: ignore[no-any-return]
+
+    @pytest.mark.parametrize("body", [disc(0.0, 6.0), disc(-3.0, 0.0), disc(7.0, 0.0), disc(3.0, 0.0, 1.5, 0.0)])
+    def test_nothing_in_the_way(self, body: Body) -> None:
+        # abeam; behind; ahead, but farther than tau; ahead and faster
+        assert self.steer((1.0, 0.0), body) == pytest.approx((1.0, 0.0))
+
+    def test_straight_at_a_far_disc_it_slows_down(self) -> None:
+        # nearest edge of the velocity obstacle is its rounded end: (distance - R) / tau
+        found = self.steer((0.78, 0.0), disc(5.0, 0.0))
+        assert found == pytest.approx((4.0 / 5.0, 0.0))
+
+    def test_near_a_disc_it_takes_the_tangent(self) -> None:
+        # half-angle asin(R / distance), R = 1, distance 2: the tangent is at 30 degrees, (1, 0) projects to cos 30
+        u = self.steer((1.0, -1e-9), disc(2.0, 0.0))
+        assert u == pytest.approx((0.75, -math.sqrt(3) / 4), abs=1e-6)
+
+    def test_half_the_change_when_both_make_it(self) -> None:
+        half = orca.Orca(speed=1.0, v_max=1.5, radius=0.5, tau=5.0, c=0.5)
+        body = disc(2.0, 0.3)
+        line, other = (plain(orca.half_plane)(body, (0.0, 0.0), (1.0, 0.0), p) for p in (self.P, half))
+        assert (other[0] - 1.0, other[1]) == pytest.approx((0.5 * (line[0] - 1.0), 0.5 * line[1]))
+
+    @pytest.mark.parametrize("seed", range(12))
+    def test_the_half_plane_touches_the_velocity_obstacle(self, seed: int) -> None:
+        random = np.random.default_rng(seed)
+        body = disc(*random.uniform(-4, 4, 2), *random.uniform(-1, 1, 2), 0.3)
+        v = random.uniform(-1.5, 1.5, 2)
+        px, py, nx, ny = plain(orca.half_plane)(body, (0.0, 0.0), tuple(v), self.P)
+        r, R = np.array([body.x, body.y]), body.radius + self.P.radius
+        if math.hypot(*r) <= R:
+            return
+        t = np.linspace(0.0, self.P.tau, 20001)[:, None]
+
+        def nearest(w: Any) -> float:
+            return float(np.linalg.norm(r - np.asarray(w) * t, axis=1).min() - R)
+
+        w = np.array([px, py]) - [body.vx, body.vy]
+        assert nearest(w) == pytest.approx(0.0, abs=1e-3)  # on its edge
+        assert nearest(w + 1e-2 * np.array([nx, ny])) > 0 > nearest(w - 1e-2 * np.array([nx, ny]))
+        u = np.linalg.norm(w - (v - [body.vx, body.vy]))
+        inside = nearest(v - [body.vx, body.vy]) < 0
+        for angle in np.linspace(0, 2 * np.pi, 60):  # and nowhere is the edge nearer
+            tried = v - [body.vx, body.vy] + 0.98 * u * np.array([np.cos(angle), np.sin(angle)])
+            assert (nearest(tried) < 1e-3) == inside or abs(nearest(tried)) < 2e-3
+
+    @pytest.mark.parametrize("seed", range(20))
+    def test_it_is_the_nearest_velocity_that_is_permitted(self, seed: int) -> None:
+        random = np.random.default_rng(100 + seed)
+        angles = random.uniform(0, 2 * np.pi, 3)
+        bodies = [
+            disc(d * np.cos(a), d * np.sin(a), *random.uniform(-0.7, 0.7, 2))
+            for a, d in zip(angles, random.uniform(1.5, 5, 3), strict=True)
+        ]
+        v = tuple(random.uniform(-0.8, 0.8, 2))
+        lines = [plain(orca.half_plane)(b, (0.0, 0.0), v, self.P) for b in bodies]
+        limits: list[Any] = [
+            {"type": "ineq", "fun": lambda u, k=k: (u[0] - k[0]) * k[2] + (u[1] - k[1]) * k[3]} for k in lines
+        ]
+        limits.append({"type": "ineq", "fun": lambda u: self.P.v_max**2 - u @ u})
+        best = minimize(lambda u: (u[0] - 1) ** 2 + u[1] ** 2, (0.1, 0.1), constraints=limits, options={"ftol": 1e-14})
+        if not best.success or min(k["fun"](best.x) for k in limits) < -1e-7:
+            return  # no velocity is permitted
+        assert self.steer(v, *bodies) == pytest.approx(best.x, abs=1e-5)
+
+    def test_hemmed_in_it_stays_within_its_speed(self) -> None:
+        ring = [disc(0.9 * math.cos(a), 0.9 * math.sin(a)) for a in np.linspace(0, 5, 6)]
+        u = self.steer((1.0, 0.0), *ring)
+        assert math.hypot(*u) <= 1.5 + 1e-12
+
+    def test_mirrored(self) -> None:
+        a = self.steer((0.9, 0.1), disc(2.0, 0.4, -0.3, 0.2), disc(3.0, -1.0, 0.0, 0.3))
+        b = self.steer((0.9, -0.1), disc(2.0, -0.4, -0.3, -0.2), disc(3.0, 1.0, 0.0, -0.3))
+        assert a == pytest.approx((b[0], -b[1]))
+
+
+VEHICLES = [c for c in components().values() if isinstance(c, Vehicle) and c.dimension == 2]
+AVOIDERS = [c for c in components().values() if isinstance(c, Avoider) and c.dimension == 2]
+
+
+def encounter(vehicle: Vehicle, avoider: Avoider, horizon: float = 20.0) -> Any:
+    """One on its way past a circle, a box and a circle that comes across; all else at its defaults."""
+    fits = next(c for c in components().values() if isinstance(c, Controller) and vehicle.name in c.fits)
+    weak = {"k_att": 0.5, "s": 4.0} if "s" in avoider.parameters._fields else {}  # type: ignore[attr-defined]
+    return changed(
+        CASE,
+        vehicle={"component": vehicle.name},
+        controller={"component": fits.name},
+        avoider={"component": avoider.name, "parameters": weak},
+        start={"x": 0.0, "y": 0.0},
+        goal={"x": 9.0, "y": 1.0},
+        obstacles=[
+            {"component": "circle", "parameters": {"position": {"x": 4.0, "y": -0.4}, "radius": 0.3}},
+            {"component": "box", "parameters": {"position": {"x": 6.0, "y": 3.0}, "angle": 0.5}},
+            {
+                "component": "moving_circle",
+                "parameters": {"position": {"x": 7.0, "y": 6.0}, "goal": {"x": 6.0, "y": -6.0}},
+            },
+        ],
+        horizon=horizon,
+        step=0.005,
+    )
+
+
+class TestFlown:
+    @pytest.mark.parametrize(
+        ("vehicle", "avoider"), list(itertools.product(VEHICLES, AVOIDERS)), ids=lambda c: getattr(c, "name", "")
+    )
+    def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
+        problem = uncompiled(encounter(vehicle, avoider, horizon=5.0))
+        batch, reasons = problem.fly_vectors(problem.nominal[None])
+        assert batch.status[0] == 0, reasons
+        assert np.isfinite(flight(problem)).all()
+
+    @pytest.mark.parametrize("name", ["orca", "closest_approach", "gnron"])
+    def test_lockstep_equals_plain_python(self, name: str) -> None:
+        avoider = next(a for a in AVOIDERS if a.name == name)
+        campaign = encounter(VEHICLES[0], avoider, horizon=3.0)
+        fast, slow = Problem(campaign), uncompiled(campaign)
+        assert flight(slow) == pytest.approx(flight(fast), abs=1e-12)

@@ -1,0 +1,134 @@
+"""Optimal reciprocal collision avoidance (ORCA) of one agent in the plane: the velocity nearest to the preferred one
+that keeps clear of every disc for a time tau.
+
+For each disc B, with r = p_B - q, w = v - v_B, R = radius of B + radius: u is the smallest change of w that leaves the
+velocity obstacle {w : |r - w t| < R for some t in [0, tau]}, n its outward normal there, and the velocity must lie in
+the half-plane  (V - v - c u) . n >= 0.  c = 1/2 where B does the same, 1 where it does not.
+The demand is the point of all half-planes and of the disc |V| <= v_max nearest to V_pref, which is of length `speed`
+towards the goal, less within speed / k_goal of it. Discs that overlap already are left within `escape`.
+Source: van den Berg, Guy, Lin and Manocha, Reciprocal n-body collision avoidance (2011), sections 4 and 5.1; the
+half-planes are taken one after another, as in their incremental linear program, in the order of the obstacles.
+Approximated: where no velocity satisfies all (their section 5.3 makes the largest violation smallest), the half-plane
+at hand is held and its violation of the others is shared between the two that bound it, and the speed stays within
+v_max. A box is taken for its circumscribed disc. The robot cannot move sideways and takes time to follow: `radius`
+needs a margin for that, which the method does not give.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, NamedTuple
+
+from worker.kernels.component import Avoider, Parameter
+from worker.kernels.fields import cruise
+from worker.kernels.maths import kernel, norm2
+
+
+class Orca(NamedTuple):
+    speed: Annotated[float, Parameter("m/s", "Preferred speed", 0.0, 1e3)] = 1.0
+    v_max: Annotated[float, Parameter("m/s", "Greatest speed", 1e-3, 1e3)] = 1.5
+    k_goal: Annotated[float, Parameter("1/s", "Speed per distance near the goal", 1e-3, 1e3)] = 1.0
+    radius: Annotated[float, Parameter("m", "Own radius with margin", 0.0, 1e4)] = 0.5
+    tau: Annotated[float, Parameter("s", "Time for which it keeps clear", 1e-2, 1e4, symbol="τ")] = 5.0
+    escape: Annotated[float, Parameter("s", "Time in which an overlap is left", 1e-2, 1e4)] = 0.5
+    c: Annotated[float, Parameter("", "Share of the change that it makes itself", 0.0, 1.0)] = 1.0
+
+
+class Goal(NamedTuple):
+    x: Annotated[float, Parameter("m", "Goal, x", -1e6, 1e6)]
+    y: Annotated[float, Parameter("m", "Goal, y", -1e6, 1e6)]
+
+
+Pair = tuple[float, float]
+Line = tuple[float, float, float, float]
+PARALLEL = 1e-9
+
+
+@kernel
+def half_plane(body: Any, q: Pair, v: Pair, p: Orca) -> Line:
+    """A point of the edge and the unit normal into the permitted side."""
+    rx = body.x - q[0]
+    ry = body.y - q[1]
+    vx = v[0] - body.vx
+    vy = v[1] - body.vy
+    R = body.radius + p.radius
+    square = rx * rx + ry * ry
+    apart = square > R * R
+    per_time = 1.0 / (p.tau if apart else p.escape)
+    wx = vx - per_time * rx
+    wy = vy - per_time * ry
+    w = norm2(wx, wy)
+    ahead = wx * rx + wy * ry
+    on_cap = ((ahead < 0.0) & (ahead * ahead > R * R * w * w)) | (square <= R * R)
+    per_w = 1.0 / (w + 1e-300)
+    cap_x, cap_y = wx * per_w, wy * per_w
+    beyond = R * per_time - w
+    tangent = square - R * R
+    tangent = math.sqrt(0.0 if tangent < 0.0 else tangent)
+    side = 1.0 if rx * wy - ry * wx > 0.0 else -1.0
+    per_square = 1.0 / (square + 1e-300)
+    leg_x = (side * rx * tangent - ry * R) * per_square
+    leg_y = (rx * R + side * ry * tangent) * per_square
+    along = vx * leg_x + vy * leg_y
+    ux = beyond * cap_x if on_cap else along * leg_x - vx
+    uy = beyond * cap_y if on_cap else along * leg_y - vy
+    return v[0] + p.c * ux, v[1] + p.c * uy, cap_x if on_cap else -leg_y, cap_y if on_cap else leg_x
+
+
+@kernel
+def bounded(low: float, high: float, line: Line, other: Line) -> Pair:
+    """The stretch of the edge of `line` from low to high, as far as it lies in the half-plane `other`."""
+    rate = other[2] * line[3] - other[3] * line[2]
+    short = (other[0] - line[0]) * other[2] + (other[1] - line[1]) * other[3]
+    crosses = abs(rate) > PARALLEL
+    at = short / (rate if crosses else 1.0)
+    low = at if crosses & (rate > 0.0) & (at > low) else low
+    high = at if crosses & (rate < 0.0) & (at < high) else high
+    return low, high
+
+
+@kernel
+def steer(t: float, q: Pair, v: Pair, goal: Goal, bodies: Any, memory: tuple[()], p: Orca) -> tuple[Pair, tuple[()]]:
+    x = goal.x - q[0]
+    y = goal.y - q[1]
+    k = cruise(norm2(x, y), p.speed if p.speed < p.v_max else p.v_max, p.k_goal)
+    wish_x, wish_y = k * x, k * y
+    best_x, best_y = wish_x, wish_y
+    for i in range(len(bodies)):
+        line = half_plane(bodies[i], q, v, p)
+        violated = (best_x - line[0]) * line[2] + (best_y - line[1]) * line[3] < 0.0
+        # along its edge: point + s (n_y, -n_x)
+        middle = -(line[0] * line[3] - line[1] * line[2])
+        reach = p.v_max * p.v_max - line[0] * line[0] - line[1] * line[1] + middle * middle
+        reach = math.sqrt(0.0 if reach < 0.0 else reach)
+        low, high = middle - reach, middle + reach
+        for j in range(i):
+            low, high = bounded(low, high, line, half_plane(bodies[j], q, v, p))
+        s = (wish_x - line[0]) * line[3] - (wish_y - line[1]) * line[2]
+        s = low if s < low else s
+        s = high if s > high else s
+        s = 0.5 * (low + high) if low > high else s
+        best_x = line[0] + s * line[3] if violated else best_x
+        best_y = line[1] - s * line[2] if violated else best_y
+    speed = norm2(best_x, best_y)
+    excess = p.v_max / (speed + 1e-300)
+    scale = excess if speed > p.v_max else 1.0
+    return (scale * best_x, scale * best_y), ()
+
+
+@kernel
+def remember(p: Orca) -> tuple[()]:
+    return ()
+
+
+component = Avoider(
+    name="orca",
+    title="Velocity obstacles (ORCA)",
+    dimension=2,
+    demand="velocity",
+    parameters=Orca,
+    goal=Goal,
+    memory=0,
+    steer=steer,
+    remember=remember,
+)

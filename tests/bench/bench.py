@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from campaigns import library, load_file
+from tests.bench import reference_pioneer
 from worker.kernels.assemble import Loop
 from worker.problem import Floats, Problem
 from worker.provenance import provenance
@@ -43,7 +44,7 @@ def main() -> None:
     """Measure, print, write."""
     BUILD.mkdir(exist_ok=True)
     problem = Problem(load_file(library()["unicycle_static"]))
-    found: dict[str, Any] = unicycle(problem)
+    found: dict[str, Any] = unicycle(problem) | pioneer()
     found["second_process_first_eval_s"] = second_process()
     found |= {"cpu": provenance(problem)["cpu"]["model"], "cores": os.cpu_count(), "python": platform.python_version()}
     (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")
@@ -78,6 +79,21 @@ def unicycle(problem: Problem) -> dict[str, Any]:
         "unicycle_largest_difference_from_cpp_m": apart,
         "unicycle_lanes": problem.loop.lanes,
         "cpp_compiler": compiler,
+    }
+
+
+def pioneer() -> dict[str, Any]:
+    """Case 2 at full batch, against the plain scalar program that does the same work."""
+    problem = Problem(load_file(library()["pioneer_moving"]))
+    vectors = problem.vectors(np.random.default_rng(0).random((FULL, problem.dimension)))
+    reference = reference_pioneer.Reference(problem, vectors[:128])
+    apart = float(np.abs(reference.costs() - problem.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
+    seconds = interleaved([(lambda: problem.fly_vectors(vectors), FULL), (reference.costs, 128)])
+    return {
+        "pioneer_us": 1e6 * seconds[0],
+        "pioneer_reference_us": 1e6 * seconds[1],
+        "pioneer_vs_reference": seconds[1] / seconds[0],
+        "pioneer_largest_difference_from_reference_m": apart,
     }
 
 

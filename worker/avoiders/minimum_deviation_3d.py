@@ -10,14 +10,14 @@ one with the soonest closest approach is resolved.
 
 side   -1 left, 1 right of the line of sight in the horizontal, committed; 0 free: whither V_AB points already (7.7);
        2 the side it points to at the first sample of a conflict, committed for the flight
-gate   0 acts on every intruder that comes closer within reach; 1 while d_AB <= R_p; 2 from the first d_AB <= R_p on,
+gate   0 acts on every intruder that comes closer within range; 1 while d_AB <= R_p; 2 from the first d_AB <= R_p on,
        until nothing comes closer; 3 while xi < eta, then holds the last demand; 4 while xi < eta, else as planned
 
-V_A and V_B are read with errors: own speed + du at the track + dpsi, the intruder's speed + du_0 at its track turned by
-dpsi_0, anticlockwise seen from above. V_A is the planned velocity, unless `instant` is 1. Range and its rate are exact.
+V_A and V_B are read with errors: own speed + du at the track + dpsi, the intruder's speed + du0 at its track turned by
+dpsi0, anticlockwise seen from above. V_A is the planned velocity, unless `instant` is 1. Range and its rate are exact.
 Source: Srikanthakumar, section 7.2; equation 7.7 is 0/0 at xi = 0, the form above equals it elsewhere. Reconstructed:
-R_p (planning) apart from the radius to be kept, reach, eta_max, side, gate, "readings at the nominal case" as the
-planned velocity, and the sense of dpsi_0. Meant for guidance sampled at its own period. Axes with z down.
+R_p (planning) apart from the radius to be kept, range, eta_max, side, gate, "readings at the nominal case" as the
+planned velocity, and the sense of dpsi0. Meant for guidance sampled at its own period. Axes with z down.
 Limits: pairwise; velocities are taken as constant; envelope and dynamics of the aircraft are left to its autopilot.
 """
 

@@ -11,7 +11,7 @@ one that the rules leave, and who has the right of way flies on as planned:
 
 Rules are tried in this order. Who has the right of way acts all the same when the closest approach is nearer than
 `last_resort` in time: the other does not give way. It then passes behind the other. A duty holds until the conflict it
-was taken up for is over: until another intruder's is the soonest, or none comes closer within reach.
+was taken up for is over: until another intruder's is the soonest, or none comes closer within range.
 Altitude is not a rule's matter: all encounters are taken for such at about the same level.
 
 Source: ICAO Annex 2, Rules of the Air, section 3.2.2 (3.2.2.2 head-on, 3.2.2.3 converging, 3.2.2.4 overtaking and its

@@ -26,19 +26,17 @@ class Plan(NamedTuple):
 
 
 class Sensing(NamedTuple):
-    """How far the resolution reaches, and the errors of the readings it rests on."""
+    """How far the resolution looks, and the errors of the readings it rests on."""
 
     radius: Annotated[float, Parameter("m", "Planning radius: the miss distance aimed at", 0.0, 1e5, symbol="R_p")] = (
         92.0
     )
-    reach: Annotated[float, Parameter("m", "Distance within which intruders are acted on", 0.0, 1e7)] = 600.0
+    range: Annotated[float, Parameter("m", "Distance within which intruders are acted on", 0.0, 1e7)] = 600.0
     eta_max: Annotated[float, Parameter("rad", "Largest turn from the line of sight", 0.0, 3.2, symbol="η_max")] = 1.2
     du: Annotated[float, Parameter("m/s", "Error of the own speed reading", -100.0, 100.0, symbol="Δu")] = 0.0
     dpsi: Annotated[float, Parameter("rad", "Error of the own track reading", -3.2, 3.2, symbol="Δψ")] = 0.0
-    du_0: Annotated[float, Parameter("m/s", "Error of the intruder's speed reading", -100.0, 100.0, symbol="Δu_0")] = (
-        0.0
-    )
-    dpsi_0: Annotated[
+    du0: Annotated[float, Parameter("m/s", "Error of the intruder's speed reading", -100.0, 100.0, symbol="Δu_0")] = 0.0
+    dpsi0: Annotated[
         float, Parameter("rad", "Error of the intruder's track reading, anticlockwise", -3.2, 3.2, symbol="Δψ_0")
     ] = 0.0
     instant: Annotated[
@@ -50,9 +48,9 @@ class Encounter(NamedTuple):
     """An intruder as perceived.
 
     n: unit vector to it; right: horizontal unit vector to the right of the line of sight; own, other, relative:
-    velocities as read [m/s]; distance [m]; closing: true speed of approach; towards: the same as read [m/s];
+    velocities as read [m/s]; distance [m]; towards: speed of approach as read [m/s];
     across: relative velocity across the line of sight; turn: half angle of the cone of conflict [rad];
-    miss: distance of the closest approach [m]; wait: time to it [s]; near: 1 where it comes closer within reach.
+    miss: distance of the closest approach [m]; wait: time to it [s]; near: 1 where it comes closer within range.
     """
 
     n: Vector
@@ -102,8 +100,8 @@ def perceive(q: Vector, v: Vector, own: Vector, body: Any, p: Any) -> Encounter:
     flat = 1.0 / (level if level > TINY else 1.0)
     right = (-n[1] * flat, n[0] * flat, 0.0)
     speed = norm3((body.vx, body.vy, body.vz))
-    longer = 1.0 + p.du_0 / (speed if speed > TINY else 1.0)
-    s, c = sincos(p.dpsi_0)
+    longer = 1.0 + p.du0 / (speed if speed > TINY else 1.0)
+    s, c = sincos(p.dpsi0)
     other = (longer * (c * body.vx + s * body.vy), longer * (c * body.vy - s * body.vx), longer * body.vz)
     relative = (own[0] - other[0], own[1] - other[1], own[2] - other[2])
     towards = dot3(relative, n)
@@ -114,7 +112,7 @@ def perceive(q: Vector, v: Vector, own: Vector, body: Any, p: Any) -> Encounter:
     size = norm3(relative)
     per_size = 1.0 / (size if size > TINY else 1.0)
     wait = distance * towards * per_size * per_size
-    near = 1.0 if (closing > 0.0) & (distance < p.reach) else 0.0
+    near = 1.0 if (closing > 0.0) & (distance < p.range) else 0.0
     miss = distance * norm3(across) * per_size
     return Encounter(n, right, own, other, relative, distance, towards, across, turn, miss, wait, near)
 

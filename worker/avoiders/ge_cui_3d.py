@@ -42,31 +42,34 @@ class Goal(NamedTuple):
 
 
 @kernel
-def repulsion(body: Any, v: Vector, p: GeCui) -> Vector:
+def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: GeCui) -> Vector:
+    x, y, z = goal.x - q[0], goal.y - q[1], goal.z - q[2]
+    k = attraction(norm3((x, y, z)), p.k_att, p.s)
+    return k * x, k * y, k * z
+
+
+@kernel
+def weigh(
+    force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: GeCui
+) -> Vector:
     vx = v[0] - body.vx
     vy = v[1] - body.vy
     vz = v[2] - body.vz
     closing = -(vx * body.nx + vy * body.ny + vz * body.nz)  # n is the normal turned round
     along, across = relative(body.gap, closing, p.eta, p.rho_0, p.A_max, p.floor)
     inward = across * closing - along
-    return across * vx + inward * body.nx, across * vy + inward * body.ny, across * vz + inward * body.nz
+    return (
+        force[0] + across * vx + inward * body.nx,
+        force[1] + across * vy + inward * body.ny,
+        force[2] + across * vz + inward * body.nz,
+    )
 
 
 @kernel
 def steer(
-    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: GeCui
+    t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: GeCui
 ) -> tuple[Vector, tuple[()]]:
-    to_goal = (goal.x - q[0], goal.y - q[1], goal.z - q[2])
-    k = attraction(norm3(to_goal), p.k_att, p.s)
-    fx = k * to_goal[0]
-    fy = k * to_goal[1]
-    fz = k * to_goal[2]
-    for body in bodies:
-        rx, ry, rz = repulsion(body, v, p)
-        fx += rx
-        fy += ry
-        fz += rz
-    return (fx, fy, fz), ()
+    return force, ()
 
 
 @kernel
@@ -84,4 +87,6 @@ component = Avoider(
     memory=0,
     steer=steer,
     remember=remember,
+    weigh=weigh,
+    first=first,
 )

@@ -41,45 +41,67 @@ Memory = tuple[float, float, float, float, float, float]
 """Latched, side committed to (0: none yet), last demand (3) [m/s], whether there is one."""
 
 
+class Soonest(NamedTuple):
+    """What the obstacles weighed so far come to: the soonest conflict, and the demand that resolves it [m/s]."""
+
+    wait: float
+    x: float
+    y: float
+    z: float
+    passed: float
+    side: float
+    approached: float
+    latched: float
+
+
 @kernel
-def steer(t: float, q: Vector, v: Vector, goal: Plan, bodies: Any, memory: Memory, p: Any) -> tuple[Vector, Memory]:
+def first(t: float, q: Vector, v: Vector, goal: Plan, m: Memory, p: Any) -> Soonest:
+    return Soonest(NEVER, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, m[0])
+
+
+@kernel
+def weigh(
+    s: Soonest, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Plan, m: Memory, p: Any
+) -> Soonest:
+    e = perceive(q, v, own_reading(v, goal, p), body, p)
+    near = e.near > 0.5
+    within = e.miss <= p.radius
+    latched = (m[0] > 0.5) | within
+    points_to = 1.0 if dot3(e.relative, e.right) >= 0.0 else -1.0
+    at_first = points_to if m[1] == 0.0 else m[1]
+    side = at_first if p.side > 1.5 else p.side
+    h, xi = aside(e, side)
+    demand = resolve(e, h, xi)
+    acts = (p.gate < 0.5) | (p.gate > 2.5)
+    acts = within if (p.gate > 0.5) & (p.gate < 1.5) else acts
+    acts = latched if (p.gate > 1.5) & (p.gate < 2.5) else acts
+    passed = 1.0 if (p.gate > 2.5) & (xi >= e.turn) else 0.0
+    wait = e.wait + 0.5 * NEVER * passed  # one in conflict goes before one that is passed clear already
+    sooner = acts & near & (wait < s.wait)
+    return Soonest(
+        wait if sooner else s.wait,
+        demand[0] if sooner else s.x,
+        demand[1] if sooner else s.y,
+        demand[2] if sooner else s.z,
+        passed if sooner else s.passed,
+        side if sooner else s.side,
+        1.0 if near else s.approached,
+        1.0 if near & latched else s.latched,
+    )
+
+
+@kernel
+def steer(t: float, q: Vector, v: Vector, goal: Plan, s: Soonest, m: Memory, p: Any) -> tuple[Vector, Memory]:
     plan = planned(goal)
-    own = own_reading(v, goal, p)
-    side = memory[1] if p.side > 1.5 else p.side
-    soonest, ax, ay, az, clear, wanted = NEVER, plan[0], plan[1], plan[2], 0.0, 0.0
-    approached, inside = 0.0, memory[0]
-    for body in bodies:
-        e = perceive(q, v, own, body, p)
-        within = e.miss <= p.radius
-        approached = 1.0 if e.near > 0.5 else approached
-        latched = 1.0 if within else memory[0]
-        inside = latched if (e.near > 0.5) & (latched > inside) else inside
-        first = 1.0 if dot3(e.relative, e.right) >= 0.0 else -1.0
-        turned_to = first if (p.side > 1.5) & (side == 0.0) else side
-        h, xi = aside(e, turned_to)
-        demand = resolve(e, h, xi)
-        acts = (p.gate < 0.5) | (p.gate > 2.5)
-        acts = within if (p.gate > 0.5) & (p.gate < 1.5) else acts
-        acts = latched > 0.5 if (p.gate > 1.5) & (p.gate < 2.5) else acts
-        passed = 1.0 if (p.gate > 2.5) & (xi >= e.turn) else 0.0
-        # one in conflict goes before one that is already passed clear
-        when = e.wait + 0.5 * NEVER * passed
-        sooner = acts & (e.near > 0.5) & (when < soonest)
-        soonest = when if sooner else soonest
-        ax = demand[0] if sooner else ax
-        ay = demand[1] if sooner else ay
-        az = demand[2] if sooner else az
-        clear = passed if sooner else clear
-        wanted = turned_to if sooner else wanted
-    acting = soonest < NEVER
-    now = acting & (clear < 0.5)
-    hold = acting & (clear > 0.5) & (p.gate < 3.5) & (memory[5] > 0.5)
-    kept = (memory[2] if hold else plan[0], memory[3] if hold else plan[1], memory[4] if hold else plan[2])
-    out = (ax if now else kept[0], ay if now else kept[1], az if now else kept[2])
-    last = (ax if now else memory[2], ay if now else memory[3], az if now else memory[4])
-    committed = wanted if acting & (memory[1] == 0.0) else memory[1]
-    latch = inside if approached > 0.5 else 0.0
-    return out, (latch, committed, last[0], last[1], last[2], 1.0 if now else memory[5])
+    acting = s.wait < NEVER
+    now = acting & (s.passed < 0.5)
+    hold = acting & (s.passed > 0.5) & (p.gate < 3.5) & (m[5] > 0.5)
+    last = (s.x if now else m[2], s.y if now else m[3], s.z if now else m[4])
+    flies = now | hold
+    out = (last[0] if flies else plan[0], last[1] if flies else plan[1], last[2] if flies else plan[2])
+    side = s.side if acting & (m[1] == 0.0) else m[1]
+    latched = s.latched if s.approached > 0.5 else 0.0
+    return out, (latched, side, last[0], last[1], last[2], 1.0 if now else m[5])
 
 
 @kernel
@@ -97,4 +119,6 @@ component = Avoider(
     memory=6,
     steer=steer,
     remember=remember,
+    weigh=weigh,
+    first=first,
 )

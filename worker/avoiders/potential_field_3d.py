@@ -36,20 +36,25 @@ class Goal(NamedTuple):
 
 
 @kernel
+def first(t: float, q: Vector, v: Vector, goal: Goal, memory: tuple[()], p: PotentialField) -> Vector:
+    x, y, z = goal.x - q[0], goal.y - q[1], goal.z - q[2]
+    k = attraction(norm3((x, y, z)), p.k_att, p.s)
+    return k * x, k * y, k * z
+
+
+@kernel
+def weigh(
+    force: Vector, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Goal, m: tuple[()], p: PotentialField
+) -> Vector:
+    away = firas(body.gap, p.k_rep, p.d_0)
+    return force[0] + away * body.nx, force[1] + away * body.ny, force[2] + away * body.nz
+
+
+@kernel
 def steer(
-    t: float, q: Vector, v: Vector, goal: Goal, bodies: Any, memory: tuple[()], p: PotentialField
+    t: float, q: Vector, v: Vector, goal: Goal, force: Vector, memory: tuple[()], p: PotentialField
 ) -> tuple[Vector, tuple[()]]:
-    to_goal = (goal.x - q[0], goal.y - q[1], goal.z - q[2])
-    k = attraction(norm3(to_goal), p.k_att, p.s)
-    fx = k * to_goal[0]
-    fy = k * to_goal[1]
-    fz = k * to_goal[2]
-    for body in bodies:
-        away = firas(body.gap, p.k_rep, p.d_0)
-        fx += away * body.nx
-        fy += away * body.ny
-        fz += away * body.nz
-    return (fx, fy, fz), ()
+    return force, ()
 
 
 @kernel
@@ -67,4 +72,6 @@ component = Avoider(
     memory=0,
     steer=steer,
     remember=remember,
+    weigh=weigh,
+    first=first,
 )

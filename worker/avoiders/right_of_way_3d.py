@@ -65,36 +65,57 @@ def duty(e: Encounter, p: Any) -> float:
     return GIVES_WAY if head_on | overtaking | converging else STANDS_ON
 
 
+class Soonest(NamedTuple):
+    """What the obstacles weighed so far come to: the soonest conflict, the demand that resolves it [m/s], the duty."""
+
+    wait: float
+    x: float
+    y: float
+    z: float
+    flies_on: float
+    duty: float
+    number: float
+    approached: float
+
+
 @kernel
-def steer(t: float, q: Vector, v: Vector, goal: Plan, bodies: Any, memory: Memory, p: Any) -> tuple[Vector, Memory]:
+def first(t: float, q: Vector, v: Vector, goal: Plan, m: Memory, p: Any) -> Soonest:
+    return Soonest(NEVER, 0.0, 0.0, 0.0, 0.0, m[0], m[1], 0.0)
+
+
+@kernel
+def weigh(
+    s: Soonest, number: float, body: Any, t: float, q: Vector, v: Vector, goal: Plan, m: Memory, p: Any
+) -> Soonest:
+    e = perceive(q, v, own_reading(v, goal, p), body, p)
+    near = e.near > 0.5
+    known = (m[0] > -0.5) & (m[1] == number)
+    what = m[0] if known else duty(e, p)
+    stands_on = what < 0.5
+    crossing = e.other[0] * e.right[0] + e.other[1] * e.right[1]
+    behind = -1.0 if crossing > 0.0 else 1.0
+    h, xi = aside(e, behind if stands_on else 1.0)
+    demand = resolve(e, h, xi)
+    sooner = near & (e.miss <= p.radius) & (xi < e.turn) & (e.wait < s.wait)
+    waits = 1.0 if stands_on & (e.wait > p.last_resort) else 0.0
+    return Soonest(
+        e.wait if sooner else s.wait,
+        demand[0] if sooner else s.x,
+        demand[1] if sooner else s.y,
+        demand[2] if sooner else s.z,
+        waits if sooner else s.flies_on,
+        what if sooner else s.duty,
+        number if sooner else s.number,
+        1.0 if near else s.approached,
+    )
+
+
+@kernel
+def steer(t: float, q: Vector, v: Vector, goal: Plan, s: Soonest, m: Memory, p: Any) -> tuple[Vector, Memory]:
     plan = planned(goal)
-    own = own_reading(v, goal, p)
-    soonest, ax, ay, az, flies_on, owed, to = NEVER, plan[0], plan[1], plan[2], 0.0, memory[0], memory[1]
-    approached, number = 0.0, 0.0
-    for body in bodies:
-        e = perceive(q, v, own, body, p)
-        approached = 1.0 if e.near > 0.5 else approached
-        known = (memory[0] > -0.5) & (memory[1] == number)
-        what = memory[0] if known else duty(e, p)
-        stands_on = what < 0.5
-        crossing = e.other[0] * e.right[0] + e.other[1] * e.right[1]
-        behind = -1.0 if crossing > 0.0 else 1.0
-        h, xi = aside(e, behind if stands_on else 1.0)
-        demand = resolve(e, h, xi)
-        conflict = (e.near > 0.5) & (e.miss <= p.radius) & (xi < e.turn)
-        sooner = conflict & (e.wait < soonest)
-        soonest = e.wait if sooner else soonest
-        waits = stands_on & (e.wait > p.last_resort)
-        flies_on = (1.0 if waits else 0.0) if sooner else flies_on
-        ax = demand[0] if sooner else ax
-        ay = demand[1] if sooner else ay
-        az = demand[2] if sooner else az
-        owed = what if sooner else owed
-        to = number if sooner else to
-        number += 1.0
-    acts = (soonest < NEVER) & (flies_on < 0.5)
-    out = (ax if acts else plan[0], ay if acts else plan[1], az if acts else plan[2])
-    return out, (owed if approached > 0.5 else NO_DUTY, to)
+    acts = (s.wait < NEVER) & (s.flies_on < 0.5)
+    out = (s.x if acts else plan[0], s.y if acts else plan[1], s.z if acts else plan[2])
+    return out, (s.duty if s.approached > 0.5 else NO_DUTY, s.number)
 
 
 @kernel
@@ -112,4 +133,6 @@ component = Avoider(
     memory=2,
     steer=steer,
     remember=remember,
+    weigh=weigh,
+    first=first,
 )

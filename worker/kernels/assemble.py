@@ -191,6 +191,17 @@ def _demand(parts: Parts) -> Function:
     return glue.waited if parts.late else glue.held
 
 
+def _steer(parts: Parts) -> Any:
+    """The avoider's kernel; of one that weighs the obstacles, with them all in a row."""
+    avoider = parts.avoider
+    if avoider.weigh is None:
+        return avoider.steer
+    weighed = bind(glue.unweighed, {"first": avoider.first})
+    for i in range(len(parts.obstacles)):
+        weighed = bind(glue.more_weighed, {"weigh": avoider.weigh, "before": weighed, "INDEX": i})
+    return bind(glue.steered, {"decide": avoider.steer, "weighed": weighed})
+
+
 def _translation(parts: Parts, slots: dict[str, Any]) -> dict[str, Any]:
     """Where a demand becomes the controller's: at the sample; but one that comes late is blended as it was given."""
     once = parts.sampled and not parts.late
@@ -235,7 +246,7 @@ def _components(parts: Parts) -> dict[str, Any]:
         "prepare": parts.controller.prepare[kind],
         "command": parts.controller.command[kind],
         "references": parts.controller.references[kind],
-        "steer": parts.avoider.steer,
+        "steer": _steer(parts),
         "remember": parts.avoider.remember,
         "value": parts.criterion.value,
         "excluded": parts.criterion.excluded,

@@ -186,6 +186,9 @@ class Avoider:
 
     steer(t, position, velocity, goal, bodies, m, p) -> (demand, m); remember(p) -> m at the start.
     The demand is a world-frame force or velocity of the given dimension.
+    Where it has weigh(so_far, number, body, t, position, velocity, goal, m, p) -> so_far, which every obstacle goes
+    through in turn from first(t, position, velocity, goal, m, p) -> so_far on, steer receives the last so_far in place
+    of the bodies: a loop over bodies with much to do in it would not vectorise.
     """
 
     name: str
@@ -197,6 +200,8 @@ class Avoider:
     memory: int
     steer: Kernel
     remember: Kernel
+    weigh: Kernel | None = None
+    first: Kernel | None = None
     derived: Derived | None = None
     role: Literal["avoider"] = "avoider"
 

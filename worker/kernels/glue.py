@@ -113,7 +113,7 @@ def _slot(*_: Any) -> Any:
 
 begin = derivative = position = velocity = outside = pose = measured = settle = felt = _slot
 prepare = command = references = derive = balance = translate = on_sample = on_use = _slot
-steer = remember = kept = wait = late_by = blended = _slot
+steer = remember = kept = wait = late_by = blended = weigh = weighed = first = decide = _slot
 body = move = wake = before = demand = _slot
 bodies = perceived = sight = shifted = shown = samples = centre = centres = actuated = surroundings = errors = (
     seen_at
@@ -404,6 +404,21 @@ def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
 def as_measured(x: Any, env: Any, p: Any) -> Any:
     """The controller knows the vehicle as navigation reports it."""
     return x
+
+
+def steered(t: float, q: Any, v: Any, goal: Any, around: Any, m: Any, p: Any) -> Any:
+    """The demand of an avoider that weighs the obstacles one after another."""
+    return decide(t, q, v, goal, weighed(t, q, v, goal, around, m, p), m, p)
+
+
+def unweighed(t: float, q: Any, v: Any, goal: Any, around: Any, m: Any, p: Any) -> Any:
+    """What an avoider begins with before the first obstacle."""
+    return first(t, q, v, goal, m, p)
+
+
+def more_weighed(t: float, q: Any, v: Any, goal: Any, around: Any, m: Any, p: Any) -> Any:
+    """The obstacles weighed before, and one more."""
+    return weigh(before(t, q, v, goal, around, m, p), float(INDEX), around[INDEX], t, q, v, goal, m, p)
 
 
 def as_demanded(x: Any, want: Any, p: Any) -> Any:

@@ -14,13 +14,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from campaigns import library, load_file
-from tests.bench import reference_pioneer
+from tests.bench import reference_pioneer, reference_uav
 from worker.kernels.assemble import Loop
 from worker.problem import Floats, Problem
 from worker.provenance import provenance
@@ -44,7 +45,7 @@ def main() -> None:
     """Measure, print, write."""
     BUILD.mkdir(exist_ok=True)
     problem = Problem(load_file(library()["unicycle_static"]))
-    found: dict[str, Any] = unicycle(problem) | pioneer()
+    found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft()
     found["second_process_first_eval_s"] = second_process()
     found |= {"cpu": provenance(problem)["cpu"]["model"], "cores": os.cpu_count(), "python": platform.python_version()}
     (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")
@@ -95,6 +96,26 @@ def pioneer() -> dict[str, Any]:
         "pioneer_vs_reference": seconds[1] / seconds[0],
         "pioneer_largest_difference_from_reference_m": apart,
     }
+
+
+def aircraft() -> dict[str, Any]:
+    """Cases 3 to 5 at full batch, against the plain scalar programs, which stop once the flight is clear."""
+    found: dict[str, Any] = {}
+    for case, name in ((3, "uav_static"), (4, "uav_moving"), (5, "uav_aca")):
+        problem = Problem(load_file(library()[name]))
+        vectors = problem.vectors(np.random.default_rng(0).random((FULL, problem.dimension)))
+        reference = reference_uav.Reference(case, problem, vectors[:128])
+        apart = float(np.abs(reference.costs() - problem.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
+        every = [(partial(problem.fly_vectors, vectors), FULL), (reference.costs, 128)]
+        seconds = interleaved([*every, (partial(problem.fly_vectors, vectors[:1]), 1)])
+        found |= {
+            f"{name}_us": 1e6 * seconds[0],
+            f"{name}_single_us": 1e6 * seconds[2],
+            f"{name}_reference_us": 1e6 * seconds[1],
+            f"{name}_vs_reference": seconds[1] / seconds[0],
+            f"{name}_largest_difference_from_reference_m": apart,
+        }
+    return found
 
 
 def interleaved(measured: list[tuple[Callable[[], object], int]], repeats: int = 9) -> list[float]:

@@ -38,6 +38,10 @@ class ComponentEntry(Entry):
     title: str
     dimension: int | None
     """2 or 3 where the component lives in a plane or in space; None where it fits both."""
+    frame: Literal["enu", "ned"] = "enu"
+    """The axes of a vehicle's world: x east, y north, z up, or x north, y east, z down."""
+    moving: bool = False
+    """Whether an obstacle moves by itself."""
     parameters: list[ParameterEntry]
     starts: list[ParameterEntry] = []
     goals: list[ParameterEntry] = []

@@ -113,6 +113,8 @@ def _component_entry(component: Component) -> ComponentEntry:
         name=component.name,
         title=component.title,
         dimension=component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None,
+        frame=component.frame if isinstance(component, Vehicle) else "enu",
+        moving=isinstance(component, Obstacle) and component.moving,
         parameters=[_parameter_entry(p) for p in parameters],
         starts=[_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
         goals=[_parameter_entry(p) for p in declared(component.goal)] if isinstance(component, Avoider) else [],

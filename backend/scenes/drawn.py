@@ -1,4 +1,7 @@
-"""Draws one flight: its line, the vehicle at a time, the closest approach with its ruler. Start reading at `Drawn`."""
+"""Draws one flight: its line, the vehicle at a time, the closest approach with its ruler. Start reading at `Drawn`.
+
+In space a flight has a shadow on the ground and stems at even times, so that heights can be read.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from backend.scenes import shapes
 from backend.scenes.flight import Closest, Flight
 from backend.scenes.palette import rgb, shade
 from backend.scenes.setting import Setting
-from backend.scenes.world import Frame
+from backend.scenes.world import World
 
 Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
 
@@ -35,53 +38,69 @@ class Style:
 class Drawn:
     """A flight in the scene; drawn again in place when it changes."""
 
-    def __init__(self, server: viser.ViserServer, setting: Setting, frame: Frame, style: Style) -> None:
-        self._scene, self._setting, self._frame, self.style = server.scene, setting, frame, style
+    def __init__(self, server: viser.ViserServer, setting: Setting, world: World, style: Style) -> None:
+        self._scene, self._setting, self._world, self.style = server.scene, setting, world, style
         self.flight: Flight | None = None
-        self._visible = True
-        self._lift = np.array([0.0, 0.0, 0.004 * frame.span * (1 + style.layer)]) if setting.planar else np.zeros(3)
+        self.visible = True
+        """Whether it is to be seen once there is one."""
         self._root = self._scene.add_frame(f"/flights/{style.key}", show_axes=False, visible=False)
         self._vehicle: Any = None
 
     def draw(self, flight: Flight, time: float) -> None:
         """Show this flight instead of the one before, the vehicle where it is at that time."""
         self._line("path", shapes.polyline(flight.position + self._lift), (5.0, 3.0, 2.0)[self.style.layer])
+        if not self._setting.planar:
+            self._stand(flight)
         if self._vehicle is None:
             self._vehicle = self._build_vehicle()
         self.flight = flight
         self._closest(flight.closest)
-        self._root.visible = self._visible
+        self._root.visible = self.visible
         self.move(time)
 
     def move(self, time: float) -> None:
         """Put the vehicle where it is at that time [s]."""
         if self.flight is not None:
-            position, rotation, _ = self.flight.at(time)
+            position, turn, _ = self.flight.at(time)
             self._vehicle.position = position + self._lift
-            self._vehicle.wxyz = shapes.quaternion(rotation)
+            self._vehicle.wxyz = turn
 
     def show(self, visible: bool) -> None:
         """Show or hide it."""
-        self._visible = visible
+        self.visible = visible
         self._root.visible = visible and self.flight is not None
+
+    @property
+    def _lift(self) -> Any:
+        """Off the ground in the plane, the flights above one another."""
+        return np.array([0.0, 0.0, 0.004 * self._world.frame.span * (1 + self.style.layer) * self._setting.planar])
+
+    def _stand(self, flight: Flight) -> None:
+        """Its shadow on the ground, and stems down to it at even times."""
+        shadow = flight.position * (1.0, 1.0, 0.0) + (0.0, 0.0, self._world.ground)
+        self._line("shadow", shapes.dashed(shadow, self._world.frame.span / 200), 1.0, soft=True)
+        step = shapes.even_step(self._setting.horizon, 9)
+        feet = [flight.at(time)[0] for time in np.arange(0.0, flight.time[-1] + 1e-9, step)]
+        stems = np.array([(foot, (foot[0], foot[1], self._world.ground)) for foot in feet])
+        self._line("stems", stems, 1.0, soft=True)
 
     def _name(self, part: str) -> str:
         return f"/flights/{self.style.key}/{part}"
 
-    def _line(self, part: str, segments: Any, width: float) -> None:
-        colour = rgb(self.style.colour)
+    def _line(self, part: str, segments: Any, width: float, soft: bool = False) -> None:
+        colour = rgb(self._world.palette.section if soft else self.style.colour)
         self._scene.add_line_segments(
             self._name(part), segments.astype(np.float32), colour, thickness=width, thickness_units="screen"
         )
 
     def _build_vehicle(self) -> Any:
         frame = self._scene.add_frame(self._name("vehicle"), show_axes=False)
-        body, rest = shapes.unicycle() if self._setting.planar else shapes.dart()
+        body, rest = _shape(self._setting)
         dark = shade(rgb(self.style.colour), 0.45)
         for part, mesh, colour in (("body", body, shade(rgb(self.style.colour), 0.8)), ("rest", rest, dark)):
             self._scene.add_mesh_simple(
                 self._name(f"vehicle/{part}"),
-                (self._frame.unit * mesh.vertices).astype(np.float32),
+                (self._world.frame.unit * mesh.vertices).astype(np.float32),
                 mesh.faces.astype(np.uint32),
                 color=colour,
                 flat_shading=True,
@@ -92,20 +111,22 @@ class Drawn:
         return frame
 
     def _closest(self, closest: Closest | None) -> None:
-        """A ball where the flight came closest, and a ruler to the obstacle that says how close."""
+        """Balls where the flight came closest and where the obstacle was then, and a ruler that says how close."""
         if closest is None:
-            for part in ("closest", "ruler", "label"):
+            for part in ("closest", "closest-obstacle", "ruler", "label"):
                 self._scene.remove_by_name(self._name(part))
             return
         near, far = closest.position + self._lift, closest.obstacle + self._lift
-        colour = rgb(self.style.colour)
-        self._scene.add_icosphere(
-            self._name("closest"), 0.1 * self._frame.unit, colour, position=near, cast_shadow=False
-        )
+        self._ball("closest", 0.1, near, self.style.colour)
+        self._ball("closest-obstacle", 0.07, far, self.style.colour)
         self._line("ruler", np.stack([near, far])[None], 1.5)
-        text = f"{self.style.title} {closest.value:.4f} {self._setting.unit}"
+        text = f"{self.style.title} {closest.value:.{self._setting.decimals}f} {self._setting.unit}"
         place, anchor = self._label_place(closest)
         self._scene.add_label(self._name("label"), text, position=place, anchor=anchor, font_screen_scale=0.9)
+
+    def _ball(self, part: str, size: float, place: Any, colour: str) -> None:
+        radius = size * self._world.frame.unit
+        self._scene.add_icosphere(self._name(part), radius, rgb(colour), position=place, cast_shadow=False)
 
     def _label_place(self, closest: Closest) -> tuple[Any, Anchor]:
         """Where the label stands, on the side where it covers neither the obstacle nor another flight's label."""
@@ -123,3 +144,10 @@ class Drawn:
             "top-right": "top-right",
         }
         return place, sides[f"{self.style.label}-{away}"]
+
+
+def _shape(setting: Setting) -> tuple[shapes.Mesh, shapes.Mesh]:
+    """The vehicle's two meshes: an aircraft in space, else a robot."""
+    if not setting.planar:
+        return shapes.aircraft()
+    return shapes.pioneer() if setting.vehicle.startswith("pioneer") else shapes.unicycle()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from backend.results import service as results
 from backend.results import thin
+from backend.scenes.axes import Axes, axes_of
 
 Floats = NDArray[np.float64]
 
@@ -18,11 +20,12 @@ ROWS = 800
 """A drawn flight has at most so many points."""
 
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
+_TRACK = re.compile(r"obstacle\.(\d+)\.x")
 
 
 @dataclass(frozen=True)
 class Closest:
-    """The closest approach: when [s], how near, where, and where the obstacle was."""
+    """The closest approach: when [s], how near, where, and where the obstacle was, as drawn."""
 
     time: float
     value: float
@@ -32,25 +35,37 @@ class Closest:
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """Poses over time [s], [m], [rad] and the separation; only rows whose pose is finite."""
+    """Poses over time [s], [m], [rad] and the separation; only rows whose pose is finite. Places are as drawn."""
 
+    axes: Axes
     time: Floats
     position: Floats
     """(m, 3)"""
     rotation: Floats
-    """(m, 3): roll, pitch, yaw."""
+    """(m, 3): roll, pitch, yaw in the flight's own axes."""
     separation: Floats
+    tracks: dict[int, Floats]
+    """Where the centre of each moving obstacle was (m, 3), by its number."""
+    parameters: dict[str, float]
+    """What this flight was flown with, by path; what is left out is nominal."""
     closest: Closest | None
     cost: float | None
     status: str
     reason: str
 
     def at(self, time: float) -> tuple[Floats, Floats, float]:
-        """Position, rotation and separation at a time, between rows linearly, held before and after the flight."""
-        position = np.array([np.interp(time, self.time, self.position[:, k]) for k in range(3)])
-        turned = np.unwrap(self.rotation, axis=0)
-        rotation = np.array([np.interp(time, self.time, turned[:, k]) for k in range(3)])
-        return position, rotation, float(np.interp(time, self.time, self.separation))
+        """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, held before and after."""
+        rotation = _between(time, self.time, np.unwrap(self.rotation, axis=0))
+        separation = float(np.interp(time, self.time, self.separation))
+        return _between(time, self.time, self.position), self.axes.attitude(rotation), separation
+
+    def obstacle(self, number: int, time: float) -> Floats:
+        """Where the centre of a moving obstacle was at a time."""
+        return _between(time, self.time, self.tracks[number])
+
+
+def _between(time: float, times: Floats, rows: Floats) -> Floats:
+    return np.array([np.interp(time, times, rows[:, k]) for k in range(rows.shape[1])])
 
 
 def from_stored(row: Any) -> Flight | None:
@@ -74,23 +89,34 @@ def _flight(
     time = columns[names["time"]]
     pose = np.column_stack([columns.get(name, np.zeros(len(time))) for name in _POSE])
     separation = columns[names["separation"]] if "separation" in names else np.full(len(time), np.nan)
-    known = np.isfinite(pose).all(axis=1)
+    tracks = _tracks(columns)
+    known = np.isfinite(np.column_stack([pose, *tracks.values()])).all(axis=1)
     if known.sum() < 2:
         return None
+    axes = axes_of(meta.get("frame"))
     return Flight(
+        axes=axes,
         time=time[known],
-        position=pose[known, :3],
+        position=axes.drawn(pose[known, :3]),
         rotation=pose[known, 3:],
         separation=separation[known],
-        closest=_closest(meta.get("closest")),
+        tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
+        parameters={path: float(v) for path, v in (meta.get("parameters") or {}).items() if v is not None},
+        closest=_closest(meta.get("closest"), axes),
         cost=meta.get("cost"),
         status=str(meta.get("status", "ok")),
         reason=str(meta.get("reason", "")),
     )
 
 
-def _closest(meta: Mapping[str, Any] | None) -> Closest | None:
+def _tracks(columns: Mapping[str, Floats]) -> dict[int, Floats]:
+    """The columns obstacle.0.x, .y, .z by obstacle, each (m, 3)."""
+    numbers = [int(found[1]) for name in columns if (found := _TRACK.fullmatch(name))]
+    return {i: np.column_stack([columns[f"obstacle.{i}.{axis}"] for axis in "xyz"]) for i in numbers}
+
+
+def _closest(meta: Mapping[str, Any] | None, axes: Axes) -> Closest | None:
     if not meta or meta.get("value") is None or meta.get("obstacle_position") is None:
         return None
     position, obstacle = (np.array(meta[key], dtype=np.float64) for key in ("position", "obstacle_position"))
-    return Closest(float(meta["time"]), float(meta["value"]), position, obstacle)
+    return Closest(float(meta["time"]), float(meta["value"]), axes.drawn(position), axes.drawn(obstacle))

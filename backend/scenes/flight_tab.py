@@ -28,8 +28,10 @@ class FlightTab:
         time: float,
         move_camera: Callable[[Camera], None],
         play_changed: Callable[[], None],
+        moved: Callable[[float], None],
+        shown: Callable[[], None],
     ) -> None:
-        self._setting, self._drawn = setting, drawn
+        self._setting, self._drawn, self._moved, self._shown_changed = setting, drawn, moved, shown
         self.time = min(max(time, 0.0), setting.horizon)
         self._slider: Any = gui.add_slider("Time [s]", 0.0, setting.horizon, STEP, round(self.time, 2))
         self._play: Any = gui.add_checkbox("Play", False)
@@ -48,9 +50,12 @@ class FlightTab:
         for one in drawn:
             self._toggle(self._shown[one.style.key], one)
 
-    @staticmethod
-    def _toggle(box: Any, one: Drawn) -> None:
-        box.on_update(lambda _: one.show(box.value))
+    def _toggle(self, box: Any, one: Drawn) -> None:
+        def changed(_: Any) -> None:
+            one.show(box.value)
+            self._shown_changed()
+
+        box.on_update(changed)
 
     @property
     def playing(self) -> bool:
@@ -65,8 +70,7 @@ class FlightTab:
     def go(self, time: float) -> None:
         """Show this time."""
         self.time = time
-        for one in self._drawn:
-            one.move(time)
+        self._moved(time)
         self.refresh()
 
     def go_to_closest(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +16,10 @@ from backend.db.tables import Finding, Run, Stage, Trace
 from backend.results import service as results
 from backend.results.improvements import Improvements
 from backend.runs.service import campaign
+from backend.scenes.axes import Axes, axes_of
 from backend.scenes.flight import Flight, from_stored
+from campaigns import Campaign, Catalogue
+from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.check import parameters
 
 OVER = ("done", "failed", "cancelled")
@@ -24,12 +28,7 @@ SHOWN = (NOMINAL, WORST)
 """The stored flights that are drawn."""
 
 
-@dataclass(frozen=True)
-class Obstacle:
-    """A body in the way [m]."""
-
-    position: NDArray[np.float64]
-    radius: float
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,16 +46,24 @@ class Uncertain:
 
 @dataclass(frozen=True)
 class Setting:
-    """The scene's fixed part [m], and what the viewer says of it."""
+    """The scene's fixed part [m], as drawn, and what the viewer says of it."""
 
     run: str
     title: str
     digest: str
     document: dict[str, Any]
     planar: bool
-    start: NDArray[np.float64]
-    goal: NDArray[np.float64]
-    obstacles: list[Obstacle]
+    axes: Axes
+    vehicle: str
+    start: Floats
+    goal: Floats | None
+    """None where the flight has no goal but a course to keep."""
+    course: Floats | None
+    """Where the course would lead within the horizon, without a conflict."""
+    values: dict[str, float]
+    """The nominal values of all parameters by path."""
+    moving: list[bool]
+    """Of each obstacle, whether it moves by itself."""
     threshold: float
     quantity: str
     unit: str
@@ -65,46 +72,98 @@ class Setting:
     methods: list[tuple[int, str, str]]
     """Position, name and title of each search stage."""
 
+    @property
+    def decimals(self) -> int:
+        """Decimals that show the threshold, and so every value near it, with four digits."""
+        size = abs(self.threshold)
+        return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
+
 
 def load(reader: sa.Connection, run_id: int) -> Setting:
     """The setting of a run; 404 for none."""
     asked = campaign(reader, run_id)
     catalogue = published(reader)
     known = {} if catalogue is None else parameters(asked, catalogue)
-    values = {path: nominal for path, (_, nominal) in known.items()}
+    values = _given(asked) | {path: nominal for path, (_, nominal) in known.items()}
     vehicle = None if catalogue is None else catalogue.component("vehicle", asked.scenario.vehicle.component)
     criterion = None if catalogue is None else catalogue.component("criterion", asked.criterion.component)
-    titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods}
-    first = 1 + (asked.stages.sensitivity is not None)
+    axes = _axes(reader, run_id, vehicle)
+    start, goal = _place(values, "start", axes), _place(values, "goal", axes)
     return Setting(
         run=f"R-{run_id:04d}",
         title=asked.name,
         digest=asked.digest,
         document=asked.document(),
-        planar=vehicle is None or vehicle.dimension == 2,
-        start=_place(values, "start"),
-        goal=_place(values, "goal"),
-        obstacles=[
-            Obstacle(_place(values, f"obstacles.{i}.position"), values.get(f"obstacles.{i}.radius", 0.0))
-            for i in range(len(asked.scenario.obstacles))
-        ],
+        planar=vehicle.dimension == 2 if vehicle else axes.frame == "enu",
+        axes=axes,
+        vehicle=asked.scenario.vehicle.component,
+        start=np.zeros(3) if start is None else start,
+        goal=goal,
+        course=_course(values, axes, asked.scenario.horizon) if goal is None else None,
+        values=values,
+        moving=_moving(asked, catalogue),
         threshold=asked.criterion.threshold,
         quantity=criterion.quantity if criterion else "",
         unit=criterion.unit if criterion else "",
         horizon=asked.scenario.horizon,
-        uncertain=[
-            Uncertain(path, entry.symbol, entry.unit, entry.text, nominal, *bounds.interval(nominal))
-            for path, bounds in asked.uncertain.items()
-            for entry, nominal in [known[path]]
-        ]
-        if known.keys() >= asked.uncertain.keys()
-        else [],
-        methods=[(first + i, s.method, titles.get(s.method, s.method)) for i, s in enumerate(asked.stages.search)],
+        uncertain=_uncertain(asked, known),
+        methods=_methods(asked, catalogue),
     )
 
 
-def _place(values: Mapping[str, float], prefix: str) -> NDArray[np.float64]:
-    return np.array([values.get(f"{prefix}.{axis}", 0.0) for axis in "xyz"])
+def _given(asked: Campaign) -> dict[str, float]:
+    """What the campaign itself says, by path, whether its components are known here or not."""
+    scenario = asked.scenario
+    groups = {"start": scenario.start, "goal": scenario.goal}
+    groups |= {f"obstacles.{i}": part.parameters for i, part in enumerate(scenario.obstacles)}
+    return {f"{prefix}.{name}": value for prefix, values in groups.items() for name, value in values.items()}
+
+
+def _moving(asked: Campaign, catalogue: Catalogue | None) -> list[bool]:
+    entries = [catalogue.component("obstacle", o.component) if catalogue else None for o in asked.scenario.obstacles]
+    return [entry is not None and entry.moving for entry in entries]
+
+
+def _axes(reader: sa.Connection, run_id: int, vehicle: ComponentEntry | None) -> Axes:
+    """Of what has flown; before that, those of the vehicle as the catalogue of today has it."""
+    flown = reader.scalar(sa.select(Trace.meta).where(Trace.run_id == run_id).limit(1))
+    return axes_of((flown or {}).get("frame") or (vehicle.frame if vehicle else None))
+
+
+def _place(values: Mapping[str, float], prefix: str, axes: Axes) -> Floats | None:
+    if f"{prefix}.x" not in values:
+        return None
+    return axes.drawn(np.array([values.get(f"{prefix}.{axis}", 0.0) for axis in "xyz"]))
+
+
+def _course(values: Mapping[str, float], axes: Axes, horizon: float) -> Floats | None:
+    """The end of a course given as speed, heading (from north over east) and climb."""
+    start = _place(values, "start", axes)
+    speed, heading = values.get("goal.speed"), values.get("goal.heading")
+    if speed is None or heading is None:
+        return None
+    climb = values.get("goal.climb", 0.0)
+    flat, way = np.cos(climb), speed * horizon
+    ahead = way * np.array([flat * np.cos(heading), flat * np.sin(heading), -np.sin(climb)])
+    end: Floats = (np.zeros(3) if start is None else start) + axes.drawn(ahead)
+    return end
+
+
+def _uncertain(asked: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]) -> list[Uncertain]:
+    """For the sliders; none where a component is not known (any more)."""
+    if not known.keys() >= asked.uncertain.keys():
+        return []
+    rows = [(path, bounds, *known[path]) for path, bounds in asked.uncertain.items()]
+    return [
+        Uncertain(path, entry.symbol, entry.unit, entry.text, nominal, *bounds.interval(nominal))
+        for path, bounds, entry, nominal in rows
+    ]
+
+
+def _methods(asked: Campaign, catalogue: Catalogue | None) -> list[tuple[int, str, str]]:
+    titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods}
+    first = 1 + (asked.stages.sensitivity is not None)
+    return [(first + i, s.method, titles.get(s.method, s.method)) for i, s in enumerate(asked.stages.search)]
 
 
 class Progress:

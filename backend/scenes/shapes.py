@@ -25,12 +25,55 @@ def unicycle() -> tuple[Mesh, Mesh]:
     return hull, join(wheels)
 
 
-def dart() -> tuple[Mesh, Mesh]:
-    """Wings and fin of a small aircraft that looks along x, one unit long."""
-    wings = prism(np.array([(0.5, 0.0), (-0.4, 0.45), (-0.2, 0.0), (-0.4, -0.45)]), -0.03, 0.03)
-    upright = prism(np.array([(0.1, 0.0), (-0.4, 0.22), (-0.35, 0.0)]), -0.02, 0.02)
+def pioneer() -> tuple[Mesh, Mesh]:
+    """Hull, and wheels with sonar ring, of a two-wheeled robot with a caster; along x, on z = 0, one unit long."""
+    half = [(-0.42, 0.2), (-0.3, 0.27), (0.24, 0.27), (0.46, 0.14)]
+    plan = np.array([(x, -y) for x, y in half] + half[::-1])
+    sonar = prism(np.array([(0.2, -0.24), (0.5, -0.12), (0.5, 0.12), (0.2, 0.24)]), 0.3, 0.38)
+    wheels = [_wheel(np.array([0.06, side * 0.34, 0.22]), 0.22) for side in (-1.0, 1.0)]
+    caster = _wheel(np.array([-0.36, 0.0, 0.1]), 0.1)
+    return join([prism(plan, 0.14, 0.3), prism(0.86 * plan, 0.3, 0.44)]), join([sonar, *wheels, caster])
+
+
+def aircraft() -> tuple[Mesh, Mesh]:
+    """Fuselage with wing, and tail with fin, of a small aircraft that looks along x, up z, one unit long."""
+    profile = np.array([(0.5, 0.0), (0.47, 0.03), (0.32, 0.06), (0.02, 0.06), (-0.3, 0.03), (-0.5, 0.015), (-0.5, 0.0)])
+    fuselage = revolved(profile)
+    fuselage = Mesh(fuselage.vertices[:, (2, 0, 1)], fuselage.faces)
+    wing = prism(
+        np.array([(0.18, 0.0), (0.13, 0.6), (-0.02, 0.6), (-0.06, 0.0), (-0.02, -0.6), (0.13, -0.6)]), 0.04, 0.075
+    )
+    tail = prism(np.array([(-0.34, 0.0), (-0.38, 0.22), (-0.5, 0.22), (-0.5, -0.22), (-0.38, -0.22)]), 0.0, 0.025)
+    upright = prism(np.array([(-0.3, 0.01), (-0.43, 0.24), (-0.52, 0.24), (-0.5, 0.01)]), -0.0125, 0.0125)
     fin = Mesh(upright.vertices[:, (0, 2, 1)], upright.faces[:, ::-1])
-    return wings, fin
+    return join([fuselage, wing]), join([tail, fin])
+
+
+def arrow() -> Mesh:
+    """A flat head of an arrow along x, one unit long, its base in the origin."""
+    return prism(np.array([(0.0, -0.32), (1.0, 0.0), (0.0, 0.32)]), -0.03, 0.03)
+
+
+def capsule(radius: float, height: float) -> Mesh:
+    """What lies within `radius` of an upright line of that height about the origin."""
+    turn = np.linspace(0, np.pi / 2, 7)
+    cap = radius * np.column_stack([np.sin(turn), np.cos(turn)])
+    up, down = cap, cap[::-1] * (1.0, -1.0)
+    ends = np.repeat((0.5 * height, -0.5 * height), len(cap))
+    outline = np.vstack([up, down])
+    return revolved(np.column_stack([outline[:, 1] + ends, outline[:, 0]]), 24)
+
+
+def revolved(profile: Floats, steps: int = 12) -> Mesh:
+    """A profile (n, 2) of height and radius, turned about z."""
+    angles = np.linspace(0, 2 * np.pi, steps, endpoint=False)
+    z, radius = np.repeat(profile[:, 0], steps), np.repeat(profile[:, 1], steps)
+    turned = np.tile(angles, len(profile))
+    vertices = np.column_stack([radius * np.cos(turned), radius * np.sin(turned), z])
+    at = steps * np.arange(len(profile) - 1)[:, None] + np.arange(steps)
+    beside = steps * np.arange(len(profile) - 1)[:, None] + (np.arange(steps) + 1) % steps
+    faces = [(at, beside, beside + steps), (at, beside + steps, at + steps)]
+    return Mesh(vertices, np.vstack([np.stack(corners, axis=-1).reshape(-1, 3) for corners in faces]))
 
 
 def prism(outline: Floats, low: float, high: float) -> Mesh:
@@ -47,9 +90,9 @@ def prism(outline: Floats, low: float, high: float) -> Mesh:
     return Mesh(vertices, np.array(faces))
 
 
-def _wheel(centre: Floats) -> Mesh:
+def _wheel(centre: Floats, radius: float = 0.18) -> Mesh:
     angles = np.linspace(0, 2 * np.pi, 16, endpoint=False)
-    disc = prism(0.18 * np.column_stack([np.cos(angles), np.sin(angles)]), -0.05, 0.05)
+    disc = prism(radius * np.column_stack([np.cos(angles), np.sin(angles)]), -0.05, 0.05)
     return Mesh(disc.vertices[:, (0, 2, 1)] + centre, disc.faces[:, ::-1])
 
 
@@ -76,17 +119,17 @@ def polyline(points: Floats) -> Floats:
     return np.stack([points[:-1], points[1:]], axis=1)
 
 
-def quaternion(rotation: Floats) -> Floats:
-    """w, x, y, z of roll, pitch, yaw [rad], turned about z, then y, then x."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rotation / 2), np.sin(rotation / 2)
-    return np.array(
-        [
-            cr * cp * cy + sr * sp * sy,
-            sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy,
-            cr * cp * sy - sr * sp * cy,
-        ]
-    )
+def dashed(points: Floats, dash: float, most: int = 400) -> Floats:
+    """A way (m, 3) as dashes (n, 2, 3) of a length and gaps as long; longer ones where there would be too many."""
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    whole = float(lengths[-1])
+    if whole <= 0.0:
+        return np.empty((0, 2, 3))
+    dash = max(dash, whole / (2 * most))
+    begins = np.arange(0.0, whole, 2 * dash)
+    ends = np.minimum(begins + dash, whole)
+    at = [np.column_stack([np.interp(s, lengths, points[:, k]) for k in range(3)]) for s in (begins, ends)]
+    return np.stack(at, axis=1)
 
 
 def even_step(span: float, count: int) -> float:

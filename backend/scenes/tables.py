@@ -17,9 +17,9 @@ _NUMBER = 'style="text-align:right;padding:2px 0 2px 8px"'
 _HEAD = 'style="text-align:right;font-weight:500;opacity:0.7;padding:2px 0 2px 8px"'
 
 
-def number(value: float | None) -> str:
-    """Four decimals with a true minus sign, or a dash."""
-    return "–" if value is None or not math.isfinite(value) else f"{value:.4f}".replace("-", "−")
+def number(value: float | None, decimals: int) -> str:
+    """So many decimals with a true minus sign, or a dash."""
+    return "–" if value is None or not math.isfinite(value) else f"{value:.{decimals}f}".replace("-", "−")
 
 
 def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
@@ -27,7 +27,7 @@ def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
     head = ("now", html.escape(setting.quantity or "min"), "margin")
     unit = f'<th style="text-align:left;font-weight:500;opacity:0.7">[{html.escape(setting.unit)}]</th>'
     rows = [
-        _row(one.style.title, one.style.colour, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)))
+        _row(one, one.style.title, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)), setting)
         for one in drawn
         if one.flight is not None
     ]
@@ -44,8 +44,8 @@ def outcome(drawn: Drawn, setting: Setting) -> str:
         return note("Move a slider to fly the case.")
     if flight.status != "ok":
         return note(f"{flight.status}: {flight.reason}", strong=True)
-    rows = _row(setting.quantity or "value", drawn.style.colour, (flight.cost,), setting.unit)
-    rows += _row("margin", drawn.style.colour, (_margin(drawn, setting),), setting.unit)
+    rows = _row(drawn, setting.quantity or "value", (flight.cost,), setting, setting.unit)
+    rows += _row(drawn, "margin", (_margin(drawn, setting),), setting, setting.unit)
     word = "Clear of" if (_margin(drawn, setting) or 0.0) > 0 else "At or below"
     limit = f"{word} the limit of {setting.threshold:g} {setting.unit}."
     return f"<table {_TABLE}>{rows}</table>" + note(limit)
@@ -62,7 +62,8 @@ def _margin(drawn: Drawn, setting: Setting) -> float | None:
     return None if flight is None or flight.cost is None else flight.cost - setting.threshold
 
 
-def _row(title: str, colour: str, values: Sequence[float | None], unit: str = "") -> str:
-    mark = f'<span style="color:{colour}">■</span> {html.escape(title)}'
-    cells = "".join(f"<td {_NUMBER}>{number(value)} {html.escape(unit)}</td>" for value in values)
+def _row(drawn: Drawn, title: str, values: Sequence[float | None], setting: Setting, unit: str = "") -> str:
+    mark = f'<span style="color:{drawn.style.colour}">■</span> {html.escape(title)}'
+    texts = [number(value, setting.decimals) for value in values]
+    cells = "".join(f"<td {_NUMBER}>{text} {html.escape(unit)}</td>" for text in texts)
     return f'<tr><td style="white-space:nowrap">{mark}</td>{cells}</tr>'

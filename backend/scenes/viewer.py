@@ -17,6 +17,7 @@ from backend.scenes.drawn import Drawn, Style
 from backend.scenes.flight import Flight
 from backend.scenes.flight_tab import FlightTab
 from backend.scenes.live import Live
+from backend.scenes.obstacles import Obstacles
 from backend.scenes.palette import DARK, LIGHT, Palette, rgb
 from backend.scenes.setting import NOMINAL, WORST, Progress, Setting
 from backend.scenes.what_if_tab import WhatIfTab
@@ -57,9 +58,11 @@ class Viewer:
         self._lock = threading.RLock()
         with server.atomic():
             self._world = World(server, setting, palette)
+            self._obstacles = Obstacles(server, setting, palette, self._world)
             self._nominal = self._drawn(Style("nominal", "Nominal", palette.nominal, 0, "bottom"))
             self._worst = self._drawn(Style("worst", "Worst", palette.worst, 1, "top"))
             self._what_if = self._drawn(Style("what-if", "What-if", palette.what_if, 2, "beyond"))
+            self._all = (self._nominal, self._worst, self._what_if)
             self._draw_stored(address.time or 0.0)
         self._wake = threading.Event()
         self._stopped = False
@@ -77,14 +80,22 @@ class Viewer:
         self._thread.join()
 
     def _drawn(self, style: Style) -> Drawn:
-        return Drawn(self._server, self._setting, self._world.frame, style)
+        return Drawn(self._server, self._setting, self._world, style)
 
     def _panel(self, live: Live, palette: Palette, address: Address) -> None:
         gui = self._server.gui
-        drawn = (self._nominal, self._worst, self._what_if)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Flight"):
-            self._tab_flight = FlightTab(gui, self._setting, drawn, address.time or 0.0, self._camera, self._wake.set)
+            self._tab_flight = FlightTab(
+                gui,
+                self._setting,
+                self._all,
+                address.time or 0.0,
+                self._camera,
+                self._wake.set,
+                self._moved,
+                self._obstacles.show,
+            )
         with tabs.add_tab("What-if"):
             self._tab_what_if = WhatIfTab(gui, self._setting, live, self._what_if, self._fly)
             self._tab_what_if.offer(self._progress.findings)
@@ -124,15 +135,31 @@ class Viewer:
             self._tab_flight.refresh()
 
     def _draw_stored(self, time: float) -> None:
-        for drawn, name in ((self._nominal, NOMINAL), (self._worst, WORST)):
-            flight = self._progress.flights.get(name)
-            if flight is not None and flight is not drawn.flight:
-                drawn.draw(flight, time)
+        new = {
+            drawn: flight
+            for drawn, name in ((self._nominal, NOMINAL), (self._worst, WORST))
+            if (flight := self._progress.flights.get(name)) is not None and flight is not drawn.flight
+        }
+        first = all(drawn.flight is None for drawn in self._all)
+        if first and new:
+            self._world.fit(list(new.values()))
+        for drawn, flight in new.items():
+            drawn.draw(flight, time)
+        if new or first:
+            self._obstacles.update(self._all, time)
 
     def _fly(self, flight: Flight) -> None:
         with self._lock, self._server.atomic():
-            self._what_if.draw(flight, self._tab_flight.time)
+            time = self._tab_flight.time
+            self._what_if.draw(flight, time)
+            self._obstacles.update(self._all, time)
             self._tab_flight.refresh()
+
+    def _moved(self, time: float) -> None:
+        with self._lock, self._server.atomic():
+            for drawn in self._all:
+                drawn.move(time)
+            self._obstacles.move(time)
 
     def _encounter(self) -> Flight | None:
         return self._worst.flight or self._nominal.flight

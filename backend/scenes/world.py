@@ -1,10 +1,11 @@
-"""Draws what does not move: ground, obstacles with their safety radius, start and goal, the camera's places.
+"""Draws what no flight changes: ground, start and goal or course, north; and knows the camera's places.
 
 Start reading at `World`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,9 +15,10 @@ from numpy.typing import NDArray
 
 from backend.scenes import shapes
 from backend.scenes.address import Camera
-from backend.scenes.flight import Closest
+from backend.scenes.bodies import body_of
+from backend.scenes.flight import Closest, Flight
 from backend.scenes.palette import Palette, rgb
-from backend.scenes.setting import Obstacle, Setting
+from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 
@@ -27,39 +29,61 @@ LINE = 2.0
 
 @dataclass(frozen=True)
 class Frame:
-    """The box that holds everything: its middle and its largest side [m]."""
+    """The box that holds everything: its middle, its sides and the largest of them [m]."""
 
     middle: Floats
+    sides: Floats
     span: float
+    unit: float
+    """The length of a vehicle and of other small signs [m]: to be seen, and no longer than what must stay free."""
 
     @classmethod
-    def around(cls, points: list[Floats]) -> Frame:
-        """The box of these points; never empty."""
-        stacked = np.vstack(points)
+    def around(cls, points: Sequence[Floats], threshold: float) -> Frame:
+        """The box of these points (..., 3); never empty."""
+        stacked = np.vstack([np.atleast_2d(p) for p in points])
         low, high = stacked.min(axis=0), stacked.max(axis=0)
-        return cls((low + high) / 2, max(float((high - low).max()), 1e-3))
-
-    @property
-    def unit(self) -> float:
-        """The length of a vehicle and of other small signs [m]."""
-        return self.span / 16
+        span = max(float((high - low).max()), 1e-3)
+        unit = min(span / 16, max(0.9 * threshold, span / 40))
+        return cls((low + high) / 2, high - low, span, unit)
 
 
 class World:
     """The fixed part of a scene."""
 
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette) -> None:
-        self._scene, self._setting, self._palette = server.scene, setting, palette
-        reach = np.ones(3) * setting.threshold
-        corners = [o.position + sign * np.maximum(reach, o.radius) for o in setting.obstacles for sign in (-1, 1)]
-        self.frame = Frame.around([setting.start, setting.goal, *corners])
-        if setting.planar:
-            self.frame = Frame(self.frame.middle * (1, 1, 0), self.frame.span)
+        self._scene, self._setting, self.palette = server.scene, setting, palette
         server.scene.set_background_image(np.full((1, 1, 3), rgb(palette.background), dtype=np.uint8))
+        self.fit([])
+
+    def fit(self, flights: Sequence[Flight]) -> None:
+        """Draw it so that it holds these flights, and everything that stands in their way."""
+        points = list(self._reach(flights))
+        self.frame = Frame.around(points, self._setting.threshold)
+        low = min(float(p[..., 2].min()) for p in points)
+        self.ground = -0.002 * self.frame.span if self._setting.planar else low - 0.04 * self.frame.span
+        """The height of the ground [m]."""
         self._ground()
-        for number, obstacle in enumerate(setting.obstacles):
-            self._obstacle(number, obstacle)
         self._places()
+        if self._setting.axes.frame == "ned":
+            self._north()
+
+    def _reach(self, flights: Sequence[Flight]) -> Iterator[Floats]:
+        setting = self._setting
+        yield setting.start
+        if setting.goal is not None:
+            yield setting.goal
+        if setting.course is not None and not flights:
+            yield setting.course
+        for number, moving in enumerate(setting.moving):
+            if not moving:
+                body = body_of(number, setting.values, setting.axes, None)
+                far = max(setting.threshold, body.reach)
+                yield from (body.place - far, body.place + far)
+        for flight in flights:
+            yield flight.position
+            yield from flight.tracks.values()
+            if flight.closest is not None:
+                yield from (flight.closest.obstacle + sign * setting.threshold for sign in (-1, 1))
 
     def _ground(self) -> None:
         cell = shapes.even_step(self.frame.span, 10)
@@ -68,78 +92,63 @@ class World:
             infinite_grid=True,
             cell_size=cell,
             section_size=5 * cell,
-            cell_color=rgb(self._palette.grid),
-            section_color=rgb(self._palette.section),
+            cell_color=rgb(self.palette.grid),
+            section_color=rgb(self.palette.section),
             fade_distance=6 * self.frame.span,
             shadow_opacity=0.0,
-            position=(0.0, 0.0, -0.002 * self.frame.span),
-        )
-
-    def _obstacle(self, number: int, obstacle: Obstacle) -> None:
-        name, colour = f"/obstacles/{number}", rgb(self._palette.obstacle)
-        threshold, ink = self._setting.threshold, rgb(self._palette.ink)
-        if not self._setting.planar:
-            self._scene.add_icosphere(
-                f"{name}/body", max(obstacle.radius, 0.3 * self.frame.unit), colour, position=obstacle.position
-            )
-            self._scene.add_icosphere(
-                f"{name}/safety", threshold, colour, wireframe=True, opacity=0.3, position=obstacle.position
-            )
-            return
-        height = 1.2 * self.frame.unit
-        self._cylinder(f"{name}/core", obstacle.position, 0.12 * self.frame.unit, height, 1.0)
-        if obstacle.radius > 0:
-            self._cylinder(f"{name}/body", obstacle.position, obstacle.radius, height, 0.45)
-        self._cylinder(f"{name}/safety", obstacle.position, threshold, 0.02 * height, 0.25)
-        lift = np.array([0.0, 0.0, 0.03 * height])
-        ring = shapes.circle(obstacle.position + lift, threshold, dashes=24)
-        self._scene.add_line_segments(f"{name}/ring", ring, ink, thickness=LINE, thickness_units="screen")
-        self._scene.add_label(
-            f"{name}/label",
-            f"{self._setting.quantity or 'limit'} ≥ {threshold:g} {self._setting.unit}",
-            position=obstacle.position + np.array([0.0, -threshold, 0.0]),
-            anchor="top-center",
-            font_screen_scale=0.8,
-        )
-
-    def _cylinder(self, name: str, position: Floats, radius: float, height: float, opacity: float) -> None:
-        self._scene.add_cylinder(
-            name,
-            radius=radius,
-            height=height,
-            color=rgb(self._palette.obstacle),
-            opacity=opacity if opacity < 1 else None,
-            radial_segments=48,
-            cast_shadow=False,
-            receive_shadow=False,
-            position=position + np.array([0.0, 0.0, height / 2]),
+            position=(0.0, 0.0, self.ground),
         )
 
     def _places(self) -> None:
-        """Start: a ring. Goal: a ring within a ring. Both named."""
+        """Start: a ring. Goal: a ring within a ring. Both named. A course: a line to where it would lead."""
+        setting, unit = self._setting, self.frame.unit
         for name, place, colour, rings in (
-            ("start", self._setting.start, self._palette.soft, (0.35,)),
-            ("goal", self._setting.goal, self._palette.goal, (0.2, 0.4)),
+            ("start", setting.start, self.palette.soft, (0.35,)),
+            ("goal", setting.goal, self.palette.goal, (0.2, 0.4)),
         ):
+            if place is None:
+                continue
             for number, radius in enumerate(rings):
-                circle = shapes.circle(place, radius * self.frame.unit)
-                self._scene.add_line_segments(
-                    f"/{name}/{number}", circle, rgb(colour), thickness=LINE, thickness_units="screen"
-                )
-            self._scene.add_label(
-                f"/{name}/label",
-                name,
-                position=place + np.array([0.0, -0.5 * self.frame.unit, 0.0]),
-                anchor="top-center",
-                font_screen_scale=0.8,
-            )
+                self._line(f"/{name}/{number}", shapes.circle(place, radius * unit), colour)
+            self._name(f"/{name}/label", name, place + np.array([0.0, -0.5 * unit, 0.0]))
+        if setting.course is not None:
+            way = np.stack([setting.start, setting.course])
+            self._line("/course", shapes.dashed(way, self.frame.span / 140), self.palette.soft, 1.2)
+
+    def _north(self) -> None:
+        """An arrow on the ground, in the corner of the box: aircraft scenes are north up."""
+        length = 1.5 * self.frame.unit
+        foot = np.array([*(self.frame.middle[:2] - 0.5 * self.frame.sides[:2]), self.ground])
+        tip = foot + np.array([0.0, length, 0.0])
+        head = shapes.arrow()
+        turned = (head.vertices * 0.35 * length)[:, (1, 0, 2)] + (0.0, length, 0.0)
+        self._line("/north/shaft", np.stack([foot, tip])[None], self.palette.soft)
+        self._scene.add_mesh_simple(
+            "/north/head",
+            turned.astype(np.float32),
+            head.faces.astype(np.uint32),
+            color=rgb(self.palette.soft),
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            position=foot,
+        )
+        self._name("/north/label", "N", foot + 1.45 * (tip - foot), "bottom-center")
+
+    def _line(self, name: str, segments: Floats, colour: str, width: float = LINE) -> None:
+        self._scene.add_line_segments(
+            name, segments.astype(np.float32), rgb(colour), thickness=width, thickness_units="screen"
+        )
+
+    def _name(self, name: str, text: str, place: Floats, anchor: Any = "top-center") -> None:
+        self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=0.8)
 
     def camera(self, kind: Camera, closest: Closest | None) -> tuple[Floats, Floats]:
         """Where the camera stands, and what it looks at."""
         middle, span = self.frame.middle, self.frame.span
         if kind == "encounter" and closest is not None:
             middle = (closest.position + closest.obstacle) / 2
-            span = 2.2 * max(closest.value, self._setting.threshold)
+            span = max(2.2 * max(closest.value, self._setting.threshold), 4 * self.frame.unit)
         distance = 0.72 * span / np.tan(FIELD_OF_VIEW / 2)
         towards = {
             "overview": (-0.25, -0.75, 0.8),

@@ -30,7 +30,7 @@ def test_the_campaign_can_be_run() -> None:
     campaign = load_text(block("yaml"), "README")
     assert check(campaign, catalogue()) == []
     problem = Problem(campaign)
-    batch, reasons = problem.fly(np.array([problem.nominal_point, np.zeros(4), np.ones(4)]))
+    batch, reasons = problem.fly(np.array([problem.nominal_point, np.zeros(problem.dimension), np.ones(problem.dimension)]))
     assert reasons == {}
     assert (batch.costs > 0.5).all()
 

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numba import njit
+from numba.core.registry import CPUDispatcher
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -26,9 +27,24 @@ HALF_PI = 1.5707963267948966
 
 
 def kernel(function: F) -> F:
-    """Mark plain scalar Python on floats and tuples as a part of a compiled loop; it is always inlined."""
-    compiled: F = njit(forceinline=True, **FLAGS)(function)
-    return compiled
+    """Mark plain scalar Python on floats and tuples as a part of a compiled loop; it is always inlined.
+
+    Called from Python it is its plain form: a wrapper that unpacks dozens of parameters into every single kernel would
+    be half of the time to compile a loop.
+    """
+    inlined: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    compiled: Any = njit(**inlined, **FLAGS)(function)
+    compiled.__class__ = _Kernel
+    return compiled  # type: ignore[no-any-return]
+
+
+class _Kernel(CPUDispatcher):
+    """A kernel that compiled code may call; without its wrapper a call from Python would crash the process."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        from worker.kernels.bind import plain
+
+        return plain(self)(*arguments)
 
 
 @kernel

@@ -6,8 +6,9 @@ velocity obstacle {w : |r - w t| < R for some t in [0, tau]}, n its outward norm
 the half-plane  (V - v - c u) . n >= 0.  c = 1/2 where B does the same, 1 where it does not.
 The demand is the point of all half-planes and of the disc |V| <= v_max nearest to V_pref, which is of length `speed`
 towards the goal, less within speed / k_goal of it. Discs that overlap already are left within `escape`.
-Source: van den Berg, Guy, Lin and Manocha, Reciprocal n-body collision avoidance (2011), sections 4 and 5.1; the
-half-planes are taken one after another, as in their incremental linear program, in the order of the obstacles.
+Source: van den Berg, Guy, Lin and Manocha, Reciprocal n-body collision avoidance (2011), sections 4 and 5.1. Of their
+incremental linear program three steps are taken, each on the half-plane that is violated most: exact when no more than
+three are in the way at once; a fourth waits until it is among the worst three.
 Approximated: where no velocity satisfies all (their section 5.3 makes the largest violation smallest), the half-plane
 at hand is held and its violation of the others is shared between the two that bound it, and the speed stays within
 v_max. A box is taken for its circumscribed disc. The robot cannot move sideways and takes time to follow: `radius`
@@ -42,6 +43,8 @@ class Goal(NamedTuple):
 Pair = tuple[float, float]
 Line = tuple[float, float, float, float]
 PARALLEL = 1e-9
+TOUCHING = 1e-9
+"""What is violated by less than this is kept [m/s]."""
 
 
 @kernel
@@ -88,32 +91,51 @@ def bounded(low: float, high: float, line: Line, other: Line) -> Pair:
 
 
 @kernel
+def tightened(
+    best: Pair, wish: Pair, last: Line, before: Line, q: Pair, v: Pair, bodies: Any, p: Orca
+) -> tuple[Pair, Line]:
+    """The point nearest to `wish` that keeps the half-plane that `best` violates most, and those kept last."""
+    worst = -TOUCHING
+    x, y, nx, ny = 0.0, 0.0, 0.0, 0.0
+    for body in bodies:
+        line = half_plane(body, q, v, p)
+        outside = (best[0] - line[0]) * line[2] + (best[1] - line[1]) * line[3]
+        worse = outside < worst
+        worst = outside if worse else worst
+        x = line[0] if worse else x
+        y = line[1] if worse else y
+        nx = line[2] if worse else nx
+        ny = line[3] if worse else ny
+    # its edge is (x, y) + s (ny, -nx)
+    middle = y * nx - x * ny
+    reach = p.v_max * p.v_max - x * x - y * y + middle * middle
+    reach = math.sqrt(0.0 if reach < 0.0 else reach)
+    low, high = bounded(middle - reach, middle + reach, (x, y, nx, ny), last)
+    low, high = bounded(low, high, (x, y, nx, ny), before)
+    s = (wish[0] - x) * ny - (wish[1] - y) * nx
+    s = low if s < low else s
+    s = high if s > high else s
+    s = 0.5 * (low + high) if low > high else s
+    found = worst < -TOUCHING
+    return (x + s * ny if found else best[0], y - s * nx if found else best[1]), (x, y, nx, ny)
+
+
+@kernel
 def steer(t: float, q: Pair, v: Pair, goal: Goal, bodies: Any, memory: tuple[()], p: Orca) -> tuple[Pair, tuple[()]]:
     x = goal.x - q[0]
     y = goal.y - q[1]
     k = cruise(norm2(x, y), p.speed if p.speed < p.v_max else p.v_max, p.k_goal)
-    wish_x, wish_y = k * x, k * y
-    best_x, best_y = wish_x, wish_y
-    for i in range(len(bodies)):
-        line = half_plane(bodies[i], q, v, p)
-        violated = (best_x - line[0]) * line[2] + (best_y - line[1]) * line[3] < 0.0
-        # along its edge: point + s (n_y, -n_x)
-        middle = -(line[0] * line[3] - line[1] * line[2])
-        reach = p.v_max * p.v_max - line[0] * line[0] - line[1] * line[1] + middle * middle
-        reach = math.sqrt(0.0 if reach < 0.0 else reach)
-        low, high = middle - reach, middle + reach
-        for j in range(i):
-            low, high = bounded(low, high, line, half_plane(bodies[j], q, v, p))
-        s = (wish_x - line[0]) * line[3] - (wish_y - line[1]) * line[2]
-        s = low if s < low else s
-        s = high if s > high else s
-        s = 0.5 * (low + high) if low > high else s
-        best_x = line[0] + s * line[3] if violated else best_x
-        best_y = line[1] - s * line[2] if violated else best_y
-    speed = norm2(best_x, best_y)
-    excess = p.v_max / (speed + 1e-300)
-    scale = excess if speed > p.v_max else 1.0
-    return (scale * best_x, scale * best_y), ()
+    wish = (k * x, k * y)
+    none = (0.0, 0.0, 0.0, 0.0)
+    best, first = tightened(wish, wish, none, none, q, v, bodies, p)
+    # how many there are is known to the compiler: these are no branches
+    if len(bodies) > 1:
+        best, second = tightened(best, wish, first, none, q, v, bodies, p)
+        if len(bodies) > 2:
+            best, _ = tightened(best, wish, second, first, q, v, bodies, p)
+    excess = p.v_max / (norm2(best[0], best[1]) + 1e-300)
+    scale = excess if excess < 1.0 else 1.0
+    return (scale * best[0], scale * best[1]), ()
 
 
 @kernel

@@ -198,7 +198,7 @@ class TestCommand:
         folder = tmp_path / "new"
         assert json.loads((folder / "tables.json").read_text())["rows"]
         assert "## Table 5.3" in (folder / "tables.md").read_text()
-        expected = {"3.6", "3.7", "3.8", "5.2", "5.3", "6.1"}  # of case 1 alone
+        expected = {"3.6", "3.7", "3.8", "5.2", "5.3", "5.4", "6.1"}  # of case 1 alone
         assert {p.stem for p in folder.glob("*.csv")} == {f"figure-{figure}" for figure in expected}
         lines = (folder / "figure-3.7.csv").read_text().splitlines()
         assert lines[0] == "share of the range [-],m [kg],d_min over m [m]"
@@ -232,3 +232,11 @@ class TestSteps:
             "One thing.\nStep adequacy: up to 12 of\n200 random points exceed the tolerance, because the force jumps.\n"
         )
         assert steps.declared(campaign.model_copy(update={"notes": notes})) == 0.06
+
+
+@pytest.mark.parametrize("name", dict.fromkeys(r.case.campaign for r in RESULTS))
+def test_what_the_library_says_was_published_is_what_the_tables_say(name: str) -> None:
+    values = {round(r.published, 4) for r in RESULTS if r.campaign == name and isinstance(r.published, float)}
+    told = load_file(library()[name]).published
+    assert told
+    assert [(p.label, p.value) for p in told if round(p.value, 4) not in values] == []

@@ -43,7 +43,7 @@ def reproduce(
         return
     from worker.reproduce.ours import Flights
 
-    flights = Flights(threads=threads or None, traces=out is not None)
+    flights = Flights(threads=threads or None)
     try:
         made = _reproduced(table or [], flights, quiet=as_json or as_markdown)
         made, files = (made, []) if out is None else _written(out, made, flights)

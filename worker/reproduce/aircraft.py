@@ -6,6 +6,8 @@ Source: the thesis's tables 4.3, 4.4, 5.6 to 5.10, 7.1 to 7.3, sections 3.4.4, 3
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from worker.reproduce.published import (
     PLACE,
     Case,
@@ -78,7 +80,9 @@ def _static() -> list[Result]:
         Result("section 3.4.4", "nominal", case, Fly(), 29.6166, model=Model(29.782, HELD)),
         Result("4.3", "fmincon, start 1", case, sqp((1.52, -1.13, 11.8243)), 29.0235, first,
                model=_none_at(27.728, first), note=NOT_THERE.format(27.728)),
-        _worst(case, "4.3", "fmincon, start 2", sqp((1.71, -1.13, 13.409)), 27.4967, at=(2.28, -1.0193, 10.971)),
+        Result("4.3", "fmincon, start 2", case, sqp((1.71, -1.13, 13.409)), 27.4967, (2.28, -1.0193, 10.971),
+               model=replace(WORST[case.number], must=False),
+               note="in this model the descent from here stalls on a ripple in C_dt, at 27.541 m"),
         Result("4.3", "value at the point of start 1", case, at(case, first), 29.0235, model=Model(27.728, HELD)),
         _worst(case, "4.3", "lowest of all corners", Corners(), None),
         _worst(case, "5.6", "GA, start 1", genetic((1.52, -1.13, 11.82)), 27.5018, at=(2.2773, -1.0283, 10.9734),

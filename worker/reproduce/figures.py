@@ -9,16 +9,16 @@ import csv
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from worker.reproduce import aircraft, robots
 from worker.reproduce.aircraft import DECISION, MOVING, STATIC
 from worker.reproduce.ours import Flights, NotAvailable
-from worker.reproduce.published import Case, How, Search, direct, genetic, monte_carlo, sqp
-from worker.reproduce.robots import FIRST_START, PIONEER, SECOND_START, UNICYCLE
+from worker.reproduce.published import Case, Fly, How, Search, direct, genetic, monte_carlo
+from worker.reproduce.robots import PIONEER, UNICYCLE
 from worker.search.base import OK
-from worker.trace import trace
 
 Rows = Iterable[Sequence[object]]
 TOGETHER = ("m", "C_mde", "C_dt")
@@ -33,8 +33,17 @@ SWEEPS: dict[str, tuple[Case, tuple[str, ...]]] = {
 }  # fmt: skip
 """d_min over each parameter."""
 
-NOMINAL = ("nominal", None)
-STARTS = (("fmincon, case 1", sqp(FIRST_START)), ("fmincon, case 2", sqp(SECOND_START)))
+
+class Shown(NamedTuple):
+    """Flights of one figure: what it shows of them, each with its values or the search at whose end it was flown."""
+
+    case: Case
+    what: Literal["path", "distance", "speed"]
+    flights: tuple[tuple[str, Fly | Search], ...]
+    variant: str = ""
+
+
+NOMINAL = ("nominal", Fly())
 
 
 def _searches(case: Case, *names: str) -> tuple[tuple[str, Search], ...]:
@@ -46,21 +55,34 @@ def _searches(case: Case, *names: str) -> tuple[tuple[str, Search], ...]:
     )
 
 
-WORST = {case.number: (NOMINAL, *_searches(case, "DIRECT")) for case in (UNICYCLE, PIONEER, STATIC, MOVING, DECISION)}
-LOCAL = ("fmincon, start 1", "fmincon, start 2")
+WORST = {
+    case.number: (NOMINAL, ("worst", _searches(case, "DIRECT")[0][1]))
+    for case in (UNICYCLE, PIONEER, STATIC, MOVING, DECISION)
+}
+STARTS = ("fmincon, start 1", "fmincon, start 2")
+ALONE = (NOMINAL,)
 
-FLIGHTS: dict[str, tuple[Case, tuple[tuple[str, Search | None], ...], str]] = {
-    "3.6": (UNICYCLE, (NOMINAL,), "path"), "5.3": (UNICYCLE, WORST[1], "path"),
-    "3.16": (PIONEER, (NOMINAL,), "path"), "4.5": (PIONEER, (NOMINAL, *STARTS), "distance"),
-    "5.6": (PIONEER, WORST[2], "path"), "5.7": (PIONEER, WORST[2], "distance"),
-    "3.31": (STATIC, (NOMINAL,), "path"), "4.6": (STATIC, (NOMINAL, *_searches(STATIC, *LOCAL)), "speed"),
-    "5.10": (STATIC, WORST[3], "path"), "5.11": (STATIC, WORST[3], "distance"),
-    "3.33": (MOVING, (NOMINAL,), "path"), "4.7": (MOVING, (NOMINAL, *_searches(MOVING, *LOCAL)), "speed"),
-    "5.14": (MOVING, WORST[4], "path"), "5.15": (MOVING, WORST[4], "distance"),
-    "7.5": (DECISION, (NOMINAL,), "path"), "7.13": (DECISION, WORST[5], "path"),
-    "7.14": (DECISION, WORST[5], "distance"),
-}  # fmt: skip
-"""Flights: nominal, and at the point where a search ended; what of them the figure shows."""
+FLIGHTS = {
+    "3.6": Shown(UNICYCLE, "path", ALONE),
+    "5.3": Shown(UNICYCLE, "path", WORST[1]),
+    "5.4": Shown(UNICYCLE, "path", WORST[1], "unicycle_two_obstacles"),
+    "3.16-3.19": Shown(PIONEER, "path", ALONE),
+    "4.5": Shown(PIONEER, "distance", (NOMINAL, *_searches(PIONEER, "fmincon, case 1", "fmincon, case 2"))),
+    "5.6": Shown(PIONEER, "path", WORST[2]),
+    "5.7": Shown(PIONEER, "distance", WORST[2]),
+    "3.31": Shown(STATIC, "path", ALONE),
+    "4.6": Shown(STATIC, "speed", (NOMINAL, *_searches(STATIC, *STARTS))),
+    "5.10": Shown(STATIC, "path", WORST[3]),
+    "5.11": Shown(STATIC, "distance", WORST[3]),
+    "3.33": Shown(MOVING, "path", ALONE),
+    "4.7": Shown(MOVING, "speed", (NOMINAL, *_searches(MOVING, *STARTS))),
+    "5.14": Shown(MOVING, "path", WORST[4]),
+    "5.15": Shown(MOVING, "distance", WORST[4]),
+    "7.4": Shown(DECISION, "path", (("no avoidance", Fly((("avoider.range", 0.0),))),)),
+    "7.5-7.7": Shown(DECISION, "path", ALONE),
+    "7.13": Shown(DECISION, "path", WORST[5]),
+    "7.14": Shown(DECISION, "distance", WORST[5]),
+}
 
 SAMPLES: dict[str, tuple[Case, Search]] = {
     "6.1": (UNICYCLE, monte_carlo(1000)),
@@ -101,11 +123,11 @@ Make = Callable[[Flights], tuple[list[str], Rows]]
 def _figures(cases: Collection[int]) -> dict[str, Make]:
     made: dict[str, tuple[Case, Make]] = {
         **{f: (case, partial(_sweep, case=case, symbols=symbols)) for f, (case, symbols) in SWEEPS.items()},
-        **{f: (case, partial(_flights, case=case, shown=shown, what=w)) for f, (case, shown, w) in FLIGHTS.items()},
+        **{f: (shown.case, partial(_flights, shown=shown)) for f, shown in FLIGHTS.items()},
         **{f: (case, partial(_samples, case=case, how=how)) for f, (case, how) in SAMPLES.items()},
         **{f: (case, partial(_convergence, case=case, how=how)) for f, (case, how) in CONVERGENCE.items()},
     }
-    order = sorted(made, key=lambda figure: [int(n) for n in figure.split(".")])
+    order = sorted(made, key=lambda figure: [int(n) for n in figure.split("-")[0].split(".")])
     return {figure: made[figure][1] for figure in order if made[figure][0].number in cases}
 
 
@@ -124,20 +146,18 @@ def _sweep(flights: Flights, case: Case, symbols: Sequence[str]) -> tuple[list[s
     return headings, np.column_stack([shares, *columns]).tolist()
 
 
-def _flights(
-    flights: Flights, case: Case, shown: Sequence[tuple[str, Search | None]], what: str
-) -> tuple[list[str], Rows]:
-    opened = flights.open(case.campaign)
-    opened.require(path for _, path in case.paths)
-    problem = opened.problem
+def _flights(flights: Flights, shown: Shown) -> tuple[list[str], Rows]:
     headings: list[str] = []
     rows: list[list[object]] = []
-    for name, how in shown:
-        at = {} if how is None else flights.computed(case.campaign, case, how).at or {}
-        flown = trace(problem, name, at)
-        kept = [i for i, c in enumerate(flown.columns) if _shows(what, c)]
+    for name, how in shown.flights:
+        if isinstance(how, Fly):
+            values = dict(how.values)
+        else:
+            values = flights.computed(shown.case.campaign, shown.case, how).at or {}
+        flown = flights.traced(shown.variant or shown.case.campaign, name, values)
+        kept = [i for i, c in enumerate(flown.columns) if _shows(shown.what, c)]
         headings = ["flight", *(f"{flown.columns[i]['name']} [{flown.columns[i]['unit']}]" for i in kept)]
-        rows += [[name, *values] for values in flown.data[:, kept].tolist()]
+        rows += [[name, *row] for row in flown.data[:, kept].tolist()]
     return headings, rows
 
 

@@ -24,12 +24,13 @@ from worker.reproduce.published import D_MIN, Case, Corners, Fly, How, Result, S
 from worker.search.base import OK
 from worker.stages import search as stage
 from worker.stages.base import Context
-from worker.store import Columns, MemoryStore, StagePlan
+from worker.store import Columns, MemoryStore, StagePlan, Trace
+from worker.trace import trace
 
 SWEEP = 41
 """Points of a sweep over one parameter."""
 
-RIPPLE = 0.001
+RIPPLE = 0.01
 """Share of a sweep's range below which a step against its direction is a ripple."""
 
 
@@ -53,11 +54,11 @@ class Flights:
     """The campaigns in use, compiled once; what was computed, kept for the rows and figures that share it."""
 
     threads: int | None = None
-    traces: bool = False
     compile_seconds: float = 0.0
     kept: dict[tuple[str, How], Found] = field(default_factory=dict)
     columns: dict[tuple[str, How], Columns] = field(default_factory=dict)
     opened: dict[str, _Opened] = field(default_factory=dict)
+    readable: set[str] = field(default_factory=set)
 
     def found(self, result: Result) -> Found:
         """Our value for a published result; raises `NotAvailable`."""
@@ -93,12 +94,20 @@ class Flights:
             began = time.perf_counter()
             problem = Problem(load_file(path))
             problem.loop.warm()
-            if self.traces:
-                rows = np.zeros((1, problem.loop.n_state + problem.loop.n_held))
-                problem.loop.observe(rows, problem.nominal, problem.step)
             self.compile_seconds += time.perf_counter() - began
             self.opened[name] = _Opened(problem, InProcess(problem, self.threads))
         return self.opened[name]
+
+    def traced(self, name: str, what: str, values: dict[str, float]) -> Trace:
+        """The flight of a campaign at these values; the time to compile what reads it is kept apart."""
+        problem = self.open(name).problem
+        if name not in self.readable:
+            began = time.perf_counter()
+            rows = np.zeros((1, problem.loop.n_state + problem.loop.n_held))
+            problem.loop.observe(rows, problem.nominal, problem.step)
+            self.compile_seconds += time.perf_counter() - began
+            self.readable.add(name)
+        return trace(problem, what, values)
 
     def close(self) -> None:
         """End the threads."""

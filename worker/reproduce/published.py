@@ -161,7 +161,7 @@ def hybrid(iterations: int, evaluations: int) -> Search:
 
 
 def sqp(start: tuple[float, ...]) -> Search:
-    return Search("SQP", ("sqp",), 2000, (), start)
+    return Search("SQP", ("sqp",), 5000, (), start)
 
 
 def monte_carlo(samples: int) -> Search:

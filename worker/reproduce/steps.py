@@ -94,7 +94,7 @@ def of_library(names: Sequence[str] = ()) -> list[Adequacy]:
 
 def sentence(found: Adequacy) -> str:
     """What was found, for a reader."""
-    said = "" if found.declared is None else f" (its notes allow for {found.declared * found.points:.0f})"
+    said = "" if found.declared is None else f" (its notes allow for {100 * found.declared:g} %)"
     apart = f"; {found.differing} end well at one of them only" if found.differing else ""
     return (
         f"{'ok ' if found.ok else 'NOT'} {found.campaign}: at half its step of {found.step:g} s, {found.exceeding} of "

@@ -48,7 +48,7 @@ CORNER = (6.0, 0.06)
 AT_CORNER = Model(0.9417402, None, CORNER, PLACE)
 NO_MINIMUM = (
     "no such local minimum in this model: d_min falls steadily with m and J, and the descent goes on to the corner "
-    "[6, 0.06]; the published one comes with reading d_min at the integrator's samples"
+    "[6, 0.06]; the published one probably comes with reading d_min at the integrator's samples"
 )
 
 # Case 2: the corner's value is held to 0.005 m, the global searches to 0.01 m of it.

@@ -12,6 +12,7 @@ from scipy.optimize import minimize
 
 from campaigns import library, load_file
 from tests.physics.scenes import changed, flight, uncompiled
+from tests.physics.test_space import OBSTACLES
 from worker.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none, orca
 from worker.catalog import components
 from worker.kernels.bind import plain
@@ -268,12 +269,32 @@ class TestOrca:
         assert a == pytest.approx((b[0], -b[1]))
 
 
-VEHICLES = [c for c in components().values() if isinstance(c, Vehicle) and c.dimension == 2]
-AVOIDERS = [c for c in components().values() if isinstance(c, Avoider) and c.dimension == 2]
+VEHICLES = [c for c in components().values() if isinstance(c, Vehicle)]
+AVOIDERS = [c for c in components().values() if isinstance(c, Avoider)]
+PAIRS = [(v, a) for v, a in itertools.product(VEHICLES, AVOIDERS) if v.dimension == a.dimension]
+SPACE = load_file(library()["uav_static"])
+
+
+def in_space(vehicle: Vehicle, avoider: Avoider, horizon: float) -> Any:
+    """One on its way past a cylinder, a box, a sphere on waypoints and one that gives way; else as in case 3."""
+    goal = {"x": 500.0, "y": 530.0, "z": -50.0}
+    return changed(
+        SPACE,
+        vehicle={"component": vehicle.name},
+        avoider={"component": avoider.name},
+        goal={k: v for k, v in goal.items() if k in avoider.goal._fields},  # type: ignore[attr-defined]
+        obstacles=[
+            {"component": name, "parameters": OBSTACLES[name]}
+            for name in ("cylinder", "box_3d", "waypoint_sphere", "cooperative_sphere")
+        ],
+        horizon=horizon,
+    )
 
 
 def encounter(vehicle: Vehicle, avoider: Avoider, horizon: float = 20.0) -> Any:
     """One on its way past a circle, a box and a circle that comes across; all else at its defaults."""
+    if vehicle.dimension == 3:
+        return in_space(vehicle, avoider, horizon)
     fits = next(c for c in components().values() if isinstance(c, Controller) and vehicle.name in c.fits)
     weak = {"k_att": 0.5, "s": 4.0} if "s" in avoider.parameters._fields else {}  # type: ignore[attr-defined]
     return changed(
@@ -297,9 +318,7 @@ def encounter(vehicle: Vehicle, avoider: Avoider, horizon: float = 20.0) -> Any:
 
 
 class TestFlown:
-    @pytest.mark.parametrize(
-        ("vehicle", "avoider"), list(itertools.product(VEHICLES, AVOIDERS)), ids=lambda c: getattr(c, "name", "")
-    )
+    @pytest.mark.parametrize(("vehicle", "avoider"), PAIRS, ids=lambda c: c.name)
     def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
         problem = uncompiled(encounter(vehicle, avoider, horizon=5.0))
         batch, reasons = problem.fly_vectors(problem.nominal[None])
@@ -309,6 +328,7 @@ class TestFlown:
     @pytest.mark.parametrize("name", ["orca", "closest_approach", "gnron"])
     def test_lockstep_equals_plain_python(self, name: str) -> None:
         avoider = next(a for a in AVOIDERS if a.name == name)
-        campaign = encounter(VEHICLES[0], avoider, horizon=3.0)
+        robot = next(v for v in VEHICLES if v.name == "pioneer_3dx")
+        campaign = encounter(robot, avoider, horizon=3.0)
         fast, slow = Problem(campaign), uncompiled(campaign)
         assert flight(slow) == pytest.approx(flight(fast), abs=1e-12)

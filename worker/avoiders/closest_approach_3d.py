@@ -17,13 +17,13 @@ Axes as in flight mechanics: z down, so that right is (-y, x) of the course.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.closest import NEVER, Rules, resolve
 from worker.kernels.component import Avoider, Parameter
 from worker.kernels.fields import cruise
 from worker.kernels.maths import kernel, norm2
+from worker.kernels.space import Vector, norm3
 
 
 class ClosestApproach(NamedTuple):
@@ -43,17 +43,17 @@ class Goal(NamedTuple):
 @kernel
 def steer(
     t: float,
-    q: tuple[float, float, float],
-    v: tuple[float, float, float],
+    q: Vector,
+    v: Vector,
     goal: Goal,
     bodies: Any,
     memory: tuple[()],
     p: ClosestApproach,
-) -> tuple[tuple[float, float, float], tuple[()]]:
+) -> tuple[Vector, tuple[()]]:
     x = goal.x - q[0]
     y = goal.y - q[1]
     z = goal.z - q[2]
-    k = cruise(math.sqrt(x * x + y * y + z * z), p.speed, p.k_goal)
+    k = cruise(norm3((x, y, z)), p.speed, p.k_goal)
     own = (k * x, k * y, k * z)
     flat = 1.0 / (norm2(x, y) + 1e-12)
     right = (-y * flat, x * flat, 0.0)

@@ -14,12 +14,12 @@ do; local minima remain.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Avoider, Parameter
 from worker.kernels.fields import attraction, gnron
 from worker.kernels.maths import kernel
+from worker.kernels.space import Vector, norm3
 
 
 class Gnron(NamedTuple):
@@ -39,17 +39,17 @@ class Goal(NamedTuple):
 @kernel
 def steer(
     t: float,
-    q: tuple[float, float, float],
-    v: tuple[float, float, float],
+    q: Vector,
+    v: Vector,
     goal: Goal,
     bodies: Any,
     memory: tuple[()],
     p: Gnron,
-) -> tuple[tuple[float, float, float], tuple[()]]:
+) -> tuple[Vector, tuple[()]]:
     x = goal.x - q[0]
     y = goal.y - q[1]
     z = goal.z - q[2]
-    g = math.sqrt(x * x + y * y + z * z)
+    g = norm3((x, y, z))
     to_goal = attraction(g, p.k_att, p.s)
     away_x = 0.0
     away_y = 0.0

@@ -5,17 +5,15 @@ Park, Oh and Tahk, UAV collision avoidance using simple geometric approach (2008
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from worker.kernels.maths import kernel
+from worker.kernels.space import Vector, dot3, norm3
 
 NEVER = 1e9
 """The time to a conflict where there is none [s]."""
 HEAD_ON = 1e-6
 """A miss distance below which its direction is taken from the caller [m]."""
-
-Vector = tuple[float, float, float]
 
 
 class Rules(NamedTuple):
@@ -27,15 +25,9 @@ class Rules(NamedTuple):
 
 
 @kernel
-def dot(a: Vector, b: Vector) -> float:
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@kernel
 def miss(r: Vector, c: Vector) -> tuple[float, Vector]:
     """Time to the closest approach [s] and the displacement there, from relative position r and velocity c."""
-    tau = -dot(r, c) / (dot(c, c) + 1e-12)
+    tau = -dot3(r, c) / (dot3(c, c) + 1e-12)
     return tau, (r[0] + tau * c[0], r[1] + tau * c[1], r[2] + tau * c[2])
 
 
@@ -47,17 +39,17 @@ def resolve(r: Vector, own: Vector, other: Vector, side: Vector, rules: Rules) -
     encounter is resolved.
     """
     tau, m = miss(r, (other[0] - own[0], other[1] - own[1], other[2] - own[2]))
-    length = math.sqrt(dot(m, m))
+    length = norm3(m)
     ahead = length < HEAD_ON
     per_length = 1.0 / (length + 1e-300)
-    own_speed = math.sqrt(dot(own, own))
-    other_speed = math.sqrt(dot(other, other))
+    own_speed = norm3(own)
+    other_speed = norm3(other)
     # the faster of the two shares less (2.20)
     part = other_speed / (own_speed + other_speed + 1e-300)
     moved = (1.0 - rules.sharing + rules.sharing * part) * (rules.clearance - length)
     aim_x = own[0] * tau + moved * (side[0] if ahead else -m[0] * per_length)
     aim_y = own[1] * tau + moved * (side[1] if ahead else -m[1] * per_length)
     aim_z = own[2] * tau + moved * (side[2] if ahead else -m[2] * per_length)
-    scale = own_speed / (math.sqrt(aim_x * aim_x + aim_y * aim_y + aim_z * aim_z) + 1e-12)
+    scale = own_speed / (norm3((aim_x, aim_y, aim_z)) + 1e-12)
     conflict = (tau > 0.0) & (tau < rules.horizon) & (length < rules.clearance)
     return (tau if conflict else NEVER), (scale * aim_x, scale * aim_y, scale * aim_z)

@@ -1,13 +1,25 @@
 """Distances to convex shapes: gap to the surface, negative inside, and the outward normal there.
 
-Each is given how far outside its own slab a point is, per axis; the caller restores the signs. Start at `rectangle`.
+Boxes are given how far outside its own slab a point is, per axis; the caller restores the signs. Start at `rectangle`.
 """
 
 from __future__ import annotations
 
 import math
 
-from worker.kernels.maths import kernel
+from worker.kernels.glue import Body
+from worker.kernels.maths import kernel, norm2
+
+Pair = tuple[float, float]
+
+
+@kernel
+def disc(centre: Pair, velocity: Pair, radius: float, q: Pair) -> Body:
+    """A circle as seen from q."""
+    x, y = q[0] - centre[0], q[1] - centre[1]
+    d = norm2(x, y)
+    near = 1.0 / (d + 1e-12)
+    return Body(centre[0], centre[1], velocity[0], velocity[1], radius, d - radius, x * near, y * near)
 
 
 @kernel

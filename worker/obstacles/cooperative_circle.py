@@ -18,6 +18,7 @@ from worker.kernels.component import Obstacle, Parameter
 from worker.kernels.fields import cruise
 from worker.kernels.glue import Body
 from worker.kernels.maths import kernel, norm2
+from worker.kernels.shapes import disc
 
 
 class CooperativeCircle(NamedTuple):
@@ -74,11 +75,7 @@ def move(t: float, o: State, q: Vector, v: Vector, p: CooperativeCircle) -> Stat
 
 @kernel
 def body(t: float, o: State, q: Vector, p: CooperativeCircle) -> Body:
-    dx = q[0] - o[0]
-    dy = q[1] - o[1]
-    d = norm2(dx, dy)
-    near = 1.0 / (d + 1e-12)
-    return Body(o[0], o[1], o[2], o[3], p.radius, d - p.radius, dx * near, dy * near)
+    return disc((o[0], o[1]), (o[2], o[3]), p.radius, q)
 
 
 component = Obstacle(

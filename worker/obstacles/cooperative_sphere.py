@@ -11,7 +11,6 @@ Source: Park, Oh and Tahk (2008); Srikanthakumar, equations 2.17 to 2.20.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, NamedTuple
 
 from worker.kernels.closest import NEVER, Rules, resolve
@@ -19,6 +18,7 @@ from worker.kernels.component import Obstacle, Parameter
 from worker.kernels.fields import cruise
 from worker.kernels.glue import Body3
 from worker.kernels.maths import kernel, norm2
+from worker.kernels.space import Vector, ball, norm3
 
 
 class CooperativeSphere(NamedTuple):
@@ -38,7 +38,6 @@ class CooperativeSphere(NamedTuple):
 
 
 State = tuple[float, float, float, float, float, float]
-Vector = tuple[float, float, float]
 
 
 @kernel
@@ -47,7 +46,7 @@ def to_goal(at: Vector, p: CooperativeSphere) -> tuple[Vector, float]:
     x = p.goal_x - at[0]
     y = p.goal_y - at[1]
     z = p.goal_z - at[2]
-    return (x, y, z), cruise(math.sqrt(x * x + y * y + z * z), p.speed, p.k_goal)
+    return (x, y, z), cruise(norm3((x, y, z)), p.speed, p.k_goal)
 
 
 @kernel
@@ -84,13 +83,7 @@ def move(t: float, o: State, q: Vector, v: Vector, p: CooperativeSphere) -> Stat
 
 @kernel
 def body(t: float, o: State, q: Vector, p: CooperativeSphere) -> Body3:
-    dx = q[0] - o[0]
-    dy = q[1] - o[1]
-    dz = q[2] - o[2]
-    d = math.sqrt(dx * dx + dy * dy + dz * dz)
-    near = 1.0 / (d + 1e-12)
-    nx, ny, nz = dx * near, dy * near, dz * near
-    return Body3(o[0], o[1], o[2], o[3], o[4], o[5], p.radius, d - p.radius, nx, ny, nz)
+    return ball((o[0], o[1], o[2]), (o[3], o[4], o[5]), p.radius, q)
 
 
 component = Obstacle(

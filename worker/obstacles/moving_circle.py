@@ -11,8 +11,9 @@ from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
 from worker.kernels.glue import Body
-from worker.kernels.maths import kernel, norm2
+from worker.kernels.maths import kernel
 from worker.kernels.paths import leg
+from worker.kernels.shapes import disc
 
 
 class MovingCircle(NamedTuple):
@@ -50,13 +51,9 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
     y = p.y + p.vy * t
     x = x if moving else p.goal_x
     y = y if moving else p.goal_y
-    dx = q[0] - x
-    dy = q[1] - y
-    d = norm2(dx, dy)
-    near = 1.0 / (d + 1e-12)
     vx = p.vx if moving else 0.0
     vy = p.vy if moving else 0.0
-    return Body(x, y, vx, vy, p.radius, d - p.radius, dx * near, dy * near)
+    return disc((x, y), (vx, vy), p.radius, q)
 
 
 component = Obstacle(

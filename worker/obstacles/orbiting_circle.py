@@ -11,7 +11,8 @@ from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
 from worker.kernels.glue import Body
-from worker.kernels.maths import kernel, norm2, sincos
+from worker.kernels.maths import kernel, sincos
+from worker.kernels.shapes import disc
 
 
 class OrbitingCircle(NamedTuple):
@@ -41,13 +42,7 @@ def derive(p: OrbitingCircle, trim: object) -> tuple[float, ...]:
 @kernel
 def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
     s, c = sincos(p.phase + p.rate * t)
-    x = p.x + p.way * c
-    y = p.y + p.way * s
-    dx = q[0] - x
-    dy = q[1] - y
-    d = norm2(dx, dy)
-    near = 1.0 / (d + 1e-12)
-    return Body(x, y, -p.speed * s, p.speed * c, p.radius, d - p.radius, dx * near, dy * near)
+    return disc((p.x + p.way * c, p.y + p.way * s), (-p.speed * s, p.speed * c), p.radius, q)
 
 
 component = Obstacle(

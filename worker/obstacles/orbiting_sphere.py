@@ -8,12 +8,12 @@ avoider keeps off; the criterion reads distances to its own centre.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
 from worker.kernels.glue import Body3
 from worker.kernels.maths import kernel, sincos
+from worker.kernels.space import Vector, ball
 
 
 class OrbitingSphere(NamedTuple):
@@ -45,18 +45,10 @@ def derive(p: OrbitingSphere, trim: object) -> tuple[float, ...]:
 
 
 @kernel
-def body(t: float, o: tuple[()], q: tuple[float, float, float], p: Constants) -> Body3:
+def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body3:
     s, c = sincos(p.phase + p.rate * t)
-    x = p.x + p.way * c
-    y = p.y + p.way * s
-    z = p.z + p.climb * t
-    dx = q[0] - x
-    dy = q[1] - y
-    dz = q[2] - z
-    d = math.sqrt(dx * dx + dy * dy + dz * dz)
-    near = 1.0 / (d + 1e-12)
-    gap = d - p.radius
-    return Body3(x, y, z, -p.speed * s, p.speed * c, p.climb, p.radius, gap, dx * near, dy * near, dz * near)
+    centre = (p.x + p.way * c, p.y + p.way * s, p.z + p.climb * t)
+    return ball(centre, (-p.speed * s, p.speed * c, p.climb), p.radius, q)
 
 
 component = Obstacle(

@@ -10,8 +10,9 @@ from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
 from worker.kernels.glue import Body
-from worker.kernels.maths import kernel, norm2
+from worker.kernels.maths import kernel
 from worker.kernels.paths import elapsed, leg, under_way
+from worker.kernels.shapes import disc
 
 
 class WaypointCircle(NamedTuple):
@@ -80,11 +81,7 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
     y = p.y + p.vy_1 * s_1 + p.vy_2 * s_2 + p.vy_3 * s_3 + p.vy_4 * s_4
     vx = p.vx_1 * on_1 + p.vx_2 * on_2 + p.vx_3 * on_3 + p.vx_4 * on_4
     vy = p.vy_1 * on_1 + p.vy_2 * on_2 + p.vy_3 * on_3 + p.vy_4 * on_4
-    dx = q[0] - x
-    dy = q[1] - y
-    d = norm2(dx, dy)
-    near = 1.0 / (d + 1e-12)
-    return Body(x, y, vx, vy, p.radius, d - p.radius, dx * near, dy * near)
+    return disc((x, y), (vx, vy), p.radius, q)
 
 
 component = Obstacle(

@@ -6,13 +6,13 @@ stands behind is not read. Its radius is what an avoider keeps off; the criterio
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
 from worker.kernels.glue import Body3
 from worker.kernels.maths import kernel
 from worker.kernels.paths import elapsed, leg, under_way
+from worker.kernels.space import Vector, ball
 
 
 class WaypointSphere(NamedTuple):
@@ -78,7 +78,7 @@ def derive(p: WaypointSphere, trim: object) -> tuple[float, ...]:
 
 
 @kernel
-def body(t: float, o: tuple[()], q: tuple[float, float, float], p: Constants) -> Body3:
+def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body3:
     s_1 = elapsed(t, 0.0, p.ends_1)
     on_1 = under_way(t, 0.0, p.ends_1)
     s_2 = elapsed(t, p.ends_1, p.ends_2)
@@ -93,12 +93,7 @@ def body(t: float, o: tuple[()], q: tuple[float, float, float], p: Constants) ->
     vx = p.vx_1 * on_1 + p.vx_2 * on_2 + p.vx_3 * on_3 + p.vx_4 * on_4
     vy = p.vy_1 * on_1 + p.vy_2 * on_2 + p.vy_3 * on_3 + p.vy_4 * on_4
     vz = p.vz_1 * on_1 + p.vz_2 * on_2 + p.vz_3 * on_3 + p.vz_4 * on_4
-    dx = q[0] - x
-    dy = q[1] - y
-    dz = q[2] - z
-    d = math.sqrt(dx * dx + dy * dy + dz * dz)
-    near = 1.0 / (d + 1e-12)
-    return Body3(x, y, z, vx, vy, vz, p.radius, d - p.radius, dx * near, dy * near, dz * near)
+    return ball((x, y, z), (vx, vy, vz), p.radius, q)
 
 
 component = Obstacle(

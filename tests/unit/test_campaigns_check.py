@@ -23,7 +23,8 @@ def one_search(**changes: Any) -> dict[str, Any]:
     return {"stages__search": [{"method": "direct", "evaluations": 10, **changes}]}
 
 
-NAMES = ", ".join(c.name for c in catalogue().components if c.role == "avoider")
+AVOIDERS = [c.name for c in catalogue().components if c.role == "avoider"]
+NAMES = ", ".join([*AVOIDERS[:12], "..."] if len(AVOIDERS) > 12 else AVOIDERS)
 M = "scenario.vehicle.parameters.m"
 ONLY_J = {"uncertain": {"vehicle.J": {"plus_minus": "20%"}}, **one_search()}
 BOUNDS = "uncertain__vehicle.m"

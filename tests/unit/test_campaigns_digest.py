@@ -92,7 +92,7 @@ def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 def another(place: str, value: Any) -> Any:
     """A value that is valid in the same place."""
-    others = {"uniform": "uniform", "20%": "21%", "kg": "g", "kg m2": "g m2", 15.0: 14.0}
+    others = {"uniform": "uniform", "worst": "mean", "20%": "21%", "kg": "g", "kg m2": "g m2", 15.0: 14.0}
     if place == "scenario__guidance__period":
         return CASE1["scenario"]["step"]
     if isinstance(value, str):

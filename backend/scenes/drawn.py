@@ -136,7 +136,13 @@ class Drawn:
             beyond = across / max(float(np.linalg.norm(across)), 1e-9)
             place = closest.obstacle + 1.4 * self._setting.threshold * beyond
             return place, "center-left" if away == "right" else "center-right"
-        place = closest.position - 0.05 * across
+        # Off the vehicle, and apart where two flights come closest at the same place.
+        side = (1.0 if self.style.label == "bottom" else -1.0) * self._world.frame.unit
+        place = (
+            closest.position
+            + side * np.array([0.0, 0.35, 0.5])
+            - 0.7 * self._world.frame.unit * across / max(float(np.linalg.norm(across)), 1e-9)
+        )
         sides: dict[str, Anchor] = {
             "bottom-left": "bottom-left",
             "bottom-right": "bottom-right",

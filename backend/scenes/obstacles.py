@@ -181,17 +181,25 @@ class Obstacles:
 
     def _label(self, group: _Group) -> None:
         setting, body = self._setting, group.body
-        words = [f"{setting.quantity or 'limit'} > {setting.threshold:g} {setting.unit}"] if body.number == 0 else []
+        words = []
         if body.flight is not None:
-            words.insert(0, "intruder" if len(setting.moving) == 1 else f"intruder {body.number + 1}")
+            words.append("intruder" if len(setting.moving) == 1 else f"intruder {body.number + 1}")
         if group.own:
-            words.append(f"({', '.join(one.style.title.lower() for one in group.members)})")
+            words += [one.style.title.lower() for one in group.members]
+        if group is self._groups[0]:
+            words.append(f"{setting.quantity or 'limit'} > {setting.threshold:g} {setting.unit}")
         if not words:
             return
-        below = (0.0, 0.0, -setting.threshold - 0.5 * (body.size[-1] if body.kind == "cylinder" else 0.0))
-        place = (0.0, -setting.threshold, 0.0) if setting.planar else below
+        # Below its safety radius; where flights differ in it and both are near, the second stands above.
+        second = "-" in group.name
+        off = setting.threshold + (body.size[1] / 2 if body.kind == "cylinder" else 0.0)
+        off = off if second else -off
         self._scene.add_label(
-            f"{group.name}/label", " ".join(words), position=place, anchor="top-center", font_screen_scale=0.8
+            f"{group.name}/label",
+            ", ".join(words),
+            position=(0.0, off, 0.0) if setting.planar else (0.0, 0.0, off),
+            anchor="bottom-center" if second else "top-center",
+            font_screen_scale=0.8,
         )
 
     def _line(self, name: str, segments: Any, colour: Rgb, width: float = LINE) -> Any:

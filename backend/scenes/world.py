@@ -23,6 +23,8 @@ from backend.scenes.setting import Setting
 Floats = NDArray[np.float64]
 
 FIELD_OF_VIEW = np.radians(40.0)
+ASPECT = 1.1
+"""Width by height that the scene has to fit into, beside the panel."""
 LINE = 2.0
 """Width of a drawn line [pixels]."""
 
@@ -59,6 +61,7 @@ class World:
         """Draw it so that it holds these flights, and everything that stands in their way."""
         points = list(self._reach(flights))
         self.frame = Frame.around(points, self._setting.threshold)
+        self._points = np.vstack([np.atleast_2d(p)[:: max(1, len(np.atleast_2d(p)) // 50)] for p in points])
         low = min(float(p[..., 2].min()) for p in points)
         self.ground = -0.002 * self.frame.span if self._setting.planar else low - 0.04 * self.frame.span
         """The height of the ground [m]."""
@@ -145,11 +148,11 @@ class World:
 
     def camera(self, kind: Camera, closest: Closest | None) -> tuple[Floats, Floats]:
         """Where the camera stands, and what it looks at."""
-        middle, span = self.frame.middle, self.frame.span
+        middle, points = self.frame.middle, self._points
         if kind == "encounter" and closest is not None:
             middle = (closest.position + closest.obstacle) / 2
-            span = max(2.2 * max(closest.value, self._setting.threshold), 4 * self.frame.unit)
-        distance = 0.72 * span / np.tan(FIELD_OF_VIEW / 2)
+            reach = max(1.1 * max(closest.value, self._setting.threshold), 2 * self.frame.unit)
+            points = middle + reach * np.array([*np.eye(3), *-np.eye(3)])
         towards = {
             "overview": (-0.25, -0.75, 0.8),
             "encounter": (-0.35, -0.7, 0.75),
@@ -157,7 +160,16 @@ class World:
             "side": (0.0, -1.0, 0.12),
         }[kind]
         direction = np.array(towards) / np.linalg.norm(towards)
-        return middle + distance * direction, middle
+        return middle + _distance(points - middle, direction) * direction, middle
+
+
+def _distance(points: Floats, direction: Floats) -> float:
+    """How far off a camera must stand in that direction to see all these points about what it looks at [m]."""
+    right = np.cross((0.0, 0.0, 1.0), direction)
+    right /= np.linalg.norm(right)
+    up = np.cross(direction, right)
+    across = np.maximum(np.abs(points @ right) / ASPECT, np.abs(points @ up))
+    return float((1.15 * across / np.tan(FIELD_OF_VIEW / 2) + points @ direction).max())
 
 
 def place_first_camera(server: viser.ViserServer, world: World, kind: Camera, closest: Closest | None) -> None:
@@ -165,7 +177,8 @@ def place_first_camera(server: viser.ViserServer, world: World, kind: Camera, cl
     camera: Any = server.initial_camera
     camera.fov = FIELD_OF_VIEW
     camera.position, camera.look_at = world.camera(kind, closest)
-    camera.near, camera.far = 0.005 * world.frame.span, 100 * world.frame.span
+    # viser draws the background one metre off: nothing of it would be left behind a farther near plane.
+    camera.near, camera.far = min(0.005 * world.frame.span, 0.5), 100 * world.frame.span
 
 
 def move_camera(server: viser.ViserServer, world: World, kind: Camera, closest: Closest | None) -> None:

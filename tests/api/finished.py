@@ -37,6 +37,41 @@ def flight(name: str, rows: int = 3001, passing: float = 0.9) -> Trace:
     return Trace(name, described, np.column_stack([t, x, y, zero, zero, zero, zero, zero, zero, distance]), meta)
 
 
+def encounter(name: str, frame: str, intruder: Any, rows: int = 401, parameters: Any = None) -> Trace:
+    """A flight of 20 s with an intruder at `intruder(t)` (m, 3); where z is down it climbs at 2 m/s, rolled, pitched.
+
+    The vehicle is at (20 t, 5, -2 t), or at z = 0 where z is up.
+    """
+    t = np.linspace(0.0, 20.0, rows)
+    aloft = 1.0 if frame == "ned" else 0.0
+    one, zero = 1 + 0 * t, 0 * t
+    own = np.column_stack([20 * t, 5 * one, -2 * t * aloft])
+    turned = np.column_stack([0.3 * one * aloft, 0.1 * one * aloft, zero])
+    other = np.asarray(intruder(t))
+    distance = np.linalg.norm(own - other, axis=1)
+    row = int(distance.argmin())
+    closest = {"time": t[row], "row": row, "value": distance[row], "obstacle": 0}
+    closest |= {"position": own[row].tolist(), "obstacle_position": other[row].tolist()}
+    meta = {"frame": frame, "closest": closest, "status": "ok", "reason": "", "cost": distance[row]}
+    meta |= {"parameters": parameters or {}}
+    pose = [(n, "m", "pose") for n in "xyz"] + [(n, "rad", "pose") for n in ("roll", "pitch", "yaw")]
+    way = [(f"obstacle.0.{n}", "m", "pose") for n in "xyz"]
+    columns = [("t", "s", "time"), *pose, *way, ("separation", "m", "separation")]
+    described = [{"name": n, "symbol": n, "unit": u, "group": g} for n, u, g in columns]
+    return Trace(name, described, np.column_stack([t, own, turned, other, distance]), meta)
+
+
+def straight(x: float, y: float, z: float, *speed: float) -> Any:
+    """The way of an intruder at constant velocity."""
+    return lambda t: np.array([x, y, z]) + t[:, None] * np.array(speed)
+
+
+def turned(wxyz: Any, vector: Any) -> Any:
+    """A vector turned by a unit quaternion."""
+    w, axis = wxyz[0], wxyz[1:]
+    return vector + 2 * np.cross(axis, np.cross(axis, vector) + w * vector)
+
+
 def search(first: int, count: int) -> Columns:
     """Evaluations of two parameters whose cost falls slowly, every tenth of them failed."""
     index = first + np.arange(count)
@@ -56,15 +91,15 @@ class Work:
         self.store = RunStore(service.engine, claim)
         self.store.plan(PLAN)
 
-    def nominal(self) -> None:
+    def nominal(self, flown: Trace | None = None) -> None:
         self.store.begin(0)
-        self.store.finish(0, {"cost": 0.9, "margin": 0.4}, 0.01, traces=[flight("nominal")])
+        self.store.finish(0, {"cost": 0.9, "margin": 0.4}, 0.01, traces=[flown or flight("nominal")])
 
     def search(self, first: int, count: int) -> None:
         self.store.begin(2)
         self.store.append(2, first, search(first, count))
 
-    def found(self, labels: tuple[str, ...] = ("F1",)) -> None:
+    def found(self, labels: tuple[str, ...] = ("F1",), flown: Trace | None = None) -> None:
         parameters: dict[str, float] = {"vehicle.m": 6.0, "vehicle.J": float(np.nextafter(0.06, 0))}
         findings = [
             Finding(
@@ -72,7 +107,7 @@ class Work:
             )
             for label in labels
         ]
-        traces = [flight(label, passing=0.8) for label in labels]
+        traces = [flown] if flown else [flight(label, passing=0.8) for label in labels]
         self.store.finish(2, {"method": "direct"}, 1.0, findings=findings, traces=traces)
 
     def conclude(self) -> None:

@@ -5,100 +5,19 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
-import msgspec
 import pytest
-import viser
 import websockets
-import zstandard
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
 
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, finish
 from tests.api.server import Service, until
 from tests.api.test_access import problem
 from tests.api.test_runs import submit
-
-CAMERA = {
-    "wxyz": (1.0, 0.0, 0.0, 0.0),
-    "position": (0.0, 0.0, 20.0),
-    "fov": 0.7,
-    "near": 0.01,
-    "far": 1000.0,
-    "image_height": 500,
-    "image_width": 800,
-    "look_at": (0.0, 0.0, 0.0),
-    "up_direction": (0.0, 0.0, 1.0),
-}
-PROTOCOL = f"viser-v{viser.__version__}"
-
-
-@contextmanager
-def viewing(service: Service, client: httpx.Client, path: str, **changes: str | None) -> Iterator[ClientConnection]:
-    """A viewer's socket, as a browser on our own page opens it, but for the changed headers."""
-    headers = {
-        "Cookie": f"{service.settings.cookie}={client.cookies[service.settings.cookie]}",
-        "Origin": service.url,
-        **changes,
-    }
-    with connect(
-        f"ws://127.0.0.1:{service.port}{path}",
-        additional_headers={k: v for k, v in headers.items() if v is not None},
-        subprotocols=[websockets.Subprotocol(PROTOCOL)],
-        compression=None,
-        max_size=None,
-        proxy=None,
-    ) as connection:
-        yield connection
-
-
-def frames(connection: ClientConnection, seconds: float = 10.0) -> Iterator[bytes]:
-    """What arrives within the time, unpacked."""
-    deadline = time.monotonic() + seconds
-    while True:
-        message = connection.recv(timeout=max(0.0, deadline - time.monotonic()))
-        assert isinstance(message, bytes)
-        packed = int.from_bytes(message[8:16], "little")
-        yield zstandard.ZstdDecompressor().decompress(message[16 : 16 + packed])
-
-
-def frames_until(connection: ClientConnection, *wanted: bytes, seconds: float = 10.0) -> bytes:
-    """Everything that arrives until all of these texts did."""
-    received = b""
-    for frame in frames(connection, seconds):
-        received += frame
-        if all(text in received for text in wanted):
-            break
-    return received
-
-
-class Panel:
-    """The viewer's panel, as the page fills it: elements by their label."""
-
-    def __init__(self, connection: ClientConnection, last: str) -> None:
-        """Reads until the element with the label `last` is there."""
-        self._connection = connection
-        self._elements: dict[str, str] = {}
-        for frame in frames(connection):
-            for message in msgspec.msgpack.decode(frame)["messages"]:
-                label = message.get("props", {}).get("label")
-                if message["type"].startswith("Gui") and label is not None:
-                    self._elements.setdefault(str(label), message["uuid"])
-            if last in self._elements:
-                break
-        # The page says first where its camera stands; before that viser hears nothing else.
-        self._say(type="ViewerCameraMessage", **CAMERA)
-
-    def set(self, label: str, value: object) -> None:
-        """What the page says when its visitor moves a slider or presses a button."""
-        self._say(type="GuiUpdateMessage", uuid=self._elements[label], updates={"value": value})
-
-    def _say(self, **message: object) -> None:
-        self._connection.send(msgspec.msgpack.encode(message))
+from tests.api.viewing import PROTOCOL, Panel, frames_until, viewing
 
 
 def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: httpx.Client) -> None:

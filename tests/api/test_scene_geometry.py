@@ -1,0 +1,144 @@
+"""Where the scene draws things: axes, bodies, tracks, the camera's box."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from backend.scenes import shapes
+from backend.scenes.axes import Axes, along
+from backend.scenes.bodies import body_of
+from backend.scenes.flight import from_live
+from backend.scenes.world import Frame, _distance
+from tests.api.finished import encounter, straight, turned
+
+TO_EAST_NORTH_UP = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
+
+
+def flown(**changes: object) -> object:
+    """A flight with an intruder, as the simulation process answers."""
+    trace = encounter("live", "ned", straight(500, 60, -30, -20, 0, -1), **changes)  # type: ignore[arg-type]
+    data = {c["name"]: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
+    return from_live({"columns": trace.columns, "data": data, "meta": trace.meta})
+
+
+@pytest.mark.parametrize("rotation", [(0, 0, 0), (0.4, -0.3, 2.5), (-2.9, 0.7, -1.2), (0.1, 1.5, 0.3)])
+def test_an_attitude_with_z_down_is_the_matrix_of_flight_mechanics(rotation: tuple[float, float, float]) -> None:
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rotation), np.sin(rotation)
+    to_world = (
+        np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+        @ np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+        @ np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    )
+    drawn = TO_EAST_NORTH_UP @ to_world @ np.diag([1, -1, -1])
+    assert np.linalg.det(drawn) == pytest.approx(1), "turned, not mirrored"
+    wxyz = Axes("ned").attitude(np.array(rotation))
+    for axis, column in zip(np.eye(3), drawn.T, strict=True):
+        assert turned(wxyz, axis) == pytest.approx(column, abs=1e-12)
+
+
+def test_places_with_z_down_are_drawn_east_north_up() -> None:
+    points = np.array([[1.0, 2.0, 3.0], [-4.0, 5.0, -6.0]])
+    assert Axes("ned").drawn(points) == pytest.approx(points @ TO_EAST_NORTH_UP.T)
+    assert Axes("enu").drawn(points) is points
+
+
+def test_a_direction_is_looked_along_with_wings_level() -> None:
+    direction = np.array([-1.0, 2.0, -0.5])
+    wxyz = along(direction)
+    assert turned(wxyz, np.array([1.0, 0, 0])) == pytest.approx(direction / np.linalg.norm(direction))
+    assert turned(wxyz, np.array([0, 1.0, 0]))[2] == pytest.approx(0)
+    assert along(np.zeros(3)) == pytest.approx((1, 0, 0, 0))
+
+
+def test_bodies_are_what_their_parameters_say() -> None:
+    at = {"obstacles.0.position.x": 1.0, "obstacles.0.position.y": 2.0, "obstacles.0.position.z": -3.0}
+    ned = Axes("ned")
+    ball = body_of(0, at | {"obstacles.0.radius": 4.0}, ned, None)
+    assert (ball.kind, ball.size, ball.reach) == ("round", (4.0,), 4.0)
+    assert ball.place == pytest.approx((2, 1, 3))
+    tower = body_of(0, at | {"obstacles.0.radius": 3.0, "obstacles.0.height": 8.0}, ned, None)
+    assert (tower.kind, tower.size, tower.reach) == ("cylinder", (3.0, 8.0), 5.0)
+    sides = {"obstacles.0.length": 2.0, "obstacles.0.width": 3.0, "obstacles.0.height": 6.0, "obstacles.0.angle": 0.3}
+    box = body_of(0, at | sides, ned, None)
+    assert (box.kind, box.size, box.reach) == ("box", (2.0, 3.0, 6.0), 3.5)
+    assert turned(box.turn, np.array([1.0, 0, 0])) == pytest.approx((np.sin(0.3), np.cos(0.3), 0)), (
+        "from north over east"
+    )
+
+
+def test_a_body_of_a_flight_is_where_the_trace_has_it() -> None:
+    flight = flown()
+    body = body_of(0, {"obstacles.0.radius": 1.0}, Axes("ned"), flight)  # type: ignore[arg-type]
+    assert body.at(0.0) == pytest.approx((60, 500, 30))
+    assert body.at(7.3) == pytest.approx((60, 500 - 20 * 7.3, 30 + 7.3))
+    assert body.at(99.0) == pytest.approx((60, 100, 50)), "held after the flight"
+    for time in (0.0, 5.0, 99.0):
+        step = body.heading(time)
+        assert step / np.linalg.norm(step) == pytest.approx(np.array([0, -20, 1]) / np.sqrt(401))
+
+
+def test_flights_share_a_body_only_where_it_goes_the_same_way() -> None:
+    def body(**changes: float) -> object:
+        values = {"obstacles.0.radius": changes.get("radius", 1.0)}
+        way = straight(500, 60, -30, -20, changes.get("drift", 0.0), -1)
+        trace = encounter("live", "ned", way, rows=int(changes.get("rows", 401)))
+        data = {c["name"]: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
+        flight = from_live({"columns": trace.columns, "data": data, "meta": trace.meta})
+        return body_of(0, values, Axes("ned"), flight)
+
+    one = body()
+    assert one.like(body(rows=233), 500.0)  # type: ignore[attr-defined]
+    assert not one.like(body(drift=0.1), 500.0)  # type: ignore[attr-defined]
+    assert not one.like(body(radius=1.1), 500.0)  # type: ignore[attr-defined]
+
+
+def test_a_track_is_cut_into_dashes_of_one_length() -> None:
+    corner = np.array([[0.0, 0, 0], [10, 0, 0], [10, 10, 0]])
+    dashes = shapes.dashed(corner, 1.0)
+    assert dashes.shape == (10, 2, 3)
+    assert np.linalg.norm(dashes[:, 1] - dashes[:, 0], axis=1) == pytest.approx(np.ones(10))
+    assert dashes[5, 0] == pytest.approx((10, 0, 0))
+    assert len(shapes.dashed(corner, 1e-9)) <= 401
+    assert len(shapes.dashed(np.zeros((5, 3)), 1.0)) == 0
+
+
+@pytest.mark.parametrize("mesh", [*shapes.aircraft(), *shapes.pioneer(), *shapes.unicycle(), shapes.arrow()])
+def test_meshes_are_about_one_unit_large_and_whole(mesh: shapes.Mesh) -> None:
+    assert np.abs(mesh.vertices).max() <= 1.0
+    assert set(np.unique(mesh.faces)) <= set(range(len(mesh.vertices)))
+
+
+def test_an_aircraft_has_its_fin_on_top_and_its_nose_ahead() -> None:
+    front, back = shapes.aircraft()
+    assert front.vertices[:, 0].max() == pytest.approx(0.5)
+    assert back.vertices[:, 0].max() < -0.2
+    assert back.vertices[:, 2].max() > 0.2 > -0.1 < back.vertices[:, 2].min()
+    assert front.vertices[:, 1].max() == pytest.approx(-front.vertices[:, 1].min())
+
+
+def test_a_capsule_keeps_its_radius_about_its_axis() -> None:
+    vertices = shapes.capsule(5.0, 20.0).vertices
+    nearest = np.clip(vertices[:, 2], -10, 10)
+    assert np.hypot(np.hypot(vertices[:, 0], vertices[:, 1]), vertices[:, 2] - nearest) == pytest.approx(
+        np.full(len(vertices), 5.0)
+    )
+
+
+@pytest.mark.parametrize("direction", [(-0.25, -0.75, 0.8), (0.0, -1e-3, 1.0), (0.0, -1.0, 0.12)])
+def test_the_camera_sees_every_point(direction: tuple[float, float, float]) -> None:
+    points = np.random.default_rng(1).uniform(-1, 1, (50, 3)) * (400, 30, 80)
+    towards = np.array(direction) / np.linalg.norm(direction)
+    eye = _distance(points, towards) * towards
+    seen = points - eye
+    ahead = -seen @ towards
+    off = np.linalg.norm(seen + np.outer(ahead, towards), axis=1)
+    assert (ahead > 0).all()
+    assert (np.degrees(np.arctan2(off, ahead)) < 40).all()
+
+
+def test_signs_are_to_be_seen_but_no_longer_than_what_must_stay_free() -> None:
+    box = [np.zeros(3), np.array([800.0, 400.0, 10.0])]
+    assert Frame.around(box, 20.0).unit == pytest.approx(20.0)
+    assert Frame.around(box, 18.0).unit == pytest.approx(20.0)
+    assert Frame.around(box, 500.0).unit == pytest.approx(50.0)

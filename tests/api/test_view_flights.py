@@ -1,0 +1,85 @@
+"""The 3D view shows every flight where its trace has it: intruders that move, aircraft with z down."""
+
+from __future__ import annotations
+
+import httpx
+import numpy as np
+import pytest
+
+from tests.api.catalogue import published_by_workers
+from tests.api.finished import Work, encounter, straight, turned
+from tests.api.server import Service
+from tests.api.viewing import Panel, frames_until, viewing
+
+
+def shipped(service: Service, client: httpx.Client, campaign: str) -> str:
+    """A run of a campaign of the library, with the components as workers publish them."""
+    service.publish(published_by_workers())
+    document = client.get(f"/api/v1/campaigns/{campaign}").json()["document"]
+    return str(client.post("/api/v1/runs", json={"campaign": document}).json()["id"])
+
+
+def test_an_intruder_moves_with_the_time_on_its_dashed_track(bare: Service) -> None:
+    with bare.signed_in() as client:
+        run = shipped(bare, client, "pioneer_moving")
+        work = Work(bare)
+        work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
+        work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 0, 5, 0), rows=301))
+        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
+            panel = Panel(connection, last="Nominal")
+            for time in (4.0, 12.5):
+                places = panel.places(time, "/obstacles/0", "/flights/nominal/vehicle", "/flights/worst/vehicle")
+                assert places["/obstacles/0"]["position"] == pytest.approx((300, -40 + 5 * time, 0))
+                for flight in ("nominal", "worst"):
+                    assert places[f"/flights/{flight}/vehicle"]["position"][:2] == pytest.approx((20 * time, 5))
+        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
+            received = frames_until(connection, b"Convergence")
+        assert b"/tracks/0" in received
+        assert b"intruder, d_min > 5 m" in received
+        assert b"/obstacles/0-worst" not in received, "both flights have the same intruder: it is drawn once"
+
+
+def test_an_intruder_that_answers_is_drawn_for_each_flight(bare: Service) -> None:
+    with bare.signed_in() as client:
+        run = shipped(bare, client, "pioneer_moving")
+        work = Work(bare)
+        work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
+        work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 1, 5, 0)))
+        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
+            panel = Panel(connection, last="Nominal")
+            places = panel.places(10.0, "/obstacles/0", "/obstacles/0-worst")
+            assert places["/obstacles/0"]["position"] == pytest.approx((300, 10, 0))
+            assert places["/obstacles/0-worst"]["position"] == pytest.approx((310, 10, 0))
+
+
+def test_an_intruder_without_a_flight_is_not_drawn_standing(bare: Service) -> None:
+    with bare.signed_in() as client:
+        run = shipped(bare, client, "pioneer_moving")
+        work = Work(bare)
+        with viewing(bare, client, f"/view/{run}/") as connection:
+            assert b"/obstacles/0" not in frames_until(connection, b"/goal/label", b"Convergence")
+            work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
+            frames_until(connection, b"/tracks/0", b"intruder, d_min > 5 m")
+
+
+def test_an_aircraft_flies_upright_with_north_ahead_and_east_to_the_right(bare: Service) -> None:
+    with bare.signed_in() as client:
+        run = shipped(bare, client, "uav_aca")
+        work = Work(bare)
+        work.nominal(encounter("nominal", "ned", straight(500, 60, -30, -20, 0, -1)))
+        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
+            panel = Panel(connection, last="Nominal")
+            for time in (5.0, 14.0):
+                places = panel.places(time, "/obstacles/0", "/flights/nominal/vehicle")
+                own, other = places["/flights/nominal/vehicle"], places["/obstacles/0"]
+                assert own["position"] == pytest.approx((5, 20 * time, 2 * time))
+                assert other["position"] == pytest.approx((60, 500 - 20 * time, 30 + time))
+            forward, left, up = (turned(own["wxyz"], axis) for axis in np.eye(3))
+            assert forward == pytest.approx((0, np.cos(0.1), np.sin(0.1))), "nose up, to the north"
+            assert left[2] == pytest.approx(np.cos(0.1) * np.sin(0.3)), "right wing down"
+            assert left[0] < -0.9, "the left wing is in the west"
+            assert up[2] > 0.9
+        with viewing(bare, client, f"/view/{run}/") as connection:
+            received = frames_until(connection, b"Convergence")
+        assert b"/course" in received, "a plan of speed and heading instead of a goal"
+        assert b"/goal/label" not in received

@@ -1,0 +1,123 @@
+"""A viewer's socket as a browser holds it, and the panel that its visitor uses. Start reading at `viewing`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import httpx
+import msgspec
+import numpy as np
+import viser
+import websockets
+import zstandard
+from websockets.sync.client import ClientConnection, connect
+
+from tests.api.server import Service
+
+CAMERA = {
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (0.0, 0.0, 20.0),
+    "fov": 0.7,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 500,
+    "image_width": 800,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+PROTOCOL = f"viser-v{viser.__version__}"
+
+
+@contextmanager
+def viewing(service: Service, client: httpx.Client, path: str, **changes: str | None) -> Iterator[ClientConnection]:
+    """A viewer's socket, as a browser on our own page opens it, but for the changed headers."""
+    headers = {
+        "Cookie": f"{service.settings.cookie}={client.cookies[service.settings.cookie]}",
+        "Origin": service.url,
+        **changes,
+    }
+    with connect(
+        f"ws://127.0.0.1:{service.port}{path}",
+        additional_headers={k: v for k, v in headers.items() if v is not None},
+        subprotocols=[websockets.Subprotocol(PROTOCOL)],
+        compression=None,
+        max_size=None,
+        proxy=None,
+    ) as connection:
+        yield connection
+
+
+def frames(connection: ClientConnection, seconds: float = 10.0) -> Iterator[bytes]:
+    """What arrives within the time, unpacked."""
+    deadline = time.monotonic() + seconds
+    while True:
+        message = connection.recv(timeout=max(0.0, deadline - time.monotonic()))
+        assert isinstance(message, bytes)
+        packed = int.from_bytes(message[8:16], "little")
+        yield zstandard.ZstdDecompressor().decompress(message[16 : 16 + packed])
+
+
+def frames_until(connection: ClientConnection, *wanted: bytes, seconds: float = 10.0) -> bytes:
+    """Everything that arrives until all of these texts did."""
+    received = b""
+    for frame in frames(connection, seconds):
+        received += frame
+        if all(text in received for text in wanted):
+            break
+    return received
+
+
+Node = dict[str, Any]
+"""position and wxyz as last told."""
+
+
+class Panel:
+    """The viewer's panel, as the page fills it: elements by their label."""
+
+    def __init__(self, connection: ClientConnection, last: str) -> None:
+        """Reads until the element with the label `last` is there."""
+        self._connection = connection
+        self._elements: dict[str, str] = {}
+        self.nodes: dict[str, Node] = {}
+        for frame in frames(connection):
+            messages = msgspec.msgpack.decode(frame)["messages"]
+            self._hear(messages)
+            for message in messages:
+                label = message.get("props", {}).get("label")
+                if message["type"].startswith("Gui") and label is not None:
+                    self._elements.setdefault(str(label), message["uuid"])
+            if last in self._elements:
+                break
+        # The page says first where its camera stands; before that viser hears nothing else.
+        self._say(type="ViewerCameraMessage", **CAMERA)
+
+    def places(self, time: float, *nodes: str) -> dict[str, Node]:
+        """Nodes of the scene once the slider stands at a time, the position of each told anew."""
+        self.set("Time [s]", time)
+        missing = set(nodes)
+        for frame in frames(self._connection):
+            missing -= self._hear(msgspec.msgpack.decode(frame)["messages"])
+            if not missing:
+                break
+        return {node: self.nodes[node] for node in nodes}
+
+    def _hear(self, messages: list[dict[str, Any]]) -> set[str]:
+        """Note where nodes are said to be; which were given a position."""
+        placed = set()
+        for message in messages:
+            if message["type"] == "SetPositionMessage":
+                self.nodes.setdefault(message["name"], {})["position"] = np.array(message["position"])
+                placed.add(message["name"])
+            if message["type"] == "SetOrientationMessage":
+                self.nodes.setdefault(message["name"], {})["wxyz"] = np.array(message["wxyz"])
+        return placed
+
+    def set(self, label: str, value: object) -> None:
+        """What the page says when its visitor moves a slider or presses a button."""
+        self._say(type="GuiUpdateMessage", uuid=self._elements[label], updates={"value": value})
+
+    def _say(self, **message: object) -> None:
+        self._connection.send(msgspec.msgpack.encode(message))

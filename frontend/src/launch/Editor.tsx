@@ -11,6 +11,7 @@ import { Seg } from '../ui/Card'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Library } from './Library'
 import { MethodsTable } from './MethodsTable'
+import type { Shelf } from './shelf'
 import { parametersOf } from './parameters'
 import { ProblemsProvider } from './problems'
 import { ScenarioForm } from './ScenarioForm'
@@ -27,12 +28,14 @@ interface EditorProps {
   catalogue: Catalogue
   library: LibraryCampaign[]
   chosen: string | null
+  shelf: Shelf
+  onShelf: (shelf: Shelf) => void
   tab: 'form' | 'yaml'
   onChoose: (id: string) => void
   onTab: (tab: 'yaml' | undefined) => void
 }
 
-export function Editor({ start, from, catalogue, library, chosen, tab, onChoose, onTab }: EditorProps) {
+export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf, tab, onChoose, onTab }: EditorProps) {
   const draft = useDraft(start.campaign, start.text)
   const [name, setName] = useState(start.name)
   const [tags, setTags] = useState(start.tags)
@@ -94,6 +97,8 @@ export function Editor({ start, from, catalogue, library, chosen, tab, onChoose,
             campaigns={library}
             catalogue={catalogue}
             chosen={chosen}
+            shelf={shelf}
+            onShelf={onShelf}
             onChoose={(campaign) => onChoose(campaign.id)}
           />
         </>

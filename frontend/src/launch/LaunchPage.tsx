@@ -1,12 +1,13 @@
 // Launching a run: choose a campaign, edit it as a form or as text, start it.
 import { useQuery } from '@tanstack/react-query'
 import { useNavigate, useSearch } from '@tanstack/react-router'
-import { useMemo } from 'react'
+import { useMemo, useState } from 'react'
 import { asCampaign } from '../api/campaign'
 import { catalogueQuery, libraryQuery, runQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
 import { Editor } from './Editor'
+import { ordered, type Shelf, shelfOf } from './shelf'
 
 export function LaunchPage() {
   useTitle('New run')
@@ -15,7 +16,9 @@ export function LaunchPage() {
   const catalogue = useQuery(catalogueQuery)
   const library = useQuery(libraryQuery)
   const earlier = useQuery({ ...runQuery(search.from ?? ''), enabled: Boolean(search.from) })
-  const chosen = search.from ? null : (search.case ?? library.data?.[0]?.id ?? null)
+  const [shelf, setShelf] = useState<Shelf | null>(null)
+  const campaigns = useMemo(() => ordered(library.data ?? []), [library.data])
+  const chosen = search.from ? null : (search.case ?? campaigns[0]?.id ?? null)
 
   const start = useMemo(() => {
     if (search.from) {
@@ -39,8 +42,10 @@ export function LaunchPage() {
       start={start}
       from={search.from}
       catalogue={catalogue.data}
-      library={library.data}
+      library={campaigns}
       chosen={chosen}
+      shelf={shelf ?? shelfOf(campaigns, chosen)}
+      onShelf={setShelf}
       tab={search.tab ?? 'form'}
       onChoose={(id) => void navigate({ to: '/launch', search: { case: id, tab: search.tab }, replace: true })}
       onTab={(tab) => void navigate({ to: '/launch', search: { ...search, tab }, replace: true })}

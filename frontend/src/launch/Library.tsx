@@ -1,45 +1,108 @@
-// The shipped campaigns as cards to choose from.
+// The shipped campaigns as cards to choose from; with many of them, by tag and by words.
+import { IconChevronDown, IconSearch } from '@tabler/icons-react'
 import type { KeyboardEvent } from 'react'
 import { asCampaign, type Campaign } from '../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../client'
-import { plain } from '../format/numbers'
+import { count, plain } from '../format/numbers'
 import { Sign } from '../ui/Sign'
 import { PlanView } from './PlanView'
+import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
 
 interface LibraryProps {
   campaigns: LibraryCampaign[]
   catalogue: Catalogue | undefined
   chosen: string | null
+  shelf: Shelf
+  onShelf: (shelf: Shelf) => void
   onChoose: (campaign: LibraryCampaign) => void
 }
 
-export function Library({ campaigns, catalogue, chosen, onChoose }: LibraryProps) {
+export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose }: LibraryProps) {
+  const found = matching(campaigns, shelf, catalogue)
+  const shown = shelf.whole ? found : around(found, chosen)
+  const about = campaigns.find((item) => item.id === chosen)
   const keys = (event: KeyboardEvent, i: number) => {
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key]
     if (!step) return
     event.preventDefault()
-    const next = campaigns[(i + step + campaigns.length) % campaigns.length]
+    const next = shown[(i + step + shown.length) % shown.length]
     if (!next) return
     onChoose(next)
     document.getElementById(`case-${next.id}`)?.focus()
   }
-  const shown = campaigns.find((item) => item.id === chosen)
+  const first = shown.some((item) => item.id === chosen) ? chosen : shown[0]?.id
   return (
     <div className="lib">
+      {campaigns.length > FEW && (
+        <Shelves campaigns={campaigns} shelf={shelf} onChange={(next) => onShelf({ ...next, whole: false })} />
+      )}
       <div className="cases" role="radiogroup" aria-label="Case">
-        {campaigns.map((item, i) => (
+        {shown.map((item, i) => (
           <Card
             key={item.id}
             item={item}
             catalogue={catalogue}
             chosen={item.id === chosen}
-            tabbable={item.id === chosen || (chosen === null && i === 0)}
+            tabbable={item.id === first}
             onChoose={() => onChoose(item)}
             onKey={(event) => keys(event, i)}
           />
         ))}
       </div>
-      {shown && <About campaign={asCampaign(shown.document)} />}
+      {found.length === 0 && <p className="sec">No campaign of the library has these words.</p>}
+      {shown.length < found.length && (
+        <button type="button" className="btn s" onClick={() => onShelf({ ...shelf, whole: true })}>
+          <IconChevronDown className="i s" aria-hidden /> Show {count(found.length - shown.length)} more
+        </button>
+      )}
+      {about && <About campaign={asCampaign(about.document)} />}
+    </div>
+  )
+}
+
+/** The first few, and the chosen one wherever it stands. */
+function around(found: LibraryCampaign[], chosen: string | null): LibraryCampaign[] {
+  return found.filter((item, i) => i < FEW || item.id === chosen)
+}
+
+interface ShelvesProps {
+  campaigns: LibraryCampaign[]
+  shelf: Shelf
+  onChange: (shelf: Shelf) => void
+}
+
+function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
+  return (
+    <div className="filters">
+      <button
+        type="button"
+        className="chip"
+        aria-pressed={shelf.tag === null}
+        onClick={() => onChange({ ...shelf, tag: null })}
+      >
+        All <span className="n">{count(campaigns.length)}</span>
+      </button>
+      {tagsOf(campaigns).map(({ tag, count: n }) => (
+        <button
+          key={tag}
+          type="button"
+          className="chip"
+          aria-pressed={shelf.tag === tag}
+          onClick={() => onChange({ ...shelf, tag: shelf.tag === tag ? null : tag })}
+        >
+          {tag} <span className="n">{count(n)}</span>
+        </button>
+      ))}
+      <span className="inp search">
+        <IconSearch className="i s" aria-hidden />
+        <input
+          type="search"
+          aria-label="Search the library"
+          placeholder="Search the library"
+          value={shelf.words}
+          onChange={(event) => onChange({ ...shelf, words: event.target.value, tag: event.target.value ? null : shelf.tag })}
+        />
+      </span>
     </div>
   )
 }
@@ -50,7 +113,12 @@ function About({ campaign }: { campaign: Campaign }) {
     <div className="aboutcase">
       <h3>{campaign.name}</h3>
       {campaign.summary && <p>{campaign.summary}</p>}
-      {campaign.notes && <p className="small mut">{campaign.notes}</p>}
+      {campaign.notes && (
+        <details>
+          <summary className="small">Source, what is reconstructed, limits</summary>
+          <p className="small mut">{campaign.notes}</p>
+        </details>
+      )}
     </div>
   )
 }
@@ -67,10 +135,6 @@ interface CardProps {
 function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps) {
   const campaign = asCampaign(item.document)
   const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
-  const titles = (['vehicle', 'controller', 'avoider'] as const).map((role) => {
-    const name = campaign.scenario[role].component
-    return catalogue?.components.find((c) => c.role === role && c.name === name)?.title ?? name
-  })
   return (
     <button
       type="button"
@@ -83,14 +147,14 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
       onKeyDown={onKey}
     >
       <span className="pic">
-        <PlanView campaign={campaign} />
+        <PlanView campaign={campaign} catalogue={catalogue} />
       </span>
       <span className="tx">
         <span className="hd">
           {campaign.name}
           <span className="radio" aria-hidden />
         </span>
-        <span className="small sec">{titles.join(', ')}</span>
+        <span className="small sec">{titlesOf(campaign, catalogue).join(' \u00b7 ')}</span>
         <span className="kv">
           <span className="mut">Criterion</span>
           <span className="num">

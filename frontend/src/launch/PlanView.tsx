@@ -1,36 +1,24 @@
-// A scenario seen from above, from its document alone: start with heading, goal, obstacles; nothing is simulated.
-import type { Campaign, Raw } from '../api/campaign'
+// A scenario seen from above, from its document alone: start with heading, goal or course, obstacles and the ways of
+// those that move. Nothing is simulated. The geometry is in plan.ts.
+import type { Campaign } from '../api/campaign'
+import type { Catalogue } from '../client'
 import { numberOf } from './parameters'
+import { extentOf, fit, type Place, type PlanBody, planOf, type Window } from './plan'
 
 interface PlanViewProps {
   campaign: Campaign
+  catalogue: Catalogue | undefined
   height?: number
 }
 
-interface Place {
-  x: number
-  y: number
-}
+const WIDTH = 280
 
-const WIDTH = 320
-
-const at = (values: Record<string, Raw> | undefined, prefix = ''): Place => ({
-  x: numberOf(values?.[`${prefix}x`]) ?? 0,
-  y: numberOf(values?.[`${prefix}y`]) ?? 0,
-})
-
-export function PlanView({ campaign, height = 150 }: PlanViewProps) {
-  const { scenario, criterion } = campaign
-  const start = at(scenario.start)
-  const goal = at(scenario.goal)
-  const heading = numberOf(scenario.start?.theta ?? scenario.start?.psi) ?? 0
-  const reach = numberOf(criterion.threshold) ?? 0
-  const circles = (scenario.obstacles ?? []).map((o) => ({
-    ...at(o.parameters, 'position.'),
-    r: numberOf(o.parameters?.radius) ?? 0,
-  }))
-  const points = [start, goal, ...circles.flatMap((c) => around(c, Math.max(c.r, reach)))]
-  const view = frame(points, height)
+export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
+  const plan = planOf(campaign, catalogue)
+  const reach = numberOf(campaign.criterion.threshold) ?? 0
+  const view = fit(extentOf(plan, reach), WIDTH, height, { x: 24, y: 18 })
+  const moving = plan.bodies.filter((body) => body.track.length > 1).length
+  const { start, goal } = plan
   const length = 0.1 * height
   return (
     <svg
@@ -40,79 +28,92 @@ export function PlanView({ campaign, height = 150 }: PlanViewProps) {
       preserveAspectRatio="xMidYMid slice"
       style={{ display: 'block' }}
       role="img"
-      aria-label={`Plan of ${campaign.name}: start, goal and ${circles.length} obstacles`}
+      aria-label={`Plan of ${campaign.name}: start, ${goal ? 'goal' : 'course'} and ${plan.bodies.length} obstacles, ${moving} of them moving`}
     >
       <Grid view={view} height={height} />
       <path
-        d={`M${view.x(start)} ${view.y(start)}L${view.x(goal)} ${view.y(goal)}`}
+        d={line(plan.way, view)}
+        fill="none"
         stroke="var(--c-nom)"
-        strokeDasharray="2 4"
+        strokeDasharray={goal ? '2 4' : undefined}
         strokeWidth={1.3}
       />
-      {circles.map((c, i) => (
-        <g key={i}>
-          <circle
-            cx={view.x(c)}
-            cy={view.y(c)}
-            r={Math.max(3, c.r * view.scale)}
-            fill="var(--c-obs)"
-            fillOpacity={0.22}
-            stroke="var(--c-obs)"
-            strokeWidth={1.4}
-          />
-          <circle
-            cx={view.x(c)}
-            cy={view.y(c)}
-            r={reach * view.scale}
-            fill="none"
-            stroke="var(--c-crit)"
-            strokeDasharray="4 3"
-          />
-        </g>
+      {!goal && <Head way={plan.way} view={view} colour="var(--c-nom)" />}
+      {plan.bodies.map((body, i) => (
+        <Body key={i} body={body} reach={reach} view={view} />
       ))}
-      <g transform={`translate(${view.x(start)} ${view.y(start)}) rotate(${(-heading * 180) / Math.PI})`}>
+      <g transform={`translate(${view.x(start)} ${view.y(start)}) rotate(${degrees(-plan.heading)})`}>
         <path
           d={`M${length} 0 L${-0.6 * length} ${0.55 * length} L${-0.3 * length} 0 L${-0.6 * length} ${-0.55 * length}Z`}
           fill="var(--ink-2)"
         />
       </g>
-      <path
-        d={`M${view.x(goal) - 5} ${view.y(goal)}h10M${view.x(goal)} ${view.y(goal) - 5}v10`}
-        stroke="var(--ink)"
-        strokeWidth={1.8}
-      />
-      <circle cx={view.x(goal)} cy={view.y(goal)} r={7.5} fill="none" stroke="var(--ink)" strokeWidth={1.3} />
+      {goal && (
+        <>
+          <path
+            d={`M${view.x(goal) - 5} ${view.y(goal)}h10M${view.x(goal)} ${view.y(goal) - 5}v10`}
+            stroke="var(--ink)"
+            strokeWidth={1.8}
+          />
+          <circle cx={view.x(goal)} cy={view.y(goal)} r={7.5} fill="none" stroke="var(--ink)" strokeWidth={1.3} />
+        </>
+      )}
     </svg>
   )
 }
 
-const around = (c: Place, r: number): Place[] => [
-  { x: c.x - r, y: c.y - r },
-  { x: c.x + r, y: c.y + r },
-]
-
-interface View {
-  scale: number
-  x: (p: Place) => number
-  y: (p: Place) => number
+/** An obstacle with its safety radius at the start; a moving one with its way and where it leads. */
+function Body({ body, reach, view }: { body: PlanBody; reach: number; view: Window }) {
+  const { at, radius, rectangle, track } = body
+  const [x, y] = [view.x(at), view.y(at)]
+  const look = { fill: 'var(--c-obs)', fillOpacity: 0.22, stroke: 'var(--c-obs)', strokeWidth: 1.4 }
+  const moving = track.length > 1
+  return (
+    <g>
+      {moving && (
+        <>
+          <path d={line(track, view)} fill="none" stroke="var(--c-obs)" strokeWidth={1.6} strokeDasharray="5 4" />
+          <Head way={track} view={view} colour="var(--c-obs)" />
+        </>
+      )}
+      {rectangle ? (
+        <rect
+          x={-0.5 * rectangle.length * view.scale}
+          y={-0.5 * rectangle.width * view.scale}
+          width={rectangle.length * view.scale}
+          height={rectangle.width * view.scale}
+          transform={`translate(${x} ${y}) rotate(${degrees(-rectangle.angle)})`}
+          {...look}
+        />
+      ) : (
+        <circle cx={x} cy={y} r={Math.max(3, radius * view.scale)} {...look} />
+      )}
+      <circle cx={x} cy={y} r={reach * view.scale} fill="none" stroke="var(--c-crit)" strokeDasharray="4 3" />
+    </g>
+  )
 }
 
-/** Fits all points into the picture with equal scales, y upwards. */
-function frame(points: Place[], height: number): View {
-  const xs = points.map((p) => p.x)
-  const ys = points.map((p) => p.y)
-  const [x0, x1] = [Math.min(...xs), Math.max(...xs)]
-  const [y0, y1] = [Math.min(...ys), Math.max(...ys)]
-  const scale = Math.min((WIDTH - 80) / (x1 - x0 || 1), (height - 44) / (y1 - y0 || 1))
-  return {
-    scale,
-    x: (p) => WIDTH / 2 + (p.x - (x0 + x1) / 2) * scale,
-    y: (p) => height / 2 - (p.y - (y0 + y1) / 2) * scale,
-  }
+/** The head of an arrow at the end of a way. */
+function Head({ way, view, colour }: { way: Place[]; view: Window; colour: string }) {
+  const [from, to] = way.slice(-2)
+  if (!from || !to) return null
+  const angle = Math.atan2(view.y(to) - view.y(from), view.x(to) - view.x(from))
+  return (
+    <path
+      d="M0 0L-8 3.6L-8 -3.6Z"
+      fill={colour}
+      transform={`translate(${view.x(to)} ${view.y(to)}) rotate(${degrees(angle)})`}
+    />
+  )
 }
+
+const degrees = (angle: number): number => (angle * 180) / Math.PI
+
+const line = (way: Place[], view: Window): string =>
+  way.map((p, i) => `${i === 0 ? 'M' : 'L'}${view.x(p).toFixed(1)} ${view.y(p).toFixed(1)}`).join('')
 
 /** Grid lines at a round spacing. */
-function Grid({ view, height }: { view: View; height: number }) {
+function Grid({ view, height }: { view: Window; height: number }) {
   const raw = 36 / view.scale
   const power = 10 ** Math.floor(Math.log10(raw))
   const step = ([1, 2, 5, 10].find((m) => m * power >= raw) ?? 10) * power * view.scale

@@ -35,6 +35,8 @@ export function Finished({ data }: { data: RunData }) {
   const flown = data.nominalTrace !== undefined
   // Two curves stand beside the separation, more take a row of their own.
   const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
+  // Where each start ended needs a row of its own with many parameters.
+  const many = data.parameters.length > 3
   const sections: Section[] = [
     ...(flown
       ? [
@@ -81,9 +83,7 @@ export function Finished({ data }: { data: RunData }) {
         {sensitivity && !few && <Tornado data={data} result={sensitivity} className="c4" />}
         <div className="stack c7 wide">
           {searched && <MethodsTable data={data} className="" id="methods" />}
-          {minima.map((search) => (
-            <Minima key={search.method} data={data} search={search} className="" />
-          ))}
+          {!many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="" />)}
           {validation && <ValidationCard data={data} result={validation} className="" />}
           {run.verdict && <Published data={data} className="" />}
         </div>
@@ -91,6 +91,7 @@ export function Finished({ data }: { data: RunData }) {
           {searched && <Convergence data={data} className="" />}
           {sample && <SampleCard data={data} sample={sample} className="" />}
         </div>
+        {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />
       </div>

@@ -26,7 +26,7 @@ export function Flight({ data, className }: { data: RunData; className: string }
   return (
     <Card
       title="Flight"
-      note="Nominal and worst, with what-if sliders. Drag to turn, wheel to zoom"
+      note="Nominal and worst, with what-if sliders. Drag to turn, wheel to zoom. Vehicles not to scale"
       className={className}
       id="flight"
       flush

@@ -9,7 +9,15 @@ import type { RunData } from './data'
 
 const MOST = 40
 
-export function Minima({ data, search, className }: { data: RunData; search: SearchResult; className: string }) {
+interface MinimaProps {
+  data: RunData
+  search: SearchResult
+  className: string
+  /** Starts above their ends instead of beside them: for many parameters. */
+  tall?: boolean
+}
+
+export function Minima({ data, search, className, tall }: MinimaProps) {
   const { run, parameters } = data
   const costs = search.minima.map((minimum) => minimum.cost)
   const decimals = decimalsApart(costs, 5, 6)
@@ -18,7 +26,12 @@ export function Minima({ data, search, className }: { data: RunData; search: Sea
   return (
     <Card
       title="Minima by start"
-      note={<MethodName method={search.method} title={search.title} />}
+      note={
+        <>
+          <MethodName method={search.method} title={search.title} />
+          {tall && ' Start above, end below'}
+        </>
+      }
       className={className}
       flush
       footer={search.minima.length > MOST ? `The first ${MOST} of ${count(search.minima.length)}.` : undefined}
@@ -51,7 +64,10 @@ export function Minima({ data, search, className }: { data: RunData; search: Sea
                 const digits = decimalsFor([p.low, p.high])
                 return (
                   <td key={p.path} className="num">
-                    <span className="mut">{minimum.start ? fixed(minimum.start[p.path], digits) : NONE} → </span>
+                    <span className="mut">
+                      {minimum.start ? fixed(minimum.start[p.path], digits) : NONE} {tall ? '' : '→ '}
+                    </span>
+                    {tall && <br />}
                     {fixed(minimum.parameters[p.path], digits)}
                   </td>
                 )

@@ -77,14 +77,28 @@ export function useRunData(run: RunDetail): RunData {
 /** The uncertain parameters in the campaign's order, as the catalogue of today describes them. */
 export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
   const known = new Map(catalogue ? parametersOf(campaign, catalogue).map((p) => [p.path, p]) : [])
-  return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
+  const found = Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
     const parameter = known.get(path)
     const nominal = numberOf(parameter?.nominal)
     const [low, high] = boundsOf(uncertain, nominal).map(numberOf)
     if (typeof low !== 'number' || typeof high !== 'number') return []
     const { symbol = path, unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
-    return [{ path, symbol, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
+    const { group = '' } = parameter ?? {}
+    return [{ path, symbol, unit, text, group, nominal: nominal ?? (low + high) / 2, low, high }]
   })
+  return distinct(found)
+}
+
+/** Tells parameters of one symbol apart: the speeds of two obstacles get their numbers, and say whose they are. */
+function distinct(found: (UncertainParameter & { group: string })[]): UncertainParameter[] {
+  const twice = (symbol: string, among: { symbol: string }[]) => among.filter((p) => p.symbol === symbol).length > 1
+  const numbered = found.map(({ group, ...p }) => {
+    if (!twice(p.symbol, found)) return p
+    const number = /^[a-z]+\.(\d+)\./.exec(p.path)?.[1]
+    const index = number === undefined ? '' : `${p.symbol.includes('_') ? ',' : '_'}${Number(number) + 1}`
+    return { ...p, symbol: p.symbol + index, text: `${p.text}, ${group.toLowerCase()}` }
+  })
+  return numbered.map((p) => (twice(p.symbol, numbered) ? { ...p, symbol: p.path } : p))
 }
 
 export interface SearchStage {

@@ -3,19 +3,21 @@ import { IconFileText } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { asCampaign } from '../api/campaign'
-import { libraryQuery } from '../api/queries'
+import { catalogueQuery, libraryQuery } from '../api/queries'
 import { PlanView } from '../launch/PlanView'
+import { ordered } from '../launch/shelf'
 
 export function NoRuns() {
   const { data } = useQuery(libraryQuery)
-  const first = data?.[0]
+  const { data: catalogue } = useQuery(catalogueQuery)
+  const first = data && ordered(data)[0]
   return (
     <div className="card">
       <div className="centre" style={{ paddingBottom: 36 }}>
         {first && (
           <figure>
             <div className="emptypic">
-              <PlanView campaign={asCampaign(first.document)} height={168} />
+              <PlanView campaign={asCampaign(first.document)} catalogue={catalogue} height={168} />
             </div>
             <figcaption className="micro mut">{asCampaign(first.document).name}, seen from above</figcaption>
           </figure>

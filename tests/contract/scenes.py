@@ -46,12 +46,12 @@ def around(component: Component) -> dict[str, Any]:
     if component.role == "fault":
         on = vehicle.inputs[0].name if entry(component).path == "actuator" else ""
         scenario["faults"] = [_part(component) | {"on": on}]
-    goal = next(iter(scenario["goal"]))
-    value = scenario["goal"][goal]
+    # Some avoiders only hold a course and have no goal.
+    path, value = next(((f"goal.{name}", at) for name, at in scenario["goal"].items()), ("start.x", 0.0))
     return {
         "name": f"{component.role} {component.name}",
         "scenario": scenario,
-        "uncertain": {f"goal.{goal}": {"low": value - 1, "high": value + 1}},
+        "uncertain": {path: {"low": value - 1, "high": value + 1}},
         "criterion": {"component": chosen["criterion"].name, "threshold": 1e-3},
         "stages": {"search": [{"method": "direct", "evaluations": 1}]},
     }

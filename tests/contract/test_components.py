@@ -16,8 +16,8 @@ from worker.search.base import EXCLUDED, FAILED, OK
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
 
-PURE = {"", "-"}
-"""Units of numbers without a dimension."""
+PURE = {"", "-", "N m^(3-n)"}
+"""Units of numbers without a dimension, and one whose power is a parameter itself."""
 
 UNIT = re.compile(r"(1/)?(\(?[A-Za-zµ%°]+[0-9]*( [A-Za-z]+[0-9]*)*\)?)(/(\(.+\)|[A-Za-z]+[0-9]*))?")
 

@@ -30,7 +30,8 @@ def test_the_campaign_can_be_run() -> None:
     campaign = load_text(block("yaml"), "README")
     assert check(campaign, catalogue()) == []
     problem = Problem(campaign)
-    batch, reasons = problem.fly(np.array([problem.nominal_point, np.zeros(problem.dimension), np.ones(problem.dimension)]))
+    corners = np.zeros(problem.dimension), np.ones(problem.dimension)
+    batch, reasons = problem.fly(np.array([problem.nominal_point, *corners]))
     assert reasons == {}
     assert (batch.costs > 0.5).all()
 

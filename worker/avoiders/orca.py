@@ -1,5 +1,6 @@
-"""Optimal reciprocal collision avoidance (ORCA) of one agent in the plane: the velocity nearest to the preferred one
-that keeps clear of every disc for a time tau.
+"""Optimal reciprocal collision avoidance (ORCA) of one agent in the plane.
+
+The velocity nearest to the preferred one that keeps clear of every disc for a time tau.
 
 For each disc B, with r = p_B - q, w = v - v_B, R = radius of B + radius: u is the smallest change of w that leaves the
 velocity obstacle {w : |r - w t| < R for some t in [0, tau]}, n its outward normal there, and the velocity must lie in

@@ -20,7 +20,7 @@ World axes north, east, down; body axes forward, right, down. u, v, w are over g
 air: wind enters there, and the controller feels it. Inputs are held by the aircraft's own stops. The flight starts
 trimmed for level flight at the nominal parameters and start.speed.
 
-Source of the equations: Srikanthakumar, 3.38 to 3.43. Gravity in dv/dt and dw/dt has the sign for z down (printed: the
+Source: Srikanthakumar, 3.38 to 3.43. Gravity in dv/dt and dw/dt has the sign for z down (printed: the
 opposite, with which no level flight exists); the propeller's signs are as printed. Source of the coefficients:
 University of Minnesota, UAV Research Group, Ultrastick_config.m (revision 765, 2012), the same as
 ParamDef_UltraStick25e_Old.m of UASLab/OpenFlight; mass and moments of inertia of its aircraft Loki; positive aileron

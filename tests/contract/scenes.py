@@ -46,6 +46,8 @@ def around(component: Component) -> dict[str, Any]:
     if component.role == "fault":
         on = vehicle.inputs[0].name if entry(component).path == "actuator" else ""
         scenario["faults"] = [_part(component) | {"on": on}]
+        if entry(component).path == "guidance":  # only sampled guidance can be late
+            scenario["guidance"] = {"period": 4 * STEP}
     # Some avoiders only hold a course and have no goal.
     path, value = next(((f"goal.{name}", at) for name, at in scenario["goal"].items()), ("start.x", 0.0))
     return {

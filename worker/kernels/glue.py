@@ -454,8 +454,8 @@ def waited(t: float, q: Any, v: Any, around: Any, g: Any, p: Any) -> Any:
 @kernel
 def share(late: float, samples: float) -> float:
     """The weight of the demand of so many samples ago: linear interpolation in time."""
-    apart = abs(late - samples)
-    return 1.0 - apart if apart < 1.0 else 0.0
+    weight = 1.0 - abs(late - samples)
+    return 0.0 if weight < 0.0 else weight
 
 
 def blended2(late: float, new: Any, old: Any) -> tuple[float, float]:

@@ -11,19 +11,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from campaigns import Campaign, library, load_file
+from tests.physics.conditions import CASE, FAULTS, PARTS, loop_with, parameters, short
 from tests.physics.scenes import changed, cost, flight, uncompiled
 from worker.catalog import components
 from worker.kernels.bind import plain
-from worker.kernels.component import Environment, Fault, declared
+from worker.kernels.component import Environment, declared
 from worker.kernels.glue import Body3
 from worker.problem import Problem
-
-CASE = load_file(library()["unicycle_static"])
-FAULTS = {name: part for (role, name), part in components().items() if isinstance(part, Fault)}
-PARTS = FAULTS | {name: part for (_, name), part in components().items() if isinstance(part, Environment)}
 
 
 def loops() -> dict[str, Campaign]:
@@ -37,39 +33,6 @@ def loops() -> dict[str, Campaign]:
 
 
 LOOPS = loops()
-
-
-def short(campaign: Campaign, steps: int, *names: str, **given: float) -> Problem:
-    """The campaign's loop for a few steps from its start, with these faults and environment in it."""
-    scenario, inputs = campaign.scenario, components()["vehicle", campaign.scenario.vehicle.component].inputs
-    faults: list[dict[str, Any]] = []
-    around: list[dict[str, Any]] = []
-    for name in names:
-        part = PARTS[name]
-        document = {"component": name, "parameters": given}
-        if isinstance(part, Environment):
-            around.append(document)
-        elif part.path == "actuator":
-            faults += [document | {"on": signal.name} for signal in inputs]
-        else:
-            faults.append(document)
-    period = scenario.guidance.period or 5 * scenario.step * ("guidance_delay" in names)
-    return uncompiled(
-        changed(
-            campaign,
-            faults=faults,
-            environment=around,
-            horizon=steps * scenario.step,
-            guidance={"period": period},
-        )
-    )
-
-
-def loop_with(name: str, on: str = "", scenario: dict[str, Any] | None = None, **parameters: float) -> Problem:
-    """Case 1 with one fault or part of the environment, in plain Python."""
-    part = {"component": name, "parameters": parameters} | ({"on": on} if on else {})
-    where = "environment" if isinstance(PARTS[name], Environment) else "faults"
-    return uncompiled(changed(CASE, **{where: [part]}, **(scenario or {})))
 
 
 class TestNeutral:
@@ -96,156 +59,6 @@ class TestNeutral:
         bare = Problem(changed(CASE, **sampled))
         full = Problem(changed(short(CASE, 10, *PARTS).campaign, **sampled))
         assert cost(full) == pytest.approx(cost(bare), abs=1e-12)
-
-
-class Linear:
-    """The state-space form of an actuator fault that is linear, from its kernel."""
-
-    def __init__(self, name: str, **given: float) -> None:
-        fault = FAULTS[name]
-        self.p = parameters(fault, **given)
-        self.act, self.rest = plain(fault.kernel), plain(fault.rest)
-        n = fault.states
-        zero = (0.0,) * n
-        self.d = self.act(0.0, 1.0, zero, self.p)[0]
-        self.b = np.array(self.act(0.0, 1.0, zero, self.p)[1])
-        units = [tuple(float(i == k) for i in range(n)) for k in range(n)]
-        self.c = np.array([self.act(0.0, 0.0, unit, self.p)[0] for unit in units])
-        self.a = np.array([self.act(0.0, 0.0, unit, self.p)[1] for unit in units]).T
-
-    def response(self, frequency: float) -> complex:
-        inner = np.linalg.solve(1j * frequency * np.eye(len(self.b)) - self.a, self.b)
-        return complex(self.d + self.c @ inner)
-
-    def step(self, times: Any) -> Any:
-        """The output after a unit step at t = 0 from rest at 0."""
-        solved = solve_ivp(
-            lambda t, a: self.act(t, 1.0, tuple(a), self.p)[1],
-            (0.0, times[-1]), self.rest(0.0, self.p), t_eval=times, rtol=1e-11, atol=1e-13,
-        )  # fmt: skip
-        return np.array([self.act(t, 1.0, tuple(a), self.p)[0] for t, a in zip(times, solved.y.T, strict=True)])
-
-
-def parameters(part: Fault | Environment, **given: float) -> Any:
-    """A component's parameters, or the constants it derives from them, the rest at their defaults."""
-    fields = part.parameters(**given)
-    return fields if part.derived is None else part.derived.constants(*plain(part.derived.derive)(fields, ()))
-
-
-def follow(name: str, command: Any, end: float, **given: float) -> tuple[Any, Any]:
-    """Times, and what an actuator fault makes of a command as a function of time, from rest at its first value."""
-    fault, p = FAULTS[name], parameters(FAULTS[name], **given)
-    act, rest = plain(fault.kernel), plain(fault.rest)
-    times = np.linspace(0.0, end, 2001)
-    solved = solve_ivp(
-        lambda t, a: act(t, command(t), tuple(a), p)[1],
-        (0.0, end), rest(command(0.0), p), t_eval=times, rtol=1e-9, atol=1e-11, max_step=end / 500,
-    )  # fmt: skip
-    return times, np.array([act(t, command(t), tuple(a), p)[0] for t, a in zip(times, solved.y.T, strict=True)])
-
-
-class TestActuators:
-    def test_the_lag_answers_a_step_as_it_should(self) -> None:
-        times = np.linspace(0.0, 2.0, 50)
-        found = Linear("actuator_lag", tau=0.4).step(times)
-        assert found == pytest.approx(1.0 - np.exp(-times / 0.4), abs=1e-9)
-
-    def test_a_lag_too_short_to_integrate_is_as_late(self) -> None:
-        times = np.linspace(0.0, 3.0, 30001)
-        found = Linear("actuator_lag", tau=0.02, shortest=0.05).step(times)
-        assert np.trapezoid(1.0 - found, times) == pytest.approx(0.02, abs=1e-5)
-
-    @pytest.mark.parametrize(("phase", "short"), [(0.1, 1.5e-7), (1.0, 1.4e-3), (2.0, 0.018), (3.0, 0.063)])
-    def test_the_delay_has_gain_one_and_the_stated_phase(self, phase: float, short: float) -> None:
-        found = Linear("control_delay", tau=0.2).response(phase / 0.2)
-        assert abs(found) == pytest.approx(1.0, abs=1e-12)
-        lag = -np.angle(found)
-        assert 0.0 <= (phase - lag) / phase <= short
-
-    def test_a_delay_too_short_to_integrate_is_as_late(self) -> None:
-        delay = Linear("control_delay", tau=0.03, shortest=0.1)
-        assert -np.angle(delay.response(1e-3)) / 1e-3 == pytest.approx(0.03, rel=1e-6)
-
-    @pytest.mark.parametrize("name", ["actuator_lag", "control_delay"])
-    def test_it_starts_settled_on_the_first_command(self, name: str) -> None:
-        fault = FAULTS[name]
-        p = parameters(fault, tau=0.3)
-        a = plain(fault.rest)(7.0, p)
-        out, change = plain(fault.kernel)(0.0, 7.0, a, p)
-        assert out == pytest.approx(7.0, abs=1e-14)
-        assert change == pytest.approx((0.0,) * fault.states, abs=1e-12)
-
-    def test_a_slow_ramp_passes_the_rate_limit_untouched(self) -> None:
-        times, found = follow("actuator_rate_limit", lambda t: 1.5 * t, 4.0, rate=2.0, K=20.0)
-        assert found.tolist() == (1.5 * times).tolist()
-
-    def test_a_fast_ramp_is_followed_at_the_rate(self) -> None:
-        times, found = follow("actuator_rate_limit", lambda t: 8.0 * t, 4.0, rate=2.0, K=20.0)
-        late = times > 0.5
-        assert np.diff(found[late]) / np.diff(times[late]) == pytest.approx(2.0, rel=1e-6)
-        assert found[-1] == pytest.approx(8.0, abs=2.0 / 20.0 + 1e-6)
-
-    def test_a_step_is_reached_when_the_rate_allows_and_then_held(self) -> None:
-        times, found = follow("actuator_rate_limit", lambda t: 3.0 if t > 0.0 else 0.0, 4.0, rate=2.0, K=50.0)
-        reached = times[np.argmax(found >= 3.0)]
-        assert reached == pytest.approx(1.5, abs=2.0 / 50.0)
-        assert found[times > 1.6].tolist() == [3.0] * int(np.count_nonzero(times > 1.6))
-
-    def test_a_stuck_actuator_stays_where_it_was(self) -> None:
-        times, found = follow("actuator_stuck", math.sin, 6.0, at=2.0, K=50.0)
-        before, after = times < 2.0, times > 2.01
-        assert found[before].tolist() == [math.sin(t) for t in times[before]]
-        assert np.ptp(found[after]) < 1e-9
-        assert found[-1] == pytest.approx(math.sin(2.0 - 1 / 50), abs=1e-3)
-
-    def test_loss_bias_and_hard_over_do_what_they_say(self) -> None:
-        def output(name: str, t: float, u: float, **given: float) -> float:
-            fault = FAULTS[name]
-            return float(plain(fault.kernel)(t, u, (), parameters(fault, **given))[0])
-
-        assert output("actuator_loss", 1.0, 5.0, loss=0.4, at=2.0) == 5.0
-        assert output("actuator_loss", 2.0, 5.0, loss=0.4, at=2.0) == pytest.approx(3.0)
-        assert output("actuator_loss", 3.0, 5.0, loss=1.0, about=1.5, at=2.0) == pytest.approx(1.5)
-        assert output("actuator_loss", 3.0, 5.0, loss=0.4, at=2.0, over=4.0) == pytest.approx(4.5)
-        assert output("actuator_bias", 0.0, 5.0, bias=-0.5) == pytest.approx(4.5)
-        assert output("hard_over", 1.9, 5.0, at=2.0, value=-3.0) == 5.0
-        assert output("hard_over", 2.5, 5.0, at=2.0, over=1.0, value=-3.0) == pytest.approx(1.0)
-        assert output("hard_over", 3.0, 5.0, at=2.0, over=1.0, value=-3.0) == pytest.approx(-3.0)
-
-    def test_in_the_loop_a_constant_force_accelerates_evenly(self) -> None:
-        problem = loop_with("hard_over", "force", {"horizon": 1.0}, at=0.0, value=2.0)
-        assert flight(problem)[:, 3] == pytest.approx(2.0 / 5.0 * 0.005 * np.arange(201), abs=1e-12)
-
-    def test_it_is_on_the_input_it_names(self) -> None:
-        states = flight(loop_with("hard_over", "torque", {"horizon": 0.5}, at=0.0, value=0.0))
-        assert np.abs(states[:, 4]).max() == 0.0
-        assert states[-1, 3] > 0.1
-
-
-class TestGuidance:
-    def late(self, periods: float, horizon: float = 2.0) -> Problem:
-        return loop_with("guidance_delay", "", {"horizon": horizon, "guidance": {"period": 0.1}}, periods=periods)
-
-    def test_a_whole_period_shifts_the_demand_by_a_sample(self) -> None:
-        problem = self.late(2.0)
-        g = flight(problem)[:, problem.loop.n_state :]
-        samples = g[::20]
-        # newest, then the four before it: a shift register
-        for lag in range(1, 5):
-            assert samples[lag:, 2 * lag : 2 * lag + 2].tolist() == samples[: len(samples) - lag, 0:2].tolist()
-        assert samples[0, 2:].tolist() == samples[0, :2].tolist() * 4
-
-    @pytest.mark.parametrize("periods", [0.0, 1.0, 2.5, 4.0])
-    def test_the_demand_that_acts_is_that_many_periods_old(self, periods: float) -> None:
-        problem = self.late(periods)
-        waited = plain(problem.loop._glue["closed_loop"]).__globals__["demand"]
-        g = tuple(float(k) for k in range(10))  # newest (0, 1), before it (2, 3) ... (8, 9)
-        p = problem.loop.extend(problem.nominal)
-        assert waited(0.0, (), (), (), g, p) == pytest.approx((2 * periods, 2 * periods + 1))
-
-    def test_it_needs_sampled_guidance(self) -> None:
-        with pytest.raises(ValueError, match=r"only guidance with a period can be late"):
-            loop_with("guidance_delay", periods=1.0)
 
 
 def see(name: str, body: Body3, own: tuple[float, ...] = (0.0,) * 6, v: Any = (0.0, 0.0, 0.0), **given: float) -> Any:
@@ -394,3 +207,52 @@ class TestEnvironment:
         times = (1.9, 2.5, 3.0, 5.9, 6.5, 7.1)
         found = [self.blow("discrete_gust", t, **given).wind_y for t in times]
         assert found == pytest.approx([0.0, 2.0, 4.0, 4.0, 2.0, 0.0], abs=1e-10)
+
+
+class TestInSpace:
+    """The same chains in three dimensions, on the aircraft of case 5."""
+
+    CASE = load_file(library()["uav_aca"])
+
+    def with_fault(self, name: str, obstacle: dict[str, Any] | None = None, **given: float) -> Problem:
+        obstacles = {} if obstacle is None else {"obstacles": [obstacle]}
+        return uncompiled(
+            changed(self.CASE, faults=[{"component": name, "parameters": given}], horizon=4.0, **obstacles)
+        )
+
+    def seen(self, t: float, problem: Problem) -> Any:
+        p = problem.loop.extend(problem.nominal)
+        return problem.loop.part("aware")(t, problem.loop.part("initial")(p), p)[3][0]
+
+    def test_errors_have_a_third_component(self) -> None:
+        true = self.seen(3.0, self.with_fault("position_error"))
+        shifted = self.seen(3.0, self.with_fault("position_error", dx=1.0, dy=2.0, dz=-3.0))
+        assert (shifted.x, shifted.y, shifted.z) == pytest.approx((true.x + 1.0, true.y + 2.0, true.z - 3.0))
+        faster = self.seen(3.0, self.with_fault("velocity_error", dvx=1.0, dvy=2.0, dvz=-3.0))
+        assert (faster.vx, faster.vy, faster.vz) == pytest.approx((true.vx + 1.0, true.vy + 2.0, true.vz - 3.0))
+
+    def test_an_unseen_obstacle_is_far_away(self) -> None:
+        hidden = self.seen(3.0, self.with_fault("blackout", at=0.0, duration=9.0))
+        assert hidden.gap > 1e6
+        assert (hidden.vx, hidden.vy, hidden.vz) == (0.0, 0.0, 0.0)
+
+    def test_late_tracks_and_tracks_with_states(self) -> None:
+        assert self.seen(3.0, self.with_fault("latency", tau=0.8)) == pytest.approx(
+            self.seen(2.2, self.with_fault("latency")), rel=1e-12
+        )
+        place = {"position": {"x": 0.0, "y": 800.0, "z": -5.0}, "goal": {"x": 500.0, "y": 0.0, "z": 20.0}}
+        yielding = {"component": "cooperative_sphere", "parameters": place}
+        true, late = (self.seen(3.0, self.with_fault("latency", yielding, tau=tau)) for tau in (0.0, 0.8))
+        moved = [true.x - 0.8 * true.vx, true.y - 0.8 * true.vy, true.z - 0.8 * true.vz]
+        assert [late.x, late.y, late.z] == pytest.approx(moved)
+
+    def test_a_late_demand_is_that_of_earlier_samples(self) -> None:
+        problem = self.with_fault("guidance_delay", periods=2.0)
+        g = flight(problem)[::2, problem.loop.n_state :]
+        first = 3 + problem.parts.avoider.memory
+        for lag in range(1, 5):
+            kept = g[lag:, first + 3 * (lag - 1) : first + 3 * lag]
+            assert kept.tolist() == g[: len(g) - lag, 0:3].tolist()
+        waited = plain(problem.loop._glue["closed_loop"]).__globals__["demand"]
+        p = problem.loop.extend(problem.nominal)
+        assert waited(0.0, (), (), (), tuple(g[10].tolist()), p) == pytest.approx(g[8, 0:3].tolist())

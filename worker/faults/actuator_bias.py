@@ -3,6 +3,7 @@
     y = u + w bias,   w = 0 before `at`, growing to 1 within `over`
 
 u is the command, y what acts on the vehicle; bias in the input's own unit (a misrigged surface, an unequal motor).
+With over = 0 it jumps, at an instant that the integrator meets to half its step.
 Source: Srikanthakumar, step 3 of section 1.3 (hardware tolerances).
 """
 

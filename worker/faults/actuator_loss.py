@@ -4,6 +4,7 @@
 
 u is the command, y what acts on the vehicle. loss = 1 leaves `about`, the value of the input that does nothing (the
 trimmed deflection of a surface, 0 for a force).
+With over = 0 it jumps, at an instant that the integrator meets to half its step.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions, control power); Boskovic and Mehra, Multiple-model
 adaptive flight control scheme for accommodation of actuator failures (J. Guidance, Control and Dynamics 25, 2002).
 """

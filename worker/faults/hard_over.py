@@ -3,6 +3,7 @@
     y = u + w (value - u),   w = 0 before `at`, growing to 1 within `over`
 
 u is the command, y what acts on the vehicle. The value is usually a stop of the actuator.
+With over = 0 it jumps, at an instant that the integrator meets to half its step.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions); Boskovic and Mehra, Multiple-model adaptive flight
 control scheme for accommodation of actuator failures (J. Guidance, Control and Dynamics 25, 2002): hard-over failure.
 """

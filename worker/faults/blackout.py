@@ -2,7 +2,8 @@
 
     not seen  when  at <= t < at + duration
 
-With continuous guidance the integrator meets its edges to half a step. The other ways to lose a sensor: `dropout` holds what was last known, `missed_detection` loses single samples.
+With continuous guidance the integrator meets its edges to half a step. The other ways to lose a sensor: `dropout`
+holds what was last known, `missed_detection` loses single samples.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions of the sensors).
 """
 

@@ -8,8 +8,8 @@ command it answers at once, dips below and settles within about 2 tau, where a t
 whose bandwidth stays below about 2/tau, stability margins included. It starts settled on the first command.
 Below the delay `shortest` the integrator's step could not follow: there y = (1 - s) u + s d with d delayed by
 `shortest` and s = tau / shortest, which delays slow commands by the same tau and is continuous down to tau = 0.
-Keep `shortest` above 1.4 steps, above 3 in a fast loop, whose poles it speeds up, and below half of what the loop's
-bandwidth asks for, else the share is not a delay. Sampled guidance has its own, exact model, `guidance_delay`.
+Keep `shortest` above 1.4 steps (3 in a fast loop, whose poles it speeds up) and below 0.5 divided by the loop's
+bandwidth [rad/s], beyond which the share is no delay. Sampled guidance has its own, exact model, `guidance_delay`.
 Source: Golub and Van Loan, Matrix Computations (2013): diagonal Pade approximants of exp;
 Srikanthakumar, step 3 of section 1.3 (hardware: computing delays).
 """

@@ -3,8 +3,9 @@
     seen(t) = obstacle(at), carried on by coasting * (t - at) along its velocity then,   at <= t < at + duration
 
 coasting = 0 holds position and velocity as last known, 1 is dead reckoning, as trackers do. Afterwards all is current
-again. With continuous guidance the integrator meets its edges to half a step. Exact for obstacles whose course is known in time; one with states of its own (a cooperative one) is taken back
-along its present velocity instead. Standing obstacles are not affected: `blackout` is the case of seeing nothing.
+again. Exact for obstacles whose course is known in time; one with states of its own (a cooperative one) is taken back
+along its present velocity instead. Standing obstacles are not affected: `blackout` is the case of seeing nothing. With
+continuous guidance the integrator meets its edges to half a step.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions of the sensors).
 """
 

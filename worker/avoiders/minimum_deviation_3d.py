@@ -18,7 +18,8 @@ dpsi0, anticlockwise seen from above. V_A is the planned velocity, unless `insta
 Source: Srikanthakumar, section 7.2; equation 7.7 is 0/0 at xi = 0, the form above equals it elsewhere. Reconstructed:
 R_p (planning) apart from the radius to be kept, range, eta_max, side, gate, "readings at the nominal case" as the
 planned velocity, and the sense of dpsi0. Meant for guidance sampled at its own period. Axes with z down.
-Limits: pairwise; velocities are taken as constant; envelope and dynamics of the aircraft are left to its autopilot.
+Limits: pairwise; velocities are taken as constant; a committed side is the least change among level courses only;
+envelope and dynamics of the aircraft are left to its autopilot.
 """
 
 from __future__ import annotations

@@ -10,8 +10,9 @@ one that the rules leave, and who has the right of way flies on as planned:
                  who has the other on the left has the right of way
 
 Rules are tried in this order. Who has the right of way acts all the same when the closest approach is nearer than
-`last_resort` in time: the other does not give way. It then passes behind the other. A duty holds until the conflict it
-was taken up for is over: until another intruder's is the soonest, or none comes closer within range.
+`last_resort` in time: the other does not give way. It then passes behind what comes from the left, and turns away from
+what overtakes it to the side that V_AB points to. A duty holds until the conflict it was taken up for is over: until
+another intruder's is the soonest, or none comes closer within range.
 Altitude is not a rule's matter: all encounters are taken for such at about the same level.
 
 Source: ICAO Annex 2, Rules of the Air, section 3.2.2 (3.2.2.2 head-on, 3.2.2.3 converging, 3.2.2.4 overtaking and its
@@ -42,14 +43,14 @@ class Rules(NamedTuple):
 
 RightOfWay = extended("RightOfWay", Sensing, Rules)
 Memory = tuple[float, float]
-"""Side of the duty taken up (1 turn right, 0 fly on, -1 none yet), and the number of the intruder it is owed to."""
+"""The duty taken up, and the number of the intruder it is owed to."""
 
-GIVES_WAY, STANDS_ON, NO_DUTY = 1.0, 0.0, -1.0
+NO_DUTY, STANDS_ON, GIVES_WAY, OVERTAKEN = -1.0, 0.0, 1.0, 2.0
 
 
 @kernel
 def duty(e: Encounter, p: Any) -> float:
-    """What the rules ask for: GIVES_WAY or STANDS_ON."""
+    """What the rules ask for: GIVES_WAY; to fly on, STANDS_ON or OVERTAKEN."""
     own, other = norm2(e.own[0], e.own[1]), norm2(e.other[0], e.other[1])
     level = norm2(e.n[0], e.n[1])
     bow = (e.own[0] * e.n[0] + e.own[1] * e.n[1]) / (own * level + 1e-12)
@@ -61,8 +62,9 @@ def duty(e: Encounter, p: Any) -> float:
     overtaking = tail > astern
     overtaken = bow < -astern
     on_right = e.own[0] * e.n[1] - e.own[1] * e.n[0] > 0.0
-    converging = on_right & (not overtaken)
-    return GIVES_WAY if head_on | overtaking | converging else STANDS_ON
+    what = GIVES_WAY if on_right else STANDS_ON
+    what = OVERTAKEN if overtaken else what
+    return GIVES_WAY if head_on | overtaking else what
 
 
 class Soonest(NamedTuple):
@@ -91,13 +93,14 @@ def weigh(
     near = e.near > 0.5
     known = (m[0] > -0.5) & (m[1] == number)
     what = m[0] if known else duty(e, p)
-    stands_on = what < 0.5
+    gives_way = what == GIVES_WAY
     crossing = e.other[0] * e.right[0] + e.other[1] * e.right[1]
     behind = -1.0 if crossing > 0.0 else 1.0
-    h, xi = aside(e, behind if stands_on else 1.0)
+    behind = 0.0 if what == OVERTAKEN else behind
+    h, xi = aside(e, 1.0 if gives_way else behind)
     demand = resolve(e, h, xi)
     sooner = near & (e.miss <= p.radius) & (xi < e.turn) & (e.wait < s.wait)
-    waits = 1.0 if stands_on & (e.wait > p.last_resort) else 0.0
+    waits = 0.0 if gives_way | (e.wait <= p.last_resort) else 1.0
     return Soonest(
         e.wait if sooner else s.wait,
         demand[0] if sooner else s.x,

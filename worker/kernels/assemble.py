@@ -87,6 +87,9 @@ class Loop:
         flown = Flown(len(params), trace)
         with np.errstate(all="ignore"):
             self._fly(params, step, steps, every, flown.costs, flown.status, flown.when, trace)
+        # Comparisons inside components may swallow a NaN: a flight of parameters that are no numbers is none.
+        wrong = ~np.isfinite(params).all(axis=1)
+        flown.costs[wrong], flown.status[wrong], flown.when[wrong] = np.nan, loop.NOT_FINITE, 0.0
         return flown
 
     def warm(self) -> None:

@@ -28,7 +28,7 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Avoider, Parameter, extended
 from worker.kernels.maths import kernel
-from worker.kernels.resolution import NEVER, Plan, Sensing, aside, own_reading, perceive, planned, resolve
+from worker.kernels.resolution import NEVER, Plan, Sensing, aside, doubt, own_reading, perceive, planned, resolve
 from worker.kernels.space import Vector, dot3
 
 
@@ -53,11 +53,12 @@ class Soonest(NamedTuple):
     side: float
     approached: float
     latched: float
+    doubt: float
 
 
 @kernel
 def first(t: float, q: Vector, v: Vector, goal: Plan, m: Memory, p: Any) -> Soonest:
-    return Soonest(NEVER, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, m[0])
+    return Soonest(NEVER, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, m[0], 0.0 * (p.side + p.gate))
 
 
 @kernel
@@ -88,6 +89,7 @@ def weigh(
         side if sooner else s.side,
         1.0 if near else s.approached,
         1.0 if near & latched else s.latched,
+        s.doubt + doubt(e, xi, p),
     )
 
 
@@ -99,7 +101,11 @@ def steer(t: float, q: Vector, v: Vector, goal: Plan, s: Soonest, m: Memory, p: 
     hold = acting & (s.passed > 0.5) & (p.gate < 3.5) & (m[5] > 0.5)
     last = (s.x if now else m[2], s.y if now else m[3], s.z if now else m[4])
     flies = now | hold
-    out = (last[0] if flies else plan[0], last[1] if flies else plan[1], last[2] if flies else plan[2])
+    out = (
+        (last[0] if flies else plan[0]) + s.doubt,
+        (last[1] if flies else plan[1]) + s.doubt,
+        (last[2] if flies else plan[2]) + s.doubt,
+    )
     side = s.side if acting & (m[1] == 0.0) else m[1]
     latched = s.latched if s.approached > 0.5 else 0.0
     return out, (latched, side, last[0], last[1], last[2], 1.0 if now else m[5])

@@ -27,7 +27,18 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Avoider, Parameter, extended
 from worker.kernels.maths import kernel, norm2, sincos
-from worker.kernels.resolution import NEVER, Encounter, Plan, Sensing, aside, own_reading, perceive, planned, resolve
+from worker.kernels.resolution import (
+    NEVER,
+    Encounter,
+    Plan,
+    Sensing,
+    aside,
+    doubt,
+    own_reading,
+    perceive,
+    planned,
+    resolve,
+)
 from worker.kernels.space import Vector
 
 
@@ -78,11 +89,12 @@ class Soonest(NamedTuple):
     duty: float
     number: float
     approached: float
+    doubt: float
 
 
 @kernel
 def first(t: float, q: Vector, v: Vector, goal: Plan, m: Memory, p: Any) -> Soonest:
-    return Soonest(NEVER, 0.0, 0.0, 0.0, 0.0, m[0], m[1], 0.0)
+    return Soonest(NEVER, 0.0, 0.0, 0.0, 0.0, m[0], m[1], 0.0, 0.0 * (p.ahead + p.astern + p.last_resort))
 
 
 @kernel
@@ -110,6 +122,7 @@ def weigh(
         what if sooner else s.duty,
         number if sooner else s.number,
         1.0 if near else s.approached,
+        s.doubt + doubt(e, xi, p),
     )
 
 
@@ -117,7 +130,11 @@ def weigh(
 def steer(t: float, q: Vector, v: Vector, goal: Plan, s: Soonest, m: Memory, p: Any) -> tuple[Vector, Memory]:
     plan = planned(goal)
     acts = (s.wait < NEVER) & (s.flies_on < 0.5)
-    out = (s.x if acts else plan[0], s.y if acts else plan[1], s.z if acts else plan[2])
+    out = (
+        (s.x if acts else plan[0]) + s.doubt,
+        (s.y if acts else plan[1]) + s.doubt,
+        (s.z if acts else plan[2]) + s.doubt,
+    )
     return out, (s.duty if s.approached > 0.5 else NO_DUTY, s.number)
 
 

@@ -24,7 +24,7 @@ from typing import Annotated, Any, NamedTuple
 from worker.kernels import autopilot
 from worker.kernels.aerodynamics import Controls, Trimmed
 from worker.kernels.aircraft import State
-from worker.kernels.autopilot import Loops, aileron, elevator, held, throttle, turn
+from worker.kernels.autopilot import Loops, aileron, doubt, elevator, held, throttle, turn
 from worker.kernels.component import Controller, Derived, Parameter, extended
 from worker.kernels.maths import kernel
 from worker.kernels.space import Vector
@@ -44,7 +44,7 @@ Sums = tuple[float, float, float, float]
 
 @kernel
 def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
-    return *p[0:], at.alpha, at.elevator, at.throttle
+    return *p[0:], at.alpha + doubt(p), at.elevator, at.throttle
 
 
 @kernel

@@ -136,6 +136,12 @@ def aside(e: Encounter, side: float) -> tuple[Vector, float]:
 
 
 @kernel
+def doubt(e: Encounter, xi: float, p: Any) -> float:
+    """0, but no number where a reading or limit is none: comparisons would take such a one for no conflict."""
+    return 0.0 * (e.miss + e.wait + e.turn + xi + p.range + p.eta_max + p.radius)  # type: ignore[no-any-return]
+
+
+@kernel
 def resolve(e: Encounter, h: Vector, xi: float) -> Vector:
     """The velocity nearest to the own one that passes at the planning radius (7.7, in a form without 0/0 at xi = 0)."""
     s, c = sincos(e.turn)

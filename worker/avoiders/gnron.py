@@ -23,7 +23,7 @@ from worker.kernels.maths import kernel, norm2
 
 class Gnron(NamedTuple):
     k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 5.0
-    k_rep: Annotated[float, Parameter("N m^(3-n)", "Strength of the repulsion", 0.0, 1e12)] = 4.0
+    k_rep: Annotated[float, Parameter("N m3/(m^n)", "Strength of the repulsion", 0.0, 1e12)] = 4.0
     d_0: Annotated[float, Parameter("m", "Distance from the surface at which repulsion begins", 1e-2, 1e5)] = 2.0
     n: Annotated[float, Parameter("", "Power of the distance to the goal: 0, 1, 2 or 3", 0.0, 3.0)] = 2.0
     s: Annotated[float, Parameter("m", "Distance from the goal beyond which the pull is constant", 1e-3, 1e9)] = 1e9

@@ -96,11 +96,12 @@ def tightened(
     best: Pair, wish: Pair, last: Line, before: Line, q: Pair, v: Pair, bodies: Any, p: Orca
 ) -> tuple[Pair, Line]:
     """The point nearest to `wish` that keeps the half-plane that `best` violates most, and those kept last."""
-    worst = -TOUCHING
+    worst, doubt = -TOUCHING, 0.0
     x, y, nx, ny = 0.0, 0.0, 0.0, 0.0
     for body in bodies:
         line = half_plane(body, q, v, p)
         outside = (best[0] - line[0]) * line[2] + (best[1] - line[1]) * line[3]
+        doubt += 0.0 * outside  # a comparison with NaN is False and would lose it
         worse = outside < worst
         worst = outside if worse else worst
         x = line[0] if worse else x
@@ -118,14 +119,16 @@ def tightened(
     s = high if s > high else s
     s = 0.5 * (low + high) if low > high else s
     found = worst < -TOUCHING
-    return (x + s * ny if found else best[0], y - s * nx if found else best[1]), (x, y, nx, ny)
+    best_x = x + s * ny if found else best[0]
+    best_y = y - s * nx if found else best[1]
+    return (best_x + doubt, best_y + doubt), (x, y, nx, ny)
 
 
 @kernel
 def steer(t: float, q: Pair, v: Pair, goal: Goal, bodies: Any, memory: tuple[()], p: Orca) -> tuple[Pair, tuple[()]]:
     x = goal.x - q[0]
     y = goal.y - q[1]
-    k = cruise(norm2(x, y), p.speed if p.speed < p.v_max else p.v_max, p.k_goal)
+    k = cruise(norm2(x, y), p.v_max if p.speed > p.v_max else p.speed, p.k_goal)
     wish = (k * x, k * y)
     none = (0.0, 0.0, 0.0, 0.0)
     best, first = tightened(wish, wish, none, none, q, v, bodies, p)
@@ -135,8 +138,9 @@ def steer(t: float, q: Pair, v: Pair, goal: Goal, bodies: Any, memory: tuple[()]
         if len(bodies) > 2:
             best, _ = tightened(best, wish, second, first, q, v, bodies, p)
     excess = p.v_max / (norm2(best[0], best[1]) + 1e-300)
-    scale = excess if excess < 1.0 else 1.0
-    return (scale * best[0], scale * best[1]), ()
+    scale = 1.0 if excess > 1.0 else excess
+    doubt = 0.0 * (p.tau + p.escape)
+    return (scale * best[0] + doubt, scale * best[1] + doubt), ()
 
 
 @kernel

@@ -67,7 +67,8 @@ Pair = tuple[float, float]
 
 @kernel
 def derive(p: PiAntiWindup, trim: Any) -> tuple[float, ...]:
-    turn = p.k_q / (trim.a * trim.a + 1.0)
+    # what is not a number among the limits would be lost in comparisons: 0 times them carries it on
+    turn = p.k_q / (trim.a * trim.a + 1.0) + 0.0 * (p.u_low + p.u_high + p.w_high)
     return (
         p.k_p, turn, turn * trim.a, p.K_1, p.K_2, p.K_3, p.K_4, p.k_aw, p.u_low, p.u_high, p.w_high,
         trim.u_min, trim.u_max, trim.w_max,

@@ -11,7 +11,7 @@ from worker.kernels.maths import kernel
 from worker.kernels.space import Vector, dot3, norm3
 
 NEVER = 1e9
-"""The time to a conflict where there is none [s]."""
+"""The time to a conflict where there is none [s]; it is NaN where that cannot be told."""
 HEAD_ON = 1e-6
 """A miss distance below which its direction is taken from the caller [m]."""
 
@@ -51,5 +51,7 @@ def resolve(r: Vector, own: Vector, other: Vector, side: Vector, rules: Rules) -
     aim_y = own[1] * tau + moved * (side[1] if ahead else -m[1] * per_length)
     aim_z = own[2] * tau + moved * (side[2] if ahead else -m[2] * per_length)
     scale = own_speed / (norm3((aim_x, aim_y, aim_z)) + 1e-12)
+    # a comparison with NaN is False: 0 times what is compared carries it on
+    never = NEVER + 0.0 * (tau + length + rules.clearance + rules.horizon + rules.sharing)
     conflict = (tau > 0.0) & (tau < rules.horizon) & (length < rules.clearance)
-    return (tau if conflict else NEVER), (scale * aim_x, scale * aim_y, scale * aim_z)
+    return (tau if conflict else never), (scale * aim_x, scale * aim_y, scale * aim_z)

@@ -67,8 +67,9 @@ def derive(p: WaypointSphere, trim: object) -> tuple[float, ...]:
     leg_2 = leg((p.to1_x, p.to1_y, p.to1_z), (p.to2_x, p.to2_y, p.to2_z), p.speed, leg_1[4], p.legs > 1.5)
     leg_3 = leg((p.to2_x, p.to2_y, p.to2_z), (p.to3_x, p.to3_y, p.to3_z), p.speed, leg_2[4], p.legs > 2.5)
     leg_4 = leg((p.to3_x, p.to3_y, p.to3_z), (p.to4_x, p.to4_y, p.to4_z), p.speed, leg_3[4], p.legs > 3.5)
+    # a comparison with NaN is False: 0 times the legs carries it on
     return (
-        p.position_x, p.position_y, p.position_z,
+        p.position_x + 0.0 * p.legs, p.position_y, p.position_z,
         leg_1[0], leg_1[1], leg_1[2],
         leg_2[0], leg_2[1], leg_2[2],
         leg_3[0], leg_3[1], leg_3[2],

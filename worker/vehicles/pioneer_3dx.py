@@ -103,10 +103,12 @@ def derive(p: Pioneer, trim: object) -> tuple[float, ...]:
     theta_4 = friction / (p.r * p.k_PT) + 1.0
     theta_5 = q * p.m * p.b * p.R_t / (p.d * p.k_PR)
     theta_6 = friction * p.d / (2.0 * p.r * p.k_PR) + 1.0
+    # what is not a number among the stops would be lost in comparisons: 0 times them carries it on
+    stops = 0.0 * (p.u_min + p.u_max + p.w_max)
     effective = p.m + 2.0 * p.I_e / (p.R_t * p.r) + 2.0 * p.k_DT / (q * p.R_t)
     return (
         p.a, p.u_s, p.delta_u, p.delta_w, p.u_min, p.u_max, p.w_max,
-        1.0 / theta_1, theta_3 / theta_1, theta_4 / theta_1,
+        1.0 / theta_1 + stops, theta_3 / theta_1, theta_4 / theta_1,
         1.0 / theta_2, theta_5 / theta_2, theta_6 / theta_2,
         GRAVITY * p.m / effective,
     )  # fmt: skip

@@ -69,8 +69,9 @@ class MethodEntry(Entry):
 
     name: str
     title: str
-    kind: Literal["global", "local", "random"]
-    """Global methods must agree before anything is cleared; random ones give the independent sample."""
+    kind: Literal["global", "local", "random", "multi"]
+    """Global methods must agree before anything is cleared; random ones draw from the distributions; multi ones look
+    for the front of several criteria."""
     text: str
     how: str
     """A few words for a table: how it searches."""

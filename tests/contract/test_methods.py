@@ -210,7 +210,7 @@ def test_it_is_documented(method: Method) -> None:
     assert described is not None
     assert described.text == (source_of(method).__doc__ or "").strip()
     assert len(described.text.splitlines()) >= 2
-    assert described.kind in ("global", "local", "random")
+    assert described.kind in ("global", "local", "random", "multi")
     assert described.title
     assert described.source[-4:].isdigit() or described.source.rpartition("as ")[0][:-2][-4:].isdigit()
     assert described.how

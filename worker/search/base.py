@@ -45,7 +45,8 @@ class Space:
     """What a method is given: the unit cube of `dimension`, its budget, seeded randomness, starts and distributions.
 
     starts (s, n); quantile maps uniform numbers (m, n) to points drawn from the campaign's distributions; report
-    hands over a local minimum as soon as it is found, so that none is lost when the budget ends.
+    hands over a local minimum as soon as it is found, so that none is lost when the budget ends; attribute tells, just
+    before a request and in its order, which member of a method asks for how many of its points.
     """
 
     dimension: int
@@ -54,6 +55,7 @@ class Space:
     starts: Floats
     quantile: Callable[[Floats], Floats]
     report: Callable[[Minimum], None]
+    attribute: Callable[[str, int], None] = lambda member, points: None
 
 
 Search = Generator[Floats, Batch, str]
@@ -64,14 +66,17 @@ Search = Generator[Floats, Batch, str]
 class Method:
     """A search method: its options' defaults are the published settings.
 
-    `kind`: global methods must agree before anything is cleared; a random one gives the independent sample.
+    `kind`: global methods must agree before anything is cleared; a random one draws from the distributions; a multi one
+    looks for the front of several criteria.
     `starts`: it begins at points that the campaign may give.
     `repeats`: it may ask for a point twice; the driver answers the second time from memory.
+    `extend`: the options under which a finished search goes on for at least so many evaluations more, the same ones
+    first; None where it cannot be continued.
     """
 
     name: str
     title: str
-    kind: Literal["global", "local", "random"]
+    kind: Literal["global", "local", "random", "multi"]
     how: str
     source: str
     evaluations: int
@@ -79,6 +84,7 @@ class Method:
     search: Callable[[Space, Any], Search]
     repeats: bool = False
     starts: bool = False
+    extend: Callable[[Any, int], Any] | None = None
 
 
 AT_ONCE = 256

@@ -13,7 +13,8 @@ StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
 class Planned(NamedTuple):
-    """One stage to come; `planned` evaluations are its budget or, for validate, the neighbours of one finding.
+    """One stage to come; `planned` evaluations are its budget. Of validate it is what telling the findings apart and
+    their neighbours may take at most, seldom what they take.
 
     Flights at half the step and with the other integrator are checks of an evaluation, not evaluations.
     """
@@ -30,5 +31,6 @@ def plan(campaign: Campaign) -> list[Planned]:
     if sensitivity is not None:
         stages.append(Planned("sensitivity", None, sensitivity.points * len(campaign.uncertain)))
     stages.extend(Planned("search", search.method, search.evaluations) for search in campaign.stages.search)
-    stages.append(Planned("validate", None, campaign.stages.validate_.neighbours))
+    findings, neighbours = campaign.stages.findings, campaign.stages.validate_.neighbours
+    stages.append(Planned("validate", None, findings.evaluations + findings.at_most * neighbours))
     return stages

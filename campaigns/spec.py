@@ -210,11 +210,23 @@ class Validate(Strict):
     """Share of each range within which the neighbours lie."""
 
 
+class Findings(Strict):
+    """When two worst cases are one, how many are kept, and how many evaluations telling them apart may take."""
+
+    at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
+    evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = 20_000
+    distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 0.03
+    """Nearer than this share of every range, two are one."""
+    barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = 0.05
+    """No hill above this share of nominal minus worst between them, two are one."""
+
+
 class Stages(Strict):
     """What a run does, in this order; nominal is always flown."""
 
     sensitivity: Sensitivity | None = Sensitivity()
     search: Annotated[list[Search], Field(min_length=1, max_length=32)]
+    findings: Findings = Findings()
     validate_: Validate = Field(default=Validate(), alias="validate")
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

@@ -60,6 +60,7 @@ class Finding:
     parameters: dict[str, float]
     point: list[float]
     methods: list[str]
+    found: list[dict[str, Any]]
     at_bounds: dict[str, str]
     validation: dict[str, Any]
 

@@ -44,6 +44,8 @@ class Run(Base):
     created: orm.Mapped[float] = orm.mapped_column(index=True)
     started: orm.Mapped[float | None]
     finished: orm.Mapped[float | None]
+    continues: orm.Mapped[int | None] = orm.mapped_column(sa.ForeignKey("runs.id"))
+    """The run whose searches this one goes on with, under larger budgets."""
     # queue
     priority: orm.Mapped[int] = orm.mapped_column(default=0)
     attempts: orm.Mapped[int] = orm.mapped_column(default=0)
@@ -132,6 +134,9 @@ class Finding(Base):
     point: orm.Mapped[list[Any]]
     """On the unit cube."""
     methods: orm.Mapped[list[Any]]
+    """Search methods that came to it by themselves; none where only polishing did."""
+    found: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
+    """[{position, method, evaluations}]: stages that came to it, and after how many of their evaluations."""
     at_bounds: orm.Mapped[dict[str, Any]]
     """{path: "low" | "high"}"""
     validation: orm.Mapped[dict[str, Any]]

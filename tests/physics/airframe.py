@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from worker.kernels import aerodynamics, trim
 from worker.kernels.aerodynamics import Airframe, Constants
 from worker.kernels.bind import plain
-from worker.kernels.glue import Surroundings
+from worker.kernels.views import Surroundings
 from worker.problem import Floats
 from worker.vehicles import fixed_wing, fixed_wing_linear
 

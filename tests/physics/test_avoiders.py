@@ -17,7 +17,7 @@ from worker.catalog import components
 from worker.kernels.bind import plain
 from worker.kernels.closest import NEVER, Rules, miss, resolve
 from worker.kernels.component import Avoider, Controller, Vehicle
-from worker.kernels.glue import Body, Body3
+from worker.kernels.views import Body, Body3
 from worker.obstacles import box, box_3d, circle, cylinder
 from worker.problem import Problem
 

@@ -18,7 +18,7 @@ from tests.physics.scenes import changed, cost, flight, uncompiled
 from worker.catalog import components
 from worker.kernels.bind import plain
 from worker.kernels.component import Environment, declared
-from worker.kernels.glue import Body3
+from worker.kernels.views import Body3
 from worker.problem import Problem
 
 

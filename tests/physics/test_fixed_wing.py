@@ -19,7 +19,7 @@ from worker.kernels import aerodynamics, trim
 from worker.kernels.aerodynamics import Airframe
 from worker.kernels.bind import plain
 from worker.kernels.component import NoTrim
-from worker.kernels.glue import Surroundings
+from worker.kernels.views import Surroundings
 from worker.problem import CampaignUnusable, Floats, Problem
 from worker.search.base import FAILED
 from worker.vehicles import fixed_wing, fixed_wing_linear

@@ -20,8 +20,8 @@ from worker.environment import dryden_gusts
 from worker.faults import missed_detection, navigation_noise, sensor_noise
 from worker.kernels import maths
 from worker.kernels.bind import plain
-from worker.kernels.glue import Body3
 from worker.kernels.maths import FLAGS, kernel, normals, random_bits, scramble, uniform
+from worker.kernels.views import Body3
 
 N = 400_000
 

@@ -14,7 +14,7 @@ from tests.physics.scenes import cost
 from worker import integrator
 from worker.avoiders import orca
 from worker.kernels.bind import plain
-from worker.kernels.glue import Body
+from worker.kernels.views import Body
 from worker.problem import Problem
 
 CORNER = {

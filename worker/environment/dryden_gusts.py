@@ -24,8 +24,8 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Derived, Environment, Parameter
-from worker.kernels.glue import Surroundings
 from worker.kernels.maths import kernel, norm2, normals, sample_number
+from worker.kernels.views import Surroundings
 
 
 class DrydenGusts(NamedTuple):

@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Environment, Parameter
-from worker.kernels.glue import Surroundings
 from worker.kernels.maths import kernel
+from worker.kernels.views import Surroundings
 
 
 class GroundSlope(NamedTuple):

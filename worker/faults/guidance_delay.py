@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Fault, Parameter
-from worker.kernels.glue import KEPT
+from worker.kernels.guidance import KEPT
 from worker.kernels.maths import kernel
 
 

@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Fault, Parameter
-from worker.kernels.glue import Seen
 from worker.kernels.maths import kernel
+from worker.kernels.views import Seen
 
 
 class Latency(NamedTuple):

@@ -13,8 +13,8 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Fault, Parameter
-from worker.kernels.glue import Sight
 from worker.kernels.maths import kernel, sample_number, uniform
+from worker.kernels.views import Sight
 
 
 class MissedDetection(NamedTuple):

@@ -13,8 +13,8 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Fault, Parameter
-from worker.kernels.glue import Errors
 from worker.kernels.maths import kernel, normals, sample_number
+from worker.kernels.views import Errors
 
 
 class NavigationNoise(NamedTuple):

@@ -14,8 +14,8 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Fault, Parameter
-from worker.kernels.glue import Sight
 from worker.kernels.maths import kernel
+from worker.kernels.views import Sight
 
 
 class RangingLatency(NamedTuple):

@@ -16,8 +16,8 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Fault, Parameter
-from worker.kernels.glue import Sight
 from worker.kernels.maths import kernel, normals, sample_number
+from worker.kernels.views import Sight
 
 
 class SensorNoise(NamedTuple):

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Limit, Parameter, Signal
-from worker.kernels.glue import Errors, Surroundings
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.space import Attitude, Vector, attitude, euler_rates, to_body, to_world
+from worker.kernels.views import Errors, Surroundings
 
 State = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
 """x, y, z [m]; phi, theta, psi [rad]; u, v, w over ground [m/s]; p, q, r [rad/s]."""

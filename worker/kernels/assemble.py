@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.kernels import glue, loop
+from worker.kernels import glue, guidance, links, loop
 from worker.kernels.bind import Function, bind, compile_loop, digest, filled, plain
 from worker.kernels.chains import chains
 from worker.kernels.component import Signal
@@ -49,7 +49,7 @@ class Loop:
         self.size = self.extended["trim"].last if "trim" in self.extended else self.sections[-1].last
         self.states = states(parts)
         self.n_state = self.states.total
-        self.n_held = parts.vehicle.dimension * (1 + glue.KEPT * parts.late) + parts.avoider.memory
+        self.n_held = parts.vehicle.dimension * (1 + guidance.KEPT * parts.late) + parts.avoider.memory
         self.n_channels = len(parts.obstacles)
         self._glue = _glue(self)
         self._plain: dict[str, Any] = {}
@@ -167,7 +167,7 @@ def _ops(make: Any, rows: int, lanes: int) -> LaneOps:
 def _glue(made: Loop) -> dict[str, Any]:
     """The parts of the glue that the loop calls, every slot filled."""
     slots = _constants(made) | _components(made.parts) | chains(made.parts, made.extended)
-    slots["kept"] = _filled(glue.four_kept if made.parts.late else glue.none_kept, slots)
+    slots["kept"] = _filled(guidance.four_kept if made.parts.late else guidance.none_kept, slots)
     slots["demand"] = _filled(_demand(made.parts), slots)
     slots |= _translation(made.parts, slots)
     parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
@@ -190,8 +190,8 @@ def _glue(made: Loop) -> dict[str, Any]:
 
 def _demand(parts: Parts) -> Function:
     if not parts.sampled:
-        return glue.asked
-    return glue.waited if parts.late else glue.held
+        return guidance.asked
+    return guidance.waited if parts.late else guidance.held
 
 
 def _steer(parts: Parts) -> Any:
@@ -199,24 +199,24 @@ def _steer(parts: Parts) -> Any:
     avoider = parts.avoider
     if avoider.weigh is None:
         return avoider.steer
-    weighed = bind(glue.unweighed, {"first": avoider.first})
+    weighed = bind(links.unweighed, {"first": avoider.first})
     for i in range(len(parts.obstacles)):
-        weighed = bind(glue.more_weighed, {"weigh": avoider.weigh, "before": weighed, "INDEX": i})
-    return bind(glue.steered, {"decide": avoider.steer, "weighed": weighed})
+        weighed = bind(links.more_weighed, {"weigh": avoider.weigh, "before": weighed, "INDEX": i})
+    return bind(guidance.steered, {"decide": avoider.steer, "weighed": weighed})
 
 
 def _translation(parts: Parts, slots: dict[str, Any]) -> dict[str, Any]:
     """Where a demand becomes the controller's: at the sample; but one that comes late is blended as it was given."""
     once = parts.sampled and not parts.late
-    plainly = bind(glue.as_demanded, {})
+    plainly = bind(guidance.as_demanded, {})
     if parts.controller.translate is None:
         return {"on_sample": plainly, "on_use": plainly}
-    with_it = _filled(glue.translated, slots | {"translate": parts.controller.translate[parts.avoider.demand]})
+    with_it = _filled(guidance.translated, slots | {"translate": parts.controller.translate[parts.avoider.demand]})
     return {"on_sample": with_it, "on_use": plainly} if once else {"on_sample": plainly, "on_use": with_it}
 
 
 def _filled(template: Function, slots: dict[str, Any]) -> Any:
-    return bind(template, {k: v for k, v in slots.items() if k in vars(glue)})
+    return bind(template, {k: v for k, v in slots.items() if k in template.__globals__})
 
 
 def _constants(made: Loop) -> dict[str, Any]:
@@ -229,7 +229,7 @@ def _constants(made: Loop) -> dict[str, Any]:
         "NO_DEMAND": (0.0,) * dimension,
         "M1": dimension + made.parts.avoider.memory,
         "M2": made.n_held - dimension,
-        "NOTHING_KEPT": (0.0,) * (glue.KEPT * dimension * late),
+        "NOTHING_KEPT": (0.0,) * (guidance.KEPT * dimension * late),
     }
     letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}
     for letter, prefix in letters.items():
@@ -258,12 +258,12 @@ def _components(parts: Parts) -> dict[str, Any]:
 
 def _extend(made: Loop) -> Any:
     """The kernel that appends what each component derives from its parameters."""
-    extend = bind(glue.as_given, {})
-    balance = bind(glue.no_balance, {})
+    extend = bind(links.as_given, {})
+    balance = bind(links.no_balance, {})
     trim = made.extended.get("trim")
     if trim is not None:
-        balance = bind(glue.balanced, {"Trimmed": trim.fields, "T0": trim.first, "T1": trim.last})
+        balance = bind(links.balanced, {"Trimmed": trim.fields, "T0": trim.first, "T1": trim.last})
     for section, derived in derivations(made.parts, made.sections):
         own = {"Given": section.fields, "derive": derived.derive, "E0": section.first, "E1": section.last}
-        extend = bind(glue.with_derived, own | {"before": extend, "balance": balance})
+        extend = bind(links.with_derived, own | {"before": extend, "balance": balance})
     return extend

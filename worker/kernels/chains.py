@@ -1,6 +1,6 @@
 """Components of which there may be several, as chains: obstacles, channels, faults, environment.
 
-Each link is a template of the glue bound to one component, its parameters' and states' slices, and the link before.
+Each link is a template of `links` bound to one component, its parameters' and states' slices, and the link before.
 Start reading at `chains`.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from worker.kernels import glue
+from worker.kernels import guidance, links, views
 from worker.kernels.bind import bind
 from worker.kernels.component import Obstacle
 from worker.kernels.layout import Parts, Place, Placed
@@ -20,17 +20,18 @@ def chains(parts: Parts, places: Mapping[str, Place]) -> dict[str, Any]:
     own = {prefix: {"Own": at.fields, "P0": at.first, "P1": at.last} for prefix, at in places.items()}
     slots = _faults(parts, own)
     suffix = parts.vehicle.dimension
-    for name in ("shifted", "shown", "point", "solid", "blended"):
-        slots[name] = bind(getattr(glue, f"{name}{suffix}"), {})
+    slots["blended"] = bind(getattr(guidance, f"blended{suffix}"), {})
+    for name in ("shifted", "shown", "point", "solid"):
+        slots[name] = bind(getattr(views, f"{name}{suffix}"), {})
     return slots | _environment(parts, own, slots) | _obstacles(parts, own, slots)
 
 
 def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, Any]) -> dict[str, Any]:
     """All obstacles as they are, as they are seen, how they move, and the criterion's channels."""
-    bodies = seen = bind(glue.nothing, {})
-    woken, moved = bind(glue.no_wake, {}), bind(glue.no_move, {})
-    samples = centres = bind(glue.nothing, {})
-    centre = {"centre": bind(glue.centre3 if parts.vehicle.dimension == 3 else glue.centre2, {})}
+    bodies = seen = bind(links.nothing, {})
+    woken, moved = bind(links.no_wake, {}), bind(links.no_move, {})
+    samples = centres = bind(links.nothing, {})
+    centre = {"centre": bind(views.centre3 if parts.vehicle.dimension == 3 else views.centre2, {})}
     sensed = {k: slots[k] for k in ("sight", "shifted", "shown", "point", "solid")}
     late = any(f.fault.path == "timing" for f in parts.faults)
     offset = 0
@@ -39,19 +40,19 @@ def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, An
         link = at | {"body": obstacle.body}
         sample = {"sample": parts.criterion.sample[parts.vehicle.dimension]}
         if i == 0:
-            bodies = bind(glue.first_body, link)
-            seen = bind(glue.first_seen, link | sensed | _timed(late, obstacle, slots))
-            samples = bind(glue.first_sample, sample)
-            centres = bind(glue.first_centre, centre)
+            bodies = bind(links.first_body, link)
+            seen = bind(links.first_seen, link | sensed | _timed(late, obstacle, slots))
+            samples = bind(links.first_sample, sample)
+            centres = bind(links.first_centre, centre)
         else:
-            bodies = bind(glue.more_bodies, link | {"before": bodies})
+            bodies = bind(links.more_bodies, link | {"before": bodies})
             timed = _timed(late, obstacle, slots)
-            seen = bind(glue.more_seen, link | sensed | timed | {"before": seen, "INDEX": i})
-            samples = bind(glue.more_samples, sample | {"before": samples, "INDEX": i})
-            centres = bind(glue.more_centres, centre | {"before": centres, "INDEX": i})
+            seen = bind(links.more_seen, link | sensed | timed | {"before": seen, "INDEX": i})
+            samples = bind(links.more_samples, sample | {"before": samples, "INDEX": i})
+            centres = bind(links.more_centres, centre | {"before": centres, "INDEX": i})
         if obstacle.states:
-            woken = bind(glue.more_wakes, own[f"obstacles.{i}"] | {"wake": obstacle.wake, "before": woken})
-            moved = bind(glue.more_moves, at | {"move": obstacle.move, "before": moved})
+            woken = bind(links.more_wakes, own[f"obstacles.{i}"] | {"wake": obstacle.wake, "before": woken})
+            moved = bind(links.more_moves, at | {"move": obstacle.move, "before": moved})
         offset += obstacle.states
     return {
         "bodies": bodies,
@@ -66,29 +67,29 @@ def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, An
 def _timed(late: bool, obstacle: Obstacle, slots: dict[str, Any]) -> dict[str, Any]:
     """At which instant an obstacle is seen, and how it is carried on from there."""
     if not late:
-        return {"seen_at": bind(glue.now, {}), "carried": bind(glue.at_once, {})}
+        return {"seen_at": bind(links.now, {}), "carried": bind(links.at_once, {})}
     solid = {"solid": slots["solid"]}
     if obstacle.states:
         back = solid | {"before": slots["seen_at"]}
-        return {"seen_at": bind(glue.now, {}), "carried": bind(glue.carried_back, back)}
-    return {"seen_at": slots["seen_at"], "carried": bind(glue.carried_on, solid)}
+        return {"seen_at": bind(links.now, {}), "carried": bind(links.carried_back, back)}
+    return {"seen_at": slots["seen_at"], "carried": bind(links.carried_on, solid)}
 
 
 def _faults(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
     """Perception, timing, navigation and actuators through every fault on them, in the campaign's order."""
     slots: dict[str, Any] = {
-        "sight": bind(glue.clear_sight, {}),
-        "seen_at": bind(glue.now, {}),
-        "errors": bind(glue.no_error, {}),
-        "actuated": bind(glue.as_commanded, {}),
-        "rested": bind(glue.no_rest, {}),
-        "late_by": bind(glue.in_time, {}),
+        "sight": bind(links.clear_sight, {}),
+        "seen_at": bind(links.now, {}),
+        "errors": bind(links.no_error, {}),
+        "actuated": bind(links.as_commanded, {}),
+        "rested": bind(links.no_rest, {}),
+        "late_by": bind(guidance.in_time, {}),
     }
-    links: dict[str, tuple[str, Any, str]] = {
-        "perception": ("sight", glue.less_sight, "see"),
-        "timing": ("seen_at", glue.then, "delay"),
-        "navigation": ("errors", glue.more_error, "mistake"),
-        "guidance": ("late_by", glue.later, "wait"),
+    paths: dict[str, tuple[str, Any, str]] = {
+        "perception": ("sight", links.less_sight, "see"),
+        "timing": ("seen_at", links.then, "delay"),
+        "navigation": ("errors", links.more_error, "mistake"),
+        "guidance": ("late_by", guidance.later, "wait"),
     }
     offset = 0
     for i, placed in enumerate(parts.faults):
@@ -96,7 +97,7 @@ def _faults(parts: Parts, own: dict[str, dict[str, Any]]) -> dict[str, Any]:
         if placed.fault.path == "actuator":
             offset = _actuator(parts, placed, at, slots, offset)
         else:
-            slot, template, kernel = links[placed.fault.path]
+            slot, template, kernel = paths[placed.fault.path]
             slots[slot] = bind(template, at | {kernel: placed.fault.kernel, "before": slots[slot]})
     return slots
 
@@ -105,22 +106,22 @@ def _actuator(parts: Parts, placed: Placed, at: dict[str, Any], slots: dict[str,
     fault = placed.fault
     link = at | {"INDEX": placed.on, "NEXT": placed.on + 1, "before": slots["actuated"], "act": fault.kernel}
     size = {"X0": offset, "X1": offset + fault.states, "N_U": len(parts.vehicle.inputs)}
-    slots["actuated"] = bind(glue.more_actuated, link | size)
+    slots["actuated"] = bind(links.more_actuated, link | size)
     if fault.states:
         rest = {"INDEX": placed.on, "before": slots["rested"], "rest": fault.rest}
-        slots["rested"] = bind(glue.more_rests, at | rest)
+        slots["rested"] = bind(links.more_rests, at | rest)
     return offset + fault.states
 
 
 def _environment(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, Any]) -> dict[str, Any]:
-    surroundings, woken = bind(glue.still, {}), bind(glue.no_wake, {})
+    surroundings, woken = bind(links.still, {}), bind(links.no_wake, {})
     offset = 0
     for i, part in enumerate(parts.environment):
         at = own[f"environment.{i}"]
         size = {"X0": offset, "X1": offset + part.states}
         link = at | size | {"blow": part.blow, "before": surroundings, "point": slots["point"]}
-        surroundings = bind(glue.more_surroundings, link)
+        surroundings = bind(links.more_surroundings, link)
         if part.states:
-            woken = bind(glue.more_wakes, at | {"wake": part.wake, "before": woken})
+            woken = bind(links.more_wakes, at | {"wake": part.wake, "before": woken})
         offset += part.states
     return {"surroundings": surroundings, "woken_environment": woken}

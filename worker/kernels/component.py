@@ -124,10 +124,10 @@ class Derived:
 class Vehicle:
     """A vehicle. Its kernels, x being its state and p its parameters or derived constants:
 
-    begin(start, p) -> x; derivative(t, x, u, env, p) -> dx with env as glue.Surroundings; position(x, p) and
+    begin(start, p) -> x; derivative(t, x, u, env, p) -> dx with env as views.Surroundings; position(x, p) and
     velocity(x, p) in the world frame [m], [m/s]; pose(x, p) -> (x, y, z, roll, pitch, yaw) [m], [rad];
     outside(x, p) -> 0.0 inside the envelope, else the number of the limit exceeded, from 1.0;
-    measured(x, errors, p) -> x as navigation reports it, errors as glue.Errors;
+    measured(x, errors, p) -> x as navigation reports it, errors as views.Errors;
     settle(x, p) -> x after each step, where the vehicle has stops of its own;
     felt(x, env, p) -> x as measured, to the controller of a vehicle that feels the air and not the ground.
     """
@@ -210,7 +210,7 @@ class Avoider:
 class Obstacle:
     """An obstacle or intruder. Its kernels, o being its own state where it has one:
 
-    body(t, o, q, p) -> glue.Body (plane) or glue.Body3 (space) as seen from q; wake(p) -> o at the start;
+    body(t, o, q, p) -> views.Body (plane) or views.Body3 (space) as seen from q; wake(p) -> o at the start;
     move(t, o, q, v, p) -> do, q and v being the true position and velocity of the vehicle.
     """
 
@@ -229,7 +229,7 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class Environment:
-    """A part of the environment. blow(t, q, v, e, p) -> (glue.Surroundings, de); wake(p) -> e at the start.
+    """A part of the environment. blow(t, q, v, e, p) -> (views.Surroundings, de); wake(p) -> e at the start.
 
     q and v are the true position and velocity in space, whatever the dimension (z = 0 in the plane).
     With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`.
@@ -250,11 +250,11 @@ class Environment:
 class Fault:
     """An error or failure in one of the loop's paths. Its kernel, by path:
 
-    perception: see(t, index, own, v, body, p) -> glue.Sight; own is (x, y, z, roll, pitch, yaw), v its velocity (3), as
-    the vehicle believes, body the obstacle as glue.Body3, whatever the dimension;
-    timing: delay(t, p) -> glue.Seen, the instant at which obstacles are seen;
-    navigation: mistake(t, p) -> glue.Errors;
-    guidance: wait(p) -> by how many guidance periods the demand is late, glue.KEPT at most;
+    perception: see(t, index, own, v, body, p) -> views.Sight; own is (x, y, z, roll, pitch, yaw), v its velocity (3),
+    as the vehicle believes, body the obstacle as views.Body3, whatever the dimension;
+    timing: delay(t, p) -> views.Seen, the instant at which obstacles are seen;
+    navigation: mistake(t, p) -> views.Errors;
+    guidance: wait(p) -> by how many guidance periods the demand is late, guidance.KEPT at most;
     actuator: act(t, u, a, p) -> (u, da) for the one input it is `on`, a being its own state; rest(u, p) -> a at first.
 
     With the defaults of all its parameters it changes nothing: they are its zero magnitude. A parameter named `seed`

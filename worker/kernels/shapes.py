@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from worker.kernels.glue import Body
 from worker.kernels.maths import kernel, norm2
+from worker.kernels.views import Body
 
 Pair = tuple[float, float]
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from worker.kernels.glue import Body3
 from worker.kernels.maths import HALF_PI, atan2, kernel, sincos
+from worker.kernels.views import Body3
 
 Vector = tuple[float, float, float]
 

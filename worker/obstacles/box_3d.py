@@ -11,9 +11,9 @@ import math
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
-from worker.kernels.glue import Body3
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.shapes import cuboid, outward
+from worker.kernels.views import Body3
 
 
 class Box3(NamedTuple):

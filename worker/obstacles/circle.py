@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Obstacle, Parameter
-from worker.kernels.glue import Body
 from worker.kernels.maths import kernel, norm2
+from worker.kernels.views import Body
 
 
 class Circle(NamedTuple):

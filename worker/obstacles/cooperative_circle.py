@@ -16,9 +16,9 @@ from typing import Annotated, NamedTuple
 from worker.kernels.closest import NEVER, Rules, resolve
 from worker.kernels.component import Obstacle, Parameter
 from worker.kernels.fields import cruise
-from worker.kernels.glue import Body
 from worker.kernels.maths import kernel, norm2
 from worker.kernels.shapes import disc
+from worker.kernels.views import Body
 
 
 class CooperativeCircle(NamedTuple):

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Obstacle, Parameter
-from worker.kernels.glue import Body3
 from worker.kernels.maths import clip, kernel, norm2
 from worker.kernels.shapes import outward, rectangle
+from worker.kernels.views import Body3
 
 
 class Cylinder(NamedTuple):

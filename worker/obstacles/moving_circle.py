@@ -10,10 +10,10 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
-from worker.kernels.glue import Body
 from worker.kernels.maths import kernel
 from worker.kernels.paths import leg
 from worker.kernels.shapes import disc
+from worker.kernels.views import Body
 
 
 class MovingCircle(NamedTuple):

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
-from worker.kernels.glue import Body
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.shapes import disc
+from worker.kernels.views import Body
 
 
 class OrbitingCircle(NamedTuple):

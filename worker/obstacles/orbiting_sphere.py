@@ -11,9 +11,9 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
-from worker.kernels.glue import Body3
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.space import Vector, ball
+from worker.kernels.views import Body3
 
 
 class OrbitingSphere(NamedTuple):

@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Obstacle, Parameter
-from worker.kernels.glue import Body3
 from worker.kernels.maths import kernel
 from worker.kernels.paths import elapsed, leg, under_way
 from worker.kernels.space import Vector, ball
+from worker.kernels.views import Body3
 
 
 class WaypointSphere(NamedTuple):

@@ -86,6 +86,7 @@ def _result(context: Context, method: Method, driven: Driven, minima: list[Minim
             {
                 "start": None if m.start is None else problem.named(m.start),
                 "parameters": problem.named(m.point),
+                "point": m.point.tolist(),
                 "cost": m.cost,
                 "evaluations": m.evaluations,
                 "text": m.text,

@@ -1,73 +1,51 @@
-"""Validate: fly the worst case again by other means before anything is claimed of it.
+"""Validate: fly every distinct worst case again by other means before anything is claimed of it.
 
-A few hundred neighbours within a thousandth of each range first, keeping the lowest (the objective is not smooth);
-then half the step and another integrator. Disagreement beyond tolerance is reported and bars "cleared".
+First `worker.stages.findings` tells the worst cases apart, polishes them and flies their neighbours; then each is flown
+at half the step and with another integrator. Disagreement beyond tolerance is reported and bars "cleared".
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
+from campaigns.plan import plan
 from worker import integrator
 from worker.problem import Floats
-from worker.search.base import OK, Search
+from worker.search.base import OK
+from worker.stages import findings
 from worker.stages.base import Context, Driven, all_columns, drive
-from worker.store import Columns, Finding, Trace
+from worker.stages.comparison import compare
+from worker.store import Finding, Trace
 from worker.trace import trace
 
 SHARE_OF_MARGIN = 0.1
-SAME_COST, SAME_PLACE = 0.01, 0.05
-"""A method found the worst case when it came this close: share of nominal minus worst, share of every range."""
 
 
 def run(context: Context, position: int) -> tuple[dict[str, Any], list[Finding], list[Trace]]:
-    """Validate the nominal case and the worst evaluation of all stages."""
+    """Tell the worst cases of all stages apart, then validate the nominal case and each of them."""
     cases = [_case(context, "nominal", context.problem.nominal_point)]
-    worst = worst_so_far(context, position)
-    if worst is None:
-        return _result(context, cases), [], []
-    point, cost = worst
-    driven = drive(context, position, _neighbours(context, point), context.campaign.stages.validate_.neighbours)
-    lowest = driven.tally
-    if lowest.best is not None and lowest.best_point is not None and lowest.best < cost:
-        point = lowest.best_point
-    case = _case(context, "F1", point) | {"neighbours": _told(driven, cost)}
-    finding = _finding(context, position, point, case)
-    cases.append(case)
-    return _result(context, cases), [finding], [trace(context.problem, "F1", finding.parameters)]
+    found = findings.Found()
+    driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
+    told = [_finding(context, i, found) for i in range(len(found.basins))]
+    told.sort(key=lambda f: f.cost)
+    told = [replace(f, label=f"F{i}", validation=f.validation | {"name": f"F{i}"}) for i, f in enumerate(told, 1)]
+    cases += [f.validation for f in told]
+    traces = [trace(context.problem, f.label, f.parameters) for f in told]
+    return _result(context, cases) | _told(context, driven, found, told), told, traces
 
 
-def worst_so_far(context: Context, position: int) -> tuple[Floats, float] | None:
-    """The lowest evaluation of all stages before this one: point and cost."""
-    found: tuple[Floats, float] | None = None
-    for _, columns in all_columns(context, list(range(position))):
-        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
-        row = int(np.argmin(ranked))
-        if np.isfinite(ranked[row]) and (found is None or ranked[row] < found[1]):
-            found = columns.points[row].copy(), float(ranked[row])
-    return found
+def _budget(context: Context) -> int:
+    return next(p.planned for p in plan(context.campaign) if p.kind == "validate")
 
 
-def _neighbours(context: Context, point: Floats) -> Search:
-    validate = context.campaign.stages.validate_
-    if validate.neighbours == 0:
-        return "no neighbours were asked for"
-    random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(2**20,)))
-    offsets = random.uniform(-validate.reach, validate.reach, (validate.neighbours, len(point)))
-    yield np.clip(point + offsets, 0.0, 1.0)
-    return "flew every neighbour"
-
-
-def _told(driven: Driven, cost: float) -> dict[str, Any]:
-    best = driven.tally.best
-    return {
-        "flown": driven.tally.evaluations,
-        "failed": driven.tally.failed,
-        "lowest": best,
-        "lower_by": None if best is None else max(0.0, cost - best),
-    }
+def _told(context: Context, driven: Driven, found: findings.Found, told: list[Finding]) -> dict[str, Any]:
+    asked = context.campaign.stages.findings
+    rules = {"distance": asked.distance, "barrier": asked.barrier, "at_most": asked.at_most}
+    complete = driven.stop == "rule"
+    text = driven.text if complete else f"{driven.text}: some findings may be one, or not polished to the end"
+    gathered = {"candidates": len(found.candidates), "left_out": found.left_out, "complete": complete, "text": text}
+    return {"findings": rules | gathered, "comparison": compare(context, told)}
 
 
 def _case(context: Context, name: str, point: Floats) -> dict[str, Any]:
@@ -104,32 +82,27 @@ def _difference(cost: float | None, other: float | None) -> float | None:
     return None if cost is None or other is None else other - cost
 
 
-def _finding(context: Context, position: int, point: Floats, case: dict[str, Any]) -> Finding:
-    problem = context.problem
-    found = [
-        str(context.results[at]["method"])
+def _finding(context: Context, i: int, found: findings.Found) -> Finding:
+    """The worst case in basin `i`, validated; its label is given once all are sorted."""
+    problem, basin = context.problem, found.basins[i]
+    neighbours = found.neighbours[i] if i < len(found.neighbours) else None
+    case = _case(context, "", basin.point) | {"neighbours": neighbours}
+    known = [
+        {"position": at, "method": str(context.results[at]["method"]), "evaluations": needed}
         for at, columns in all_columns(context, sorted(context.results))
-        if "method" in context.results[at] and _reached(context, columns, point, case["cost"])
+        if "method" in context.results[at] and (needed := findings.reached(context, columns, basin)) is not None
     ]
-    lowered = (case["neighbours"] or {}).get("lower_by") or 0.0
     return Finding(
-        label="F1",
-        cost=case["cost"],
-        margin=case["cost"] - problem.threshold,
-        parameters=problem.named(point),
-        point=[float(u) for u in point],
-        methods=list(dict.fromkeys(found)) + (["neighbours"] if lowered > 0.0 else []),
-        at_bounds=problem.at_bounds(point),
+        label="",
+        cost=basin.cost,
+        margin=basin.cost - problem.threshold,
+        parameters=problem.named(basin.point),
+        point=[float(u) for u in basin.point],
+        methods=list(dict.fromkeys(str(k["method"]) for k in known)),
+        found=known,
+        at_bounds=problem.at_bounds(basin.point),
         validation=case,
     )
-
-
-def _reached(context: Context, columns: Columns, point: Floats, cost: float) -> bool:
-    """Whether a method's own evaluations came this close to the finding."""
-    nominal = context.results[0].get("cost")
-    near = SAME_COST * abs((cost if nominal is None else nominal) - cost)
-    low = (columns.status == OK) & (columns.costs[:, 0] <= cost + near)
-    return bool((np.abs(columns.points[low] - point) <= SAME_PLACE).all(axis=1).any())
 
 
 def _result(context: Context, cases: list[dict[str, Any]]) -> dict[str, Any]:

@@ -46,9 +46,9 @@ from worker.kernels.aerodynamics import (
 )
 from worker.kernels.aircraft import Start, State, kinematics, level, through_air
 from worker.kernels.component import Derived, Trim, Vehicle, extended
-from worker.kernels.glue import Surroundings
 from worker.kernels.maths import kernel
 from worker.kernels.space import attitude
+from worker.kernels.views import Surroundings
 
 FixedWing = extended("FixedWing", Constants, Trimmed)
 

@@ -31,9 +31,9 @@ from worker.kernels import aircraft, trim
 from worker.kernels.aerodynamics import Airframe, Controls, stopped
 from worker.kernels.aircraft import Start, State, kinematics, level, through_air
 from worker.kernels.component import Derived, Parameter, Trim, Vehicle, extended
-from worker.kernels.glue import Surroundings
 from worker.kernels.maths import kernel
 from worker.kernels.space import attitude
+from worker.kernels.views import Surroundings
 
 
 class Reference(NamedTuple):

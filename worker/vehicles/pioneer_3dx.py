@@ -31,8 +31,8 @@ from typing import Annotated, NamedTuple
 
 from worker.kernels.bind import plain
 from worker.kernels.component import Derived, Parameter, Signal, Trim, Vehicle
-from worker.kernels.glue import Errors, Surroundings
 from worker.kernels.maths import clip, kernel, sincos
+from worker.kernels.views import Errors, Surroundings
 
 
 class Pioneer(NamedTuple):

@@ -17,8 +17,8 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.component import Derived, Limit, Parameter, Signal, Vehicle
-from worker.kernels.glue import Errors, Surroundings
 from worker.kernels.maths import clip, kernel, sincos
+from worker.kernels.views import Errors, Surroundings
 
 
 class Unicycle(NamedTuple):

@@ -1,0 +1,45 @@
+"""The methods side by side: best, work, when each came near the best known, which findings it reached, how it ended.
+
+Start reading at `compare`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from worker.search.base import OK
+from worker.stages.base import Context, all_columns
+from worker.stages.findings import SAME_COST, scale
+from worker.store import Finding
+
+
+def compare(context: Context, findings: list[Finding]) -> list[dict[str, Any]]:
+    """A row per search stage; `to_near_best` counts evaluations until within 1 % of (nominal minus worst) of the worst."""
+    searched = [at for at in sorted(context.results) if "method" in context.results[at]]
+    worst = min((f.cost for f in findings), default=None)
+    rows = []
+    for at, columns in all_columns(context, searched):
+        result, near = context.results[at], None
+        if worst is not None:
+            close = (columns.status == OK) & (columns.costs[:, 0] <= worst + SAME_COST * scale(context, worst))
+            near = int(np.argmax(close)) + 1 if close.any() else None
+        best = result["best"]
+        rows.append(
+            {
+                "position": at,
+                "method": result["method"],
+                "title": result["title"],
+                "kind": result["kind"],
+                "best": None if best is None else best["cost"],
+                "evaluations": result["evaluations"],
+                "failed": result["failed"],
+                "excluded": result["excluded"],
+                "seconds": result["seconds"],
+                "to_near_best": near,
+                "findings": [f.label for f in findings if any(found["position"] == at for found in f.found)],
+                "stop": result["stop"],
+            }
+        )
+    return rows

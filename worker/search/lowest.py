@@ -1,0 +1,29 @@
+"""Keeps the lowest point of a search or of one descent of it, to report it as a minimum however the search ends."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worker.search.base import Floats, Minimum, Space
+
+
+class Lowest:
+    """The lowest point seen so far, its cost (infinity: none), and how many evaluations were seen."""
+
+    def __init__(self, start: Floats | None = None) -> None:
+        self.start = start
+        self.point: Floats | None = None
+        self.cost = np.inf
+        self.evaluations = 0
+
+    def see(self, points: Floats, values: Floats) -> None:
+        """Points (m, n) and their values (m,), infinity where there is none."""
+        self.evaluations += len(points)
+        low = int(np.argmin(values))
+        if values[low] < self.cost:
+            self.cost, self.point = float(values[low]), points[low].copy()
+
+    def report(self, space: Space, text: str) -> None:
+        """Hand it over, where there is one."""
+        if self.point is not None:
+            space.report(Minimum(self.point, self.cost, self.start, self.evaluations, text))

@@ -6,14 +6,15 @@ Start reading at `check`.
 
 from __future__ import annotations
 
-import difflib
 import operator
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from campaigns import said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.problem import Problem
-from campaigns.spec import Campaign, Part, Triangular, TruncatedNormal, Uncertain
+from campaigns.spec import Campaign, Part
+from campaigns.values import MAX_EVALUATIONS
 
 SEED = "seed"
 """The parameter by which a random component is told which realisation it flies."""
@@ -72,7 +73,7 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         entry = catalogue.component(role, part.component)
         if entry is None:
             names = [c.name for c in catalogue.components if c.role == role]
-            yield Problem(f"{field}.component", part.component, f"no such {role}; {_known(part.component, names)}")
+            yield Problem(f"{field}.component", part.component, f"no such {role}; {said.known(part.component, names)}")
             continue
         yield from _given(f"{field}.parameters", entry.parameters, part.parameters)
         if role == "vehicle":
@@ -85,8 +86,10 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     unknown = _unknown(campaign, catalogue)
     for path, uncertain in campaign.uncertain.items():
         if not path.startswith(unknown):
-            yield from _uncertain(path, uncertain, known)
+            yield from uncertainty.bounded(path, uncertain, known)
+    yield from uncertainty.correlated(campaign)
     yield from _searches(campaign, catalogue, known)
+    yield from _certified(campaign)
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
@@ -171,51 +174,12 @@ def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float
     known = {e.name: e for e in entries}
     for name, value in values.items():
         if name not in known:
-            yield Problem(f"{field}.{name}", _given_number(value), f"no such parameter; {_known(name, known)}")
+            yield Problem(f"{field}.{name}", said.given(value), f"no such parameter; {said.known(name, known)}")
         elif not known[name].low <= value <= known[name].high:
-            yield Problem(f"{field}.{name}", _given_number(value), _limits(known[name]))
+            yield Problem(f"{field}.{name}", said.given(value), said.limits(known[name]))
     for name, entry in known.items():
         if entry.default is None and name not in values:
             yield Problem(f"{field}.{name}", "", f"this parameter is required: {entry.text} [{entry.unit}]")
-
-
-def _uncertain(path: str, uncertain: Uncertain, known: Mapping[str, tuple[ParameterEntry, float]]) -> Iterator[Problem]:
-    field = f"uncertain.{path}"
-    if path not in known:
-        yield Problem(field, path, f"the scenario has no such parameter; {_known(path, known)}")
-        return
-    entry, nominal = known[path]
-    if uncertain.unit is not None and _unit(uncertain.unit) != _unit(entry.unit):
-        yield Problem(f"{field}.unit", uncertain.unit, f"the unit of {path} is {entry.unit or '1 (no unit)'}")
-    if nominal != nominal:  # a required value is missing, which is said elsewhere
-        return
-    low, high = uncertain.interval(nominal)
-    if not low < high:
-        yield Problem(
-            f"{field}.plus_minus",
-            str(uncertain.plus_minus),
-            f"around the nominal value {nominal:g} this is an empty interval; give low and high",
-        )
-        return
-    for name, bound in (("low", low), ("high", high)):
-        if not entry.low <= bound <= entry.high:
-            key = name if uncertain.plus_minus is None else "plus_minus"
-            yield Problem(f"{field}.{key}", _given_number(bound), f"{name} bound: {_limits(entry)}")
-    if not low <= nominal <= high:
-        yield Problem(
-            field,
-            f"{low:g} to {high:g}",
-            f"the nominal value {nominal:g} lies outside the bounds; widen them or move it",
-        )
-    yield from _distributed(field, uncertain, low, high)
-
-
-def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> Iterator[Problem]:
-    given = uncertain.distribution
-    if isinstance(given, Triangular) and not _within(given.mode, low, high):
-        yield Problem(f"{field}.distribution.mode", _given_number(given.mode), f"must lie within {low:g} to {high:g}")
-    if isinstance(given, TruncatedNormal) and not _within(given.mean, low, high):
-        yield Problem(f"{field}.distribution.mean", _given_number(given.mean), f"must lie within {low:g} to {high:g}")
 
 
 def _searches(
@@ -226,7 +190,7 @@ def _searches(
         entry = catalogue.method(search.method)
         if entry is None:
             names = [m.name for m in catalogue.methods]
-            yield Problem(f"{field}.method", search.method, f"no such method; {_known(search.method, names)}")
+            yield Problem(f"{field}.method", search.method, f"no such method; {said.known(search.method, names)}")
             continue
         yield from _options(f"{field}.options", search.options, entry.options)
         if search.starts and not entry.starts:
@@ -238,15 +202,24 @@ def _searches(
                 yield from _started(f"{field}.starts.{j}.{path}", path, value, campaign, known)
 
 
+def _certified(campaign: Campaign) -> Iterator[Problem]:
+    certify, dimension = campaign.stages.certify, len(campaign.uncertain)
+    if certify is not None and certify.grid is not None and certify.grid.points**dimension > MAX_EVALUATIONS:
+        most = int(MAX_EVALUATIONS ** (1 / dimension) + 1e-9)
+        advice = f"at most {most} points per axis" if most >= 2 else "leave the grid out"
+        text = f"a full grid over {dimension} parameters would have more than {MAX_EVALUATIONS:,} flights; {advice}"
+        yield Problem("stages.certify.grid.points", str(certify.grid.points), text)
+
+
 def _started(
     field: str, path: str, value: float, campaign: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]
 ) -> Iterator[Problem]:
     if path not in campaign.uncertain:
-        yield Problem(field, path, f"not an uncertain parameter; {_known(path, campaign.uncertain)}")
+        yield Problem(field, path, f"not an uncertain parameter; {said.known(path, campaign.uncertain)}")
     elif path in known:
         low, high = campaign.uncertain[path].interval(known[path][1])
-        if not _within(value, low, high):
-            yield Problem(field, _given_number(value), f"a start lies within the bounds {low:g} to {high:g}")
+        if not said.within(value, low, high):
+            yield Problem(field, said.given(value), f"a start lies within the bounds {low:g} to {high:g}")
 
 
 def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
@@ -254,7 +227,7 @@ def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) 
     properties = schema.get("properties", {})
     for name, value in options.items():
         if name not in properties:
-            yield Problem(f"{field}.{name}", str(value), f"no such option; {_known(name, properties)}")
+            yield Problem(f"{field}.{name}", str(value), f"no such option; {said.known(name, properties)}")
         elif (reason := _misfit(value, properties[name])) is not None:
             yield Problem(f"{field}.{name}", repr(value), reason)
 
@@ -288,29 +261,3 @@ def _values(
 ) -> dict[str, tuple[ParameterEntry, float]]:
     missing = float("nan")
     return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}
-
-
-def _within(value: float, low: float, high: float) -> bool:
-    """Within the bounds but for rounding: 10 % below 0.1 is 0.09000000000000001."""
-    slack = 1e-9 * (high - low)
-    return low - slack <= value <= high + slack
-
-
-def _given_number(value: float) -> str:
-    return f"{value:.15g}"
-
-
-def _limits(entry: ParameterEntry) -> str:
-    return f"{entry.text} lies within {entry.low:g} to {entry.high:g} {entry.unit}".rstrip()
-
-
-def _unit(text: str) -> str:
-    return text.replace(" ", "").replace("*", "").replace("·", "").replace("²", "2").replace("^", "")
-
-
-def _known(given: str, names: Iterable[str]) -> str:
-    names = list(names)
-    close = difflib.get_close_matches(given, names, n=1)
-    if close:
-        return f"did you mean {close[0]!r}?"
-    return f"there are: {', '.join(names[:12])}{', ...' if len(names) > 12 else ''}" if names else "there are none"

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from campaigns.spec import Campaign
+from campaigns.stages import Sensitivity
 
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
@@ -16,6 +17,7 @@ class Planned(NamedTuple):
     """One stage to come; `planned` evaluations are its budget. Of validate it is what telling the findings apart and
     their neighbours may take at most, seldom what they take.
 
+    Of certify it is what is flown where nothing is excluded: excluded draws come on top.
     Flights at half the step and with the other integrator are checks of an evaluation, not evaluations.
     """
 
@@ -27,10 +29,20 @@ class Planned(NamedTuple):
 def plan(campaign: Campaign) -> list[Planned]:
     """The stages of a run in their order."""
     stages = [Planned("nominal", None, 1)]
-    sensitivity = campaign.stages.sensitivity
-    if sensitivity is not None:
-        stages.append(Planned("sensitivity", None, sensitivity.points * len(campaign.uncertain)))
+    dimension, certify = len(campaign.uncertain), campaign.stages.certify
+    if campaign.stages.sensitivity is not None:
+        stages.append(Planned("sensitivity", None, _studied(campaign.stages.sensitivity, dimension)))
     stages.extend(Planned("search", search.method, search.evaluations) for search in campaign.stages.search)
+    if certify is not None:
+        grid = 0 if certify.grid is None else certify.grid.points**dimension
+        stages.append(Planned("certify", None, certify.samples + grid))
     findings, neighbours = campaign.stages.findings, campaign.stages.validate_.neighbours
     stages.append(Planned("validate", None, findings.evaluations + findings.at_most * neighbours))
     return stages
+
+
+def _studied(asked: Sensitivity, dimension: int) -> int:
+    """Curves, Morris' trajectories of dimension + 1 flights, Saltelli's design without second orders."""
+    morris = 0 if asked.morris is None else asked.morris.trajectories * (dimension + 1)
+    sobol = 0 if asked.sobol is None else asked.sobol.samples * (dimension + 2)
+    return asked.points * dimension + morris + sobol

@@ -4,38 +4,46 @@ Only what holds without knowing the components is checked here (types, sizes, in
 limits are held by `campaigns.check` against the catalogue. Start reading at `Campaign`.
 """
 
+# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
 from __future__ import annotations
 
 import hashlib
 import json
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from campaigns.distributions import Correlation, Uncertain
+from campaigns.stages import Search, Stages
 from campaigns.values import (
     AS_NUMBER,
     AS_WHOLE,
+    MAX_EVALUATIONS,
     Identifier,
     Name,
     Notes,
     Number,
-    Option,
     Path,
-    PlusMinus,
     Source,
+    Strict,
     Summary,
-    Unit,
     Values,
-    around,
 )
 
+__all__ = [
+    "MAX_EVALUATIONS",
+    "MAX_SEED",
+    "Campaign",
+    "Criterion",
+    "Part",
+    "Realisations",
+    "Scenario",
+    "Search",
+    "Stages",
+]
+
 MAX_STEPS = 2_000_000
-MAX_EVALUATIONS = 10_000_000
 MAX_SEED = 2**20
-
-
-class Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Part(Strict):
@@ -115,121 +123,12 @@ def _is_whole(ratio: float) -> bool:
     return ratio >= 0.5 and abs(ratio - round(ratio)) <= 1e-6 * ratio
 
 
-class Uniform(Strict):
-    kind: Literal["uniform"] = "uniform"
-
-
-class TruncatedNormal(Strict):
-    """A normal distribution cut off at the bounds."""
-
-    kind: Literal["truncated_normal"] = "truncated_normal"
-    mean: Number
-    deviation: Annotated[float, Field(gt=0), AS_NUMBER]
-
-
-class Triangular(Strict):
-    """A triangle over the bounds with its peak at `mode`."""
-
-    kind: Literal["triangular"] = "triangular"
-    mode: Number
-
-
-Distribution = Annotated[Uniform | TruncatedNormal | Triangular, Field(discriminator="kind")]
-
-
-def _distribution(value: Any) -> Any:
-    return {"kind": value} if isinstance(value, str) else value
-
-
-class Uncertain(Strict):
-    """The bounds of one uncertain parameter: `low` and `high`, or `plus_minus` around the nominal value.
-
-    `plus_minus: 20%` is a share of the nominal value, `plus_minus: 0.5` is in the parameter's unit.
-    """
-
-    low: Number | None = None
-    high: Number | None = None
-    plus_minus: PlusMinus | None = None
-    unit: Unit | None = None
-    distribution: Annotated[Distribution, BeforeValidator(_distribution)] = Uniform()
-
-    @model_validator(mode="after")
-    def _one_form(self) -> Uncertain:
-        if self.plus_minus is not None:
-            if self.low is not None or self.high is not None:
-                raise ValueError("give either low and high, or plus_minus, not both")
-            return self
-        if self.low is None or self.high is None:
-            raise ValueError("give both low and high, or plus_minus")
-        if not self.low < self.high:
-            kind = "empty" if self.low == self.high else "reversed"
-            raise ValueError(
-                f"the interval from low = {self.low:g} to high = {self.high:g} is {kind}: low must be below high"
-            )
-        return self
-
-    def interval(self, nominal: float) -> tuple[float, float]:
-        """Low and high around the given nominal value, in its unit."""
-        if self.low is not None and self.high is not None:
-            return self.low, self.high
-        assert self.plus_minus is not None
-        return around(nominal, self.plus_minus)
-
-
 class Criterion(Strict):
     """The flight is clear when the criterion's value stays above `threshold`."""
 
     component: Identifier = "separation"
     parameters: Values = {}
     threshold: Number
-
-
-class Sensitivity(Strict):
-    """One parameter at a time over its bounds, the others nominal."""
-
-    points: Annotated[int, Field(ge=2, le=2001), AS_WHOLE] = 21
-
-
-class Search(Strict):
-    """One search stage: a method, its budget of evaluations, its options and, where it uses them, its starts."""
-
-    method: Identifier
-    evaluations: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS), AS_WHOLE]
-    options: Annotated[dict[str, Option], Field(max_length=100)] = {}
-    starts: Annotated[list[dict[Path, Number]], Field(max_length=10_000)] = []
-    """Points to start from, by path in the parameters' units; a path left out is nominal."""
-
-
-class Validate(Strict):
-    """How the findings are flown again: tolerance against the other integrator and half the step, and neighbours."""
-
-    tolerance: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 1e-3
-    """Share of the criterion's value; a tenth of the margin holds as well."""
-    neighbours: Annotated[int, Field(ge=0, le=100_000), AS_WHOLE] = 300
-    reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
-    """Share of each range within which the neighbours lie."""
-
-
-class Findings(Strict):
-    """When two worst cases are one, how many are kept, and how many evaluations telling them apart may take."""
-
-    at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
-    evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = 20_000
-    distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 0.03
-    """Nearer than this share of every range, two are one."""
-    barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = 0.05
-    """No hill above this share of nominal minus worst between them, two are one."""
-
-
-class Stages(Strict):
-    """What a run does, in this order; nominal is always flown."""
-
-    sensitivity: Sensitivity | None = Sensitivity()
-    search: Annotated[list[Search], Field(min_length=1, max_length=32)]
-    findings: Findings = Findings()
-    validate_: Validate = Field(default=Validate(), alias="validate")
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Published(Strict):
@@ -255,12 +154,15 @@ class Campaign(Strict):
     tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
     scenario: Scenario
     uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
+    correlations: Annotated[list[Correlation], Field(max_length=2016)] = []
+    """Of the random samples; pairs that are not given are uncorrelated."""
     criterion: Criterion
     stages: Stages
     agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 0.05
     """Share of nominal minus worst within which the global methods must agree."""
     target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
-    """Where given, the 95 % bound on P(violation) from the random sample must be at most this."""
+    """Where given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
+    from the first plain random search."""
     confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = 0.95
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []

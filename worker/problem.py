@@ -6,19 +6,18 @@ Start reading at `Problem.fly`; the closed loop itself is `worker.kernels.loop`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from campaigns import Campaign, check
 from campaigns.catalogue import Role
 from campaigns.load import Problem as Wrong
-from campaigns.spec import Distribution, Part, Triangular, TruncatedNormal
+from campaigns.spec import Part
 from worker.catalog import catalogue, components
+from worker.distributions import Distributions, Range
 from worker.kernels import loop as closed_loop
 from worker.kernels.assemble import Loop
 from worker.kernels.component import NoTrim
@@ -28,9 +27,6 @@ from worker.search.base import EXCLUDED, FAILED, OK, Batch
 
 Floats = NDArray[np.float64]
 
-FLAT = 1e5
-"""A normal distribution so many ranges wide is uniform to 1e-11."""
-
 
 class CampaignUnusable(ValueError):
     """The campaign cannot be run with the components of this installation; the message says why."""
@@ -38,18 +34,6 @@ class CampaignUnusable(ValueError):
     def __init__(self, problems: Sequence[Wrong]) -> None:
         self.problems = list(problems)
         super().__init__("the campaign cannot be run here: " + "; ".join(map(str, problems)))
-
-
-@dataclass(frozen=True)
-class Range:
-    """One uncertain parameter: its path, place in the flat vector, bounds, nominal value and distribution."""
-
-    path: str
-    index: int
-    low: float
-    high: float
-    nominal: float
-    distribution: Distribution
 
 
 class Problem:
@@ -68,6 +52,7 @@ class Problem:
         self.ranges = self._ranges()
         self.low: Floats = np.array([r.low for r in self.ranges])
         self.high: Floats = np.array([r.high for r in self.ranges])
+        self.distributions = Distributions(self.ranges, campaign.correlations)
 
     @property
     def dimension(self) -> int:
@@ -142,10 +127,7 @@ class Problem:
 
     def quantile(self, uniform: Floats) -> Floats:
         """Numbers (m, n) uniform on [0, 1) as points drawn from the campaign's distributions."""
-        points = uniform.copy()
-        for k, r in enumerate(self.ranges):
-            points[:, k] = _quantile(r, uniform[:, k])
-        return points
+        return self.distributions.quantile(uniform)
 
     def at_bounds(self, point: Floats) -> dict[str, str]:
         """Which parameters stand at a bound."""
@@ -219,20 +201,6 @@ def _nominal(parameter: Any, given: Mapping[str, float]) -> float:
     value = given.get(parameter.name, parameter.default)
     assert value is not None, f"{parameter.name} is required; check() says so"
     return float(value)
-
-
-def _quantile(r: Range, u: Floats) -> Floats:
-    width = r.high - r.low
-    if isinstance(r.distribution, TruncatedNormal):
-        mean, deviation = (r.distribution.mean - r.low) / width, r.distribution.deviation / width
-        if deviation > FLAT:  # the truncated tails cancel, what is left is level
-            return u
-        shaped = stats.truncnorm.ppf(u, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
-    elif isinstance(r.distribution, Triangular):
-        shaped = stats.triang.ppf(u, float(np.clip((r.distribution.mode - r.low) / width, 0.0, 1.0)))
-    else:
-        return u
-    return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)
 
 
 __all__ = ["CampaignUnusable", "Floats", "Problem", "Range"]

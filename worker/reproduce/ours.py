@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from campaigns import Campaign, library, load_file
-from campaigns.spec import Search as Asked
+from campaigns.stages import Search as Asked
 from worker.catalog import methods
 from worker.evaluate import InProcess
 from worker.problem import Floats, Problem

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import TypeAdapter
 from scipy import stats
 
-from campaigns.spec import Search as Asked
+from campaigns.stages import Search as Asked
 from worker.catalog import methods
 from worker.search.base import EXCLUDED, OK, Floats, Method, Minimum, Space
 from worker.stages.base import Context, Driven, drive

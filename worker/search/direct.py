@@ -109,9 +109,13 @@ def _slope(size: Floats, lowest: Floats, a: int, b: int) -> float:
 
 
 def search(space: Space, options: Options) -> Search:
-    """One iteration is one request: the new centres of every potentially optimal rectangle."""
-    n = space.dimension
-    boxes = Boxes(n)
+    return divided(Boxes(space.dimension), options)
+
+
+def divided(boxes: Boxes, options: Options) -> Search:
+    """One iteration is one request: the new centres of every potentially optimal rectangle. `boxes` are still empty;
+    whoever keeps them sees how the box was divided."""
+    n = boxes.centre.shape[1]
     centre = np.full((1, n), 0.5)
     batch = yield centre
     boxes.add(centre, np.zeros((1, n), dtype=np.int64), batch.ranked())

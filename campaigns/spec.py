@@ -131,6 +131,13 @@ class Criterion(Strict):
     threshold: Number
 
 
+class Objective(Part):
+    """A further criterion: every evaluation has its value too, and searches for several criteria look for its front.
+
+    It decides nothing and has no threshold.
+    """
+
+
 class Published(Strict):
     """A published value to show beside ours."""
 
@@ -157,6 +164,9 @@ class Campaign(Strict):
     correlations: Annotated[list[Correlation], Field(max_length=2016)] = []
     """Of the random samples; pairs that are not given are uncorrelated."""
     criterion: Criterion
+    """It decides the verdict."""
+    objectives: Annotated[list[Objective], Field(max_length=8)] = []
+    """Further criteria beside it; objectives.0, objectives.1, ... in paths."""
     stages: Stages
     agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 0.05
     """Share of nominal minus worst within which the global methods must agree."""

@@ -133,7 +133,7 @@ class RunStore:
             raise ValueError(
                 f"stage {position} holds {stage.evaluations} evaluations, given some from index {first} on"
             )
-        chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **_blobs(columns)}
+        chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **blobs(columns)}
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
         values: dict[str, Any] = {
             "evaluations": first + count,
@@ -141,7 +141,7 @@ class RunStore:
             "excluded": Stage.excluded + int((columns.status == EXCLUDED).sum()),
             "seconds": float(columns.seconds[-1]),
         }
-        best, index = _lowest(columns)
+        best, index = lowest(columns)
         if index is not None and (stage.best is None or best < stage.best):
             values |= {"best": best, "best_index": first + index}
             if stage.kind == "search":
@@ -189,7 +189,8 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _blobs(columns: Columns) -> dict[str, Any]:
+def blobs(columns: Columns) -> dict[str, Any]:
+    """The columns as a row of the table of chunks holds them."""
     return {
         "points": _bytes(columns.points),
         "costs": _bytes(columns.costs),
@@ -203,7 +204,7 @@ def _bytes(array: Any) -> bytes:
     return np.ascontiguousarray(array, dtype="<f8").tobytes()
 
 
-def _lowest(columns: Columns) -> tuple[float, int | None]:
+def lowest(columns: Columns) -> tuple[float, int | None]:
     """The lowest cost of the evaluations that are ok, by the first criterion, and its row; the first of equals."""
     ok = np.flatnonzero((columns.status == OK) & np.isfinite(columns.costs[:, 0]))
     if not len(ok):

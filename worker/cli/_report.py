@@ -18,7 +18,7 @@ from campaigns.plan import plan
 from worker.catalog import methods
 from worker.stages.base import Tally
 from worker.store import Conclusion, MemoryStore
-from worker.wording import count, number, signed
+from worker.wording import count, listed, number, signed
 
 VERDICTS = {
     "cleared": ("✓", "Cleared", "green"),
@@ -56,13 +56,24 @@ class Progress:
         self._bars.update(self._tasks[position], completed=tally.evaluations, best=best)
 
 
-def print_report(campaign: Campaign, store: MemoryStore, conclusion: Conclusion, out: Path | None) -> None:
-    """The stages, the worst case, the verdict."""
+def print_report(
+    campaign: Campaign,
+    store: MemoryStore,
+    conclusion: Conclusion,
+    out: Path | None,
+    cites: dict[str, Any] | None = None,
+) -> None:
+    """The stages, the methods side by side, the findings, the verdict."""
     console = Console(width=None if sys.stdout.isatty() else 120)
+    if cites is not None:
+        named = f"{cites['as']} continues" if "as" in cites else "Continues"
+        console.print(Text(f"{named} {cites['run']} (campaign {cites['digest'][:12]})"))
     console.print(_stages(store, conclusion))
-    worst = conclusion.summary["worst"]
-    if worst is not None:
-        console.print(_worst(campaign, store, conclusion))
+    console.print(_comparison(store, conclusion))
+    if store.findings:
+        console.print(_findings(campaign, store, conclusion))
+        for line in _how_found(store):
+            console.print(Text(line), soft_wrap=not console.is_terminal)
     sign, word, colour = VERDICTS[conclusion.verdict]
     console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
     console.print(Text(conclusion.reason), soft_wrap=not console.is_terminal)
@@ -97,24 +108,69 @@ def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
     return table
 
 
-def _worst(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> Table:
+def _comparison(store: MemoryStore, conclusion: Conclusion) -> Table:
+    """The methods side by side, as `worker.stages.comparison` counted."""
     parts = conclusion.summary
-    finding = store.findings[0]
+    table = Table("Method")
+    for heading in (f"Best [{parts['unit']}]", "Evaluations", "Time [s]", "To 1 % of best"):
+        table.add_column(escape(heading), justify="right")
+    table.add_column("Findings")
+    for row in (store.stages[-1].result or {}).get("comparison", []):
+        table.add_row(
+            row["title"],
+            "" if row["best"] is None else number(row["best"]),
+            count(row["evaluations"]),
+            f"{row['seconds']:.2f}",
+            "not reached" if row["to_near_best"] is None else count(row["to_near_best"]),
+            f"{len(row['findings'])}: {', '.join(row['findings'])}" if row["findings"] else "0",
+        )
+    return table
+
+
+def _findings(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> Table:
+    """Nominal and every finding, a column each; a mark where a parameter stands at a bound."""
+    parts = conclusion.summary
     nominal = (store.stages[0].result or {})["parameters"]
     table = Table("Parameter")
-    for heading in ("Nominal", "Worst"):
-        table.add_column(heading, justify="right")
-    table.add_column("At bound")
-    for path, value in finding.parameters.items():
-        table.add_row(path, number(nominal[path]), number(value), finding.at_bounds.get(path, ""))
+    table.add_column("Nominal", justify="right")
+    for finding in store.findings:
+        table.add_column(finding.label, justify="right")
+    signs = {"low": "↓", "high": "↑"}
+    for path in nominal:
+        cells = [number(f.parameters[path]) + signs.get(f.at_bounds.get(path, ""), "") for f in store.findings]
+        table.add_row(path, number(nominal[path]), *cells)
     cost = parts["nominal"]["cost"]
     table.add_section()
     table.add_row(
-        escape(f"{parts['quantity']} [{parts['unit']}]"), "" if cost is None else number(cost), number(finding.cost)
+        escape(f"{parts['quantity']} [{parts['unit']}]"),
+        "" if cost is None else number(cost),
+        *(number(f.cost) for f in store.findings),
     )
-    table.add_row(f"margin to {number(campaign.criterion.threshold)} {parts['unit']}",
-                  "" if cost is None else signed(parts["nominal"]["margin"]), signed(finding.margin))  # fmt: skip
+    table.add_row(
+        f"margin to {number(campaign.criterion.threshold)} {parts['unit']}",
+        "" if cost is None else signed(parts["nominal"]["margin"]),
+        *(signed(f.margin) for f in store.findings),
+    )
+    table.add_row("validated", "", *("yes" if f.validation["ok"] else "no" for f in store.findings))
     return table
+
+
+def _how_found(store: MemoryStore) -> list[str]:
+    lines = []
+    for finding in store.findings:
+        ways = [f"{_named('search', k['method'])[8:]} after {count(k['evaluations'])}" for k in finding.found]
+        by = (
+            f"found by {listed(ways)} evaluations"
+            if ways
+            else "found by polishing only: no method came close by itself"
+        )
+        lines.append(f"{finding.label}: {by}")
+    told = (store.stages[-1].result or {}).get("findings", {})
+    if told.get("left_out"):
+        lines.append(f"{count(told['left_out'])} local minima no worse than the nominal flight are left out")
+    if any(f.at_bounds for f in store.findings):
+        lines.append("↓ ↑ at its lower or upper bound")
+    return lines
 
 
 def _named(kind: str, method: str | None) -> str:

@@ -1,16 +1,27 @@
-"""What `clearance run --out DIR` leaves behind: result.json, campaign.json, evaluations.csv, a trace per case."""
+"""What `clearance run --out DIR` leaves behind: result.json, campaign.json, evaluations.csv, a trace per case.
+
+evaluations.npz holds the evaluations bit by bit on the unit cube, for `clearance run --continue DIR`. Start reading at
+`write_results`.
+"""
 
 from __future__ import annotations
 
 import csv
 import json
+import zipfile
 from pathlib import Path
 from typing import Any
 
-from campaigns import Campaign
+import numpy as np
+
+from campaigns import Campaign, load_file
+from campaigns.plan import plan
+from worker.continuation import CannotContinue
 from worker.problem import Problem
 from worker.search.base import STATUS
-from worker.store import MemoryStore, Trace
+from worker.store import Columns, MemoryStore, StagePlan, StageRecord, Trace
+
+ARRAYS = "evaluations.npz"
 
 
 def write_results(folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, Any]) -> None:
@@ -18,8 +29,48 @@ def write_results(folder: Path, campaign: Campaign, store: MemoryStore, result: 
     (folder / "result.json").write_text(json.dumps(result, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
     _write_evaluations(folder / "evaluations.csv", Problem(campaign), store)
+    _write_bits(folder / ARRAYS, store)
     for trace in store.traces.values():
         _write_trace(folder / f"trace-{trace.name}.csv", trace)
+
+
+def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
+    """The campaign and the evaluations that `write_results` left; raises `CannotContinue` where they are not there."""
+    for name in ("campaign.json", ARRAYS):
+        if not (folder / name).is_file():
+            raise CannotContinue(
+                f"there is no {name} in it; give the folder of a `clearance run --out`, or a run such as R-0001"
+            )
+    campaign = load_file(folder / "campaign.json")
+    stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
+    try:
+        chunks = _read_bits(folder / ARRAYS, len(stages))
+    except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
+        raise CannotContinue(f"{ARRAYS} in it cannot be read ({error}); run the campaign again") from None
+    return campaign, MemoryStore(stages=stages, chunks={at: [columns] for at, columns in chunks.items()})
+
+
+def _write_bits(path: Path, store: MemoryStore) -> None:
+    arrays: dict[str, Any] = {}
+    for position in range(len(store.stages)):
+        columns = store.evaluations(position)
+        if columns is not None:
+            arrays |= {
+                f"{name}_{position}": getattr(columns, name) for name in ("points", "costs", "status", "seconds")
+            }
+            arrays[f"reasons_{position}"] = np.array(json.dumps(columns.reasons))
+    np.savez(path, **arrays)
+
+
+def _read_bits(path: Path, stages: int) -> dict[int, Columns]:
+    found = {}
+    with np.load(path, allow_pickle=False) as arrays:
+        for at in range(stages):
+            if f"points_{at}" in arrays:
+                points, costs, status, seconds = (arrays[f"{n}_{at}"] for n in ("points", "costs", "status", "seconds"))
+                reasons = {int(i): why for i, why in json.loads(str(arrays[f"reasons_{at}"])).items()}
+                found[at] = Columns(points, costs, status, seconds, reasons)
+    return found
 
 
 def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None:

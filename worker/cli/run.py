@@ -6,43 +6,59 @@ The exit code is the verdict: 0 cleared, 1 violated, 2 inconclusive. Start readi
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from worker.cli import CLEARED, INCONCLUSIVE, VIOLATED, WrongInputError
+from worker.cli._where import DATA, Data, Database
 
 if TYPE_CHECKING:
     from campaigns import Campaign
-    from worker.store import Conclusion, MemoryStore
+    from worker.store import Conclusion, MemoryStore, Store
+
+Fly: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Conclusion]"
 
 CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
 
 
 def run(
-    file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
+    file: Annotated[
+        Path | None, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results: result.json, evaluations.csv, traces.", file_okay=False)
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     threads: Annotated[int, typer.Option(help="Threads to fly on; 0 is one per core.", min=0, max=1024)] = 0,
-) -> None:
+    onward: Annotated[
+        str,
+        typer.Option(
+            "--continue", metavar="RUN", show_default=False,
+            help="Go on with an earlier run instead: the folder of its --out, or the id of a stored run.",
+        ),
+    ] = "",
+    budget: Annotated[
+        str, typer.Option(help="With --continue: 20000 is the budget of each search that can go on, +20000 is more.")
+    ] = "",
+    data: Data = DATA,
+    database: Database = "",
+) -> None:  # fmt: skip
     """Run a campaign here and print its verdict; the exit code is the verdict."""
-    from worker.cli._campaign import read_campaign
-    from worker.problem import CampaignUnusable
-    from worker.store import MemoryStore
-
-    campaign = read_campaign(file)
+    _asked_right(file, onward, budget)
     _writable(out)
-    store = MemoryStore()
-    try:
-        conclusion = _execute(campaign, store, threads or None, quiet=as_json)
-    except CampaignUnusable as error:
-        from campaigns import CampaignError
+    fly = _flying(threads or None, quiet=as_json)
+    if onward:
+        from worker.cli._continue import execute_continued
 
-        raise CampaignError(str(file), error.problems) from None
-    result = summary(campaign, store, conclusion)
+        campaign, store, conclusion, cites = execute_continued(onward, budget, data, database, fly)
+    else:
+        assert file is not None
+        campaign, store, conclusion = _fresh(file, fly)
+        cites = None
+    result = summary(campaign, store, conclusion) | ({"continues": cites} if cites else {})
     if out is not None:
         from worker.cli._results import write_results
 
@@ -52,8 +68,32 @@ def run(
     else:
         from worker.cli._report import print_report
 
-        print_report(campaign, store, conclusion, out)
+        print_report(campaign, store, conclusion, out, cites)
     raise typer.Exit(CODES[conclusion.verdict])
+
+
+def _asked_right(file: Path | None, onward: str, budget: str) -> None:
+    if onward and file is not None:
+        raise WrongInputError("give either a campaign or --continue RUN, not both")
+    if not onward and file is None:
+        raise WrongInputError("give a campaign file, the name of one in the library, or --continue RUN")
+    if bool(onward) != bool(budget):
+        raise WrongInputError("--continue RUN and --budget +N belong together: how far shall it go on?")
+
+
+def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
+    from worker.cli._campaign import read_campaign
+    from worker.problem import CampaignUnusable
+    from worker.store import MemoryStore
+
+    campaign = read_campaign(file)
+    store = MemoryStore()
+    try:
+        return campaign, store, fly(campaign, store, lambda: False)
+    except CampaignUnusable as error:
+        from campaigns import CampaignError
+
+        raise CampaignError(str(file), error.problems) from None
 
 
 def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
@@ -66,6 +106,7 @@ def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> d
         "nominal": parts["nominal"],
         "worst": None if worst is None else {k: worst[k] for k in ("cost", "margin", "parameters", "method")},
         "stages": [_stage(store, position) for position in range(len(store.stages))],
+        "comparison": (store.stages[-1].result or {}).get("comparison", []),
         "checks": parts["checks"],
         "statistics": parts["statistics"],
         "findings": [vars(f) for f in store.findings],
@@ -95,15 +136,19 @@ def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
     }
 
 
-def _execute(campaign: Campaign, store: MemoryStore, threads: int | None, quiet: bool) -> Conclusion:
+def _flying(threads: int | None, quiet: bool) -> Fly:
+    """What runs a campaign into a store, with progress on the terminal unless quiet."""
     from worker.runner import execute
 
-    if quiet:
-        return execute(campaign, store, threads=threads)
-    from worker.cli._report import Progress
+    def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Conclusion:
+        if quiet:
+            return execute(campaign, store, cancelled, threads=threads)
+        from worker.cli._report import Progress
 
-    with Progress(campaign) as shown:
-        return execute(campaign, store, progress=shown.show, threads=threads)
+        with Progress(campaign) as shown:
+            return execute(campaign, store, cancelled, progress=shown.show, threads=threads)
+
+    return fly
 
 
 def _writable(out: Path | None) -> None:

@@ -16,7 +16,7 @@ from worker.store import Finding
 
 
 def compare(context: Context, findings: list[Finding]) -> list[dict[str, Any]]:
-    """A row per search stage; `to_near_best` counts evaluations until within 1 % of (nominal minus worst) of the worst."""
+    """A row per search stage; `to_near_best`: evaluations until within 1 % of nominal minus worst of it."""
     searched = [at for at in sorted(context.results) if "method" in context.results[at]]
     worst = min((f.cost for f in findings), default=None)
     rows = []

@@ -101,7 +101,7 @@ def _space(context: Context) -> Space:
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:
-    """A local minimum that is no worse than the nominal flight is no worst case, unless it violates or is the lowest."""
+    """A minimum no worse than the nominal flight is no worst case, unless it violates or is the lowest."""
     nominal = context.results[0].get("cost")
     limit = max(np.inf if nominal is None else float(nominal), context.problem.threshold)
     kept = [b for i, b in enumerate(found.basins) if i == 0 or b.cost < limit]

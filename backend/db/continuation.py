@@ -1,0 +1,112 @@
+"""A run that goes on with another's searches: a new run that cites the old one and begins with its evaluations.
+
+It is held at once by who asked for it, in the transaction that creates it, so that no worker takes it; when its lease
+runs out, any worker goes on with it like with every other. Start reading at `begin`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+
+from backend.db.engine import now
+from backend.db.queue import Claim, submit
+from backend.db.records import Columns, Finding, StagePlan, StageRecord, Trace, join
+from backend.db.store import EXCLUDED, FAILED, TIMEOUT, as_columns, blobs, lowest
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import EvaluationChunk, Run, Stage
+from backend.db.tables import Finding as FindingRow
+from backend.db.tables import Trace as TraceRow
+from campaigns.spec import Campaign
+
+ENDED = ("done", "failed", "cancelled")
+
+
+def state(connection: sa.Connection, run_id: int) -> tuple[str, dict[str, Any]] | None:
+    """A run's state and the document of its campaign; None when there is no such run."""
+    of = sa.select(Run.state, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
+    row = connection.execute(of.where(Run.id == run_id)).first()
+    return None if row is None else (row.state, row.document)
+
+
+def stages(connection: sa.Connection, run_id: int) -> list[StageRecord]:
+    """The stages of a run as they stand, in order."""
+    rows = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position))
+    return [StageRecord(StagePlan(r.kind, r.method, r.planned), r.state, r.seconds, r.result) for r in rows]
+
+
+def evaluations(connection: sa.Connection, run_id: int) -> dict[int, Columns]:
+    """All evaluations of a run by the position of their stage."""
+    of = sa.select(EvaluationChunk).where(EvaluationChunk.run_id == run_id)
+    held: dict[int, list[Columns]] = {}
+    for row in connection.execute(of.order_by(EvaluationChunk.position, EvaluationChunk.first)):
+        held.setdefault(row.position, []).append(as_columns(row))
+    return {position: joined for position, chunks in held.items() if (joined := join(chunks)) is not None}
+
+
+def findings(connection: sa.Connection, run_id: int) -> list[Finding]:
+    """The findings of a run, the worst first."""
+    rows = connection.execute(sa.select(FindingRow).where(FindingRow.run_id == run_id).order_by(FindingRow.cost))
+    return [Finding(**{key: value for key, value in row._mapping.items() if key != "run_id"}) for row in rows]
+
+
+def traces(connection: sa.Connection, run_id: int) -> list[Trace]:
+    """The traces of a run."""
+    rows = connection.execute(sa.select(TraceRow).where(TraceRow.run_id == run_id).order_by(TraceRow.name))
+    return [Trace(r.name, r.columns, np.frombuffer(r.data, dtype="<f8").reshape(r.rows, -1), r.meta) for r in rows]
+
+
+def begin(
+    connection: sa.Connection,
+    old: int,
+    campaign: Campaign,
+    planned: Sequence[StagePlan],
+    carried: Mapping[int, Columns],
+    *,
+    worker: str,
+    lease: float,
+) -> Claim:
+    """Create the run that continues run `old` under the campaign, with these evaluations in its stages, and hold it.
+
+    It has the old run's name, tags and owner. In the caller's transaction.
+    """
+    cited = connection.execute(sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == old)).one()
+    run_id = submit(
+        connection, campaign, name=cited.name, tags=cited.tags, owner=cited.owner, priority=cited.priority,
+        planned=sum(stage.planned for stage in planned),
+    )  # fmt: skip
+    for position, stage in enumerate(planned):
+        columns = carried.get(position)
+        row = {"run_id": run_id, "position": position, **vars(stage)}
+        connection.execute(sa.insert(Stage).values(**row, **({} if columns is None else _counts(columns))))
+        if columns is not None:
+            chunk = {"run_id": run_id, "position": position, "first": 0, "count": len(columns.status)}
+            connection.execute(sa.insert(EvaluationChunk).values(**chunk, **blobs(columns)))
+    at = now(connection)
+    held = {"state": "running", "worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
+    flown = {
+        "evaluations": sum(len(c.status) for c in carried.values()),
+        "failed_evaluations": sum(_failed(c) for c in carried.values()),
+    }
+    connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **flown))
+    attempts = connection.execute(sa.select(Run.max_attempts).where(Run.id == run_id)).scalar_one()
+    return Claim(run_id, 1, 1, attempts, worker, campaign.document())
+
+
+def _counts(columns: Columns) -> dict[str, Any]:
+    best, index = lowest(columns)
+    return {
+        "evaluations": len(columns.status),
+        "failed": _failed(columns),
+        "excluded": int((columns.status == EXCLUDED).sum()),
+        "seconds": float(columns.seconds[-1]),
+        "best": None if index is None else best,
+        "best_index": index,
+    }
+
+
+def _failed(columns: Columns) -> int:
+    return int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())

@@ -1,0 +1,170 @@
+"""What `clearance run --continue RUN --budget +N` goes on with: a folder of results, or a stored run.
+
+A folder's run goes on in memory; a stored run goes on as a new run of the same database, held under a lease by this
+process, so that a worker finishes it should this process die. Start reading at `execute_continued`.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import sqlalchemy as sa
+
+from backend.db import continuation as stored
+from backend.db.engine import connect, migrate, read, write
+from backend.db.queue import LEASE, Claim, LostLease, Queue
+from backend.db.store import PATIENCE, RunStore
+from campaigns import Campaign, CampaignError
+from campaigns.load import load_document
+from campaigns.plan import plan
+from worker.cli import WrongInputError
+from worker.cli._results import read_folder
+from worker.cli._where import url_of
+from worker.continuation import Budget, CannotContinue, carried, continued, preloaded
+from worker.runner import Cancelled
+from worker.store import Columns, Conclusion, MemoryStore, StagePlan, Store
+
+Execute = Callable[[Campaign, Store, Callable[[], bool]], Conclusion]
+
+
+class Continued(NamedTuple):
+    """The new run: its campaign, everything it holds, its verdict, and what it cites."""
+
+    campaign: Campaign
+    store: MemoryStore
+    conclusion: Conclusion
+    cites: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class _Earlier:
+    run: str
+    campaign: Campaign
+    store: MemoryStore
+
+    def onward(self, budget: Budget) -> tuple[Campaign, dict[int, Columns]]:
+        campaign = continued(self.campaign, budget)
+        return campaign, carried(self.campaign, campaign, self.store)
+
+    @property
+    def cited(self) -> dict[str, Any]:
+        return {"run": self.run, "digest": self.campaign.digest}
+
+
+def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
+    """Continue a run; `execute(campaign, store, cancelled)` flies. Raises `WrongInputError` where it cannot be."""
+    try:
+        asked = Budget.read(budget)
+        if re.fullmatch(r"R-\d{1,15}|\d{1,15}", run) and not Path(run).is_dir():
+            return _of_database(int(run.removeprefix("R-")), asked, url_of(data, database), execute)
+        return _of_folder(Path(run), asked, execute)
+    except CannotContinue as error:
+        raise WrongInputError(f"{run} cannot be continued: {error}") from None
+
+
+def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
+    campaign, store = read_folder(folder)
+    earlier = _Earlier(str(folder), campaign, store)
+    onward, columns = earlier.onward(budget)
+    memory = preloaded(onward, columns)
+    return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
+
+
+def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Continued:
+    migrate(url)
+    engine = connect(url)
+    try:
+        earlier = _earlier(engine, run_id)
+        onward, columns = earlier.onward(budget)
+        planned = [StagePlan(*p) for p in plan(onward)]
+        claim = write(
+            engine,
+            lambda connection: stored.begin(
+                connection, run_id, onward, planned, columns, worker="clearance run", lease=LEASE
+            ),
+            PATIENCE,
+        )
+        conclusion = _held(engine, claim, onward, execute)
+        with read(engine) as connection:
+            memory = _snapshot(connection, claim.run_id)
+        return Continued(onward, memory, conclusion, earlier.cited | {"as": _name(claim.run_id)})
+    finally:
+        engine.dispose()
+
+
+def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
+    with read(engine) as connection:
+        found = stored.state(connection, run_id)
+        if found is None:
+            raise CannotContinue("there is no such run in this database; --data names the folder of the service")
+        state, document = found
+        if state not in stored.ENDED:
+            raise CannotContinue(f"it is {state}; wait for its end, or cancel it first")
+        try:
+            campaign = load_document(document, _name(run_id))
+        except CampaignError as error:
+            raise CannotContinue(f"its campaign is of another version of Clearance: {error}") from None
+        return _Earlier(_name(run_id), campaign, _snapshot(connection, run_id))
+
+
+def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Conclusion:
+    """Work under the lease; an interrupt gives the run back to the queue, an error fails this attempt."""
+    queue = Queue(engine)
+    with _beating(queue, claim) as cancelled:
+        try:
+            return execute(campaign, RunStore(engine, claim), cancelled)
+        except Cancelled:
+            queue.cancelled(claim)
+            raise WrongInputError(f"{_name(claim.run_id)} was cancelled") from None
+        except LostLease:
+            raise
+        except KeyboardInterrupt:
+            queue.give_back(claim)
+            raise
+        except Exception as error:
+            queue.retry(claim, f"the runner raised {type(error).__name__}: {error}")
+            raise
+
+
+@contextmanager
+def _beating(queue: Queue, claim: Claim) -> Iterator[Callable[[], bool]]:
+    """Prolong the lease from a thread; yields whether the run is to stop."""
+    over, stop = threading.Event(), threading.Event()
+
+    def beat() -> None:
+        while not over.wait(queue.lease / 4):
+            try:
+                if queue.beat(claim):
+                    stop.set()
+            except LostLease:
+                stop.set()
+                return
+            except sa.exc.OperationalError:
+                continue  # a busy database is asked again before the lease is over
+
+    thread = threading.Thread(target=beat, name="lease", daemon=True)
+    thread.start()
+    try:
+        yield stop.is_set
+    finally:
+        over.set()
+        thread.join()
+
+
+def _snapshot(connection: sa.Connection, run_id: int) -> MemoryStore:
+    return MemoryStore(
+        stages=stored.stages(connection, run_id),
+        chunks={at: [columns] for at, columns in stored.evaluations(connection, run_id).items()},
+        findings=stored.findings(connection, run_id),
+        traces={t.name: t for t in stored.traces(connection, run_id)},
+    )
+
+
+def _name(run_id: int) -> str:
+    return f"R-{run_id:04d}"

@@ -7,7 +7,7 @@ The runner writes them through `worker.store.Store`; `backend.db.store` puts the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -60,9 +60,9 @@ class Finding:
     parameters: dict[str, float]
     point: list[float]
     methods: list[str]
-    found: list[dict[str, Any]]
     at_bounds: dict[str, str]
     validation: dict[str, Any]
+    found: list[dict[str, Any]] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,213 @@
+"""`clearance run --continue`: the new run repeats no evaluation, equals one long run, and cites the old one."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from backend.db import continuation as stored
+from backend.db.engine import connect, default_url, migrate, read
+from backend.db.queue import Queue, submit
+from backend.db.store import RunStore
+from campaigns import Campaign
+from campaigns.plan import plan
+from tests.unit.cases import searching
+from worker import integrator
+from worker.cli import WRONG_INPUT, invoke
+from worker.cli._results import read_folder
+from worker.continuation import Budget, CannotContinue, carried, continued
+from worker.evaluate import InProcess
+from worker.problem import Floats
+from worker.runner import execute
+from worker.store import MemoryStore
+
+SHORT = {"scenario__horizon": 4.0}
+"""[s]; the closest approach comes at 3.1 s."""
+SEARCHES = (
+    {"method": "direct", "evaluations": 150, "options": {"iterations": 12}},
+    {"method": "sqp", "evaluations": 200, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]},
+    {"method": "monte_carlo", "evaluations": 100},
+    {"method": "genetic", "evaluations": 120},
+)
+
+
+@pytest.fixture(autouse=True)
+def few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The other integrator's dense output is read less often, where its accuracy does not matter."""
+    monkeypatch.setattr(integrator, "LOOKS", 200)
+
+
+@pytest.fixture
+def flown(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
+    """Every point that is really flown, by its bits."""
+    points: list[bytes] = []
+    fly = InProcess.__call__
+
+    def counting(self: InProcess, asked: Floats) -> Any:
+        points.extend(p.tobytes() for p in asked)
+        return fly(self, asked)
+
+    monkeypatch.setattr(InProcess, "__call__", counting)
+    return points
+
+
+def asked() -> Campaign:
+    return searching(*SEARCHES, **SHORT)
+
+
+def written(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    return found
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The results of a run, in a folder."""
+    folder = tmp_path_factory.mktemp("first")
+    file = folder / "asked.json"
+    file.write_text(json.dumps(asked().document()), encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(integrator, "LOOKS", 200)
+        assert invoke(["run", str(file), "--out", str(folder / "out")]) in (0, 2)
+    return folder / "out"
+
+
+def test_budgets() -> None:
+    assert Budget.read("+20000").after(1000) == 21_000
+    assert Budget.read("20000").after(1000) == 20_000
+    assert Budget.read("20000").after(30_000) == 30_000
+    for wrong in ("", "+", "-5", "0", "+0", "1e4", "many"):
+        with pytest.raises(CannotContinue, match="is none; give"):
+            Budget.read(wrong)
+
+
+def test_searches_that_can_go_on_get_more_and_keep_their_options() -> None:
+    before, after = asked().stages.search, continued(asked(), Budget(300, more=True)).stages.search
+    assert [s.evaluations for s in after] == [450, 200, 400, 420]
+    assert after[0].options["iterations"] > 12
+    assert after[1] == before[1]
+
+
+def test_a_folder_goes_on_without_repeating_an_evaluation(
+    first: Path, tmp_path: Path, flown: list[bytes], capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert invoke(["run", "--continue", str(first), "--budget", "+300", "--out", str(out)]) in (0, 2)
+    new, old = written(out), written(first)
+    assert new["continues"] == {"run": str(first), "digest": old["digest"]}
+    assert new["digest"] != old["digest"]
+    assert f"Continues {first}" in capsys.readouterr().out
+    stages, before = read_folder(out)[1], read_folder(first)[1]
+    kept = fresh = 0
+    for position, record in enumerate(stages.stages[:-1]):
+        longer, shorter = stages.evaluations(position), before.evaluations(position)
+        assert longer is not None
+        assert shorter is not None
+        count = len(shorter.status)
+        assert np.array_equal(longer.points[:count], shorter.points)
+        assert np.array_equal(longer.costs[:count], shorter.costs, equal_nan=True)
+        kept, fresh = kept + count, fresh + len(longer.status) - count
+        extended = record.plan.method in ("direct", "monte_carlo", "genetic")
+        assert (len(longer.status) > count) == extended, record.plan
+    assert kept > 400
+    validated = stages.evaluations(len(stages.stages) - 1)
+    assert validated is not None
+    assert len(flown) == fresh + len(validated.status)
+
+
+def test_it_equals_one_long_run(first: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    invoke(["run", "--continue", str(first), "--budget", "+300", "--out", str(out)])
+    campaign, went_on = read_folder(out)
+    at_once = MemoryStore()
+    execute(campaign, at_once)
+    for position in range(len(at_once.stages)):
+        one, other = at_once.evaluations(position), went_on.evaluations(position)
+        assert one is not None
+        assert other is not None
+        assert np.array_equal(one.points, other.points)
+        assert np.array_equal(one.costs, other.costs, equal_nan=True)
+    assert [vars(f) for f in at_once.findings] == [
+        f | {"validation": g.validation} for f, g in zip(written(out)["findings"], at_once.findings, strict=True)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (["--continue", "nowhere", "--budget", "+10"], "there is no campaign.json in it"),
+        (["--continue", "nowhere"], "belong together"),
+        (["unicycle_static", "--budget", "+10"], "belong together"),
+        (["unicycle_static", "--continue", "R-0001", "--budget", "+10"], "not both"),
+        ([], "give a campaign file"),
+    ],
+)
+def test_what_cannot_be_asked(arguments: list[str], why: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["run", *arguments]) == WRONG_INPUT
+    assert why in capsys.readouterr().err
+
+
+def test_a_run_without_a_search_that_can_go_on_says_which_can(capsys: pytest.CaptureFixture[str]) -> None:
+    only = searching(SEARCHES[1], **SHORT)
+    with pytest.raises(CannotContinue, match=r"SQP multistart.*can be continued: .*DIRECT"):
+        continued(only, Budget(10, more=True))
+
+
+def test_another_plan_is_refused() -> None:
+    store = MemoryStore()
+    with pytest.raises(CannotContinue, match="planned by another version"):
+        carried(asked(), continued(asked(), Budget(10, more=True)), store)
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> Path:
+    """A database with one finished run."""
+    url = default_url(tmp_path)
+    migrate(url)
+    engine = connect(url)
+    with engine.begin() as connection:
+        submit(connection, asked(), name="nightly", tags=["a"], owner="ci", planned=1)
+    claim = Queue(engine).claim("a worker")
+    assert claim is not None
+    execute(asked(), RunStore(engine, claim))
+    engine.dispose()
+    return tmp_path
+
+
+def test_a_stored_run_goes_on_as_a_new_stored_run(
+    data: Path, flown: list[bytes], capsys: pytest.CaptureFixture[str]
+) -> None:
+    flown.clear()
+    assert invoke(["run", "--continue", "R-0001", "--budget", "+300", "--data", str(data)]) in (0, 2)
+    assert "R-0002 continues R-0001" in capsys.readouterr().out
+    engine = connect(default_url(data))
+    with read(engine) as connection:
+        old, new = (stored.evaluations(connection, run_id) for run_id in (1, 2))
+        row = connection.exec_driver_sql(
+            "select state, continues, name, owner, evaluations, verdict from runs where id = 2"
+        ).one()
+    assert row[:4] == ("done", 1, "nightly", "ci")
+    assert row.evaluations == sum(len(c.status) for c in new.values())
+    assert row.verdict in ("cleared", "inconclusive")
+    stages = len(plan(asked()))
+    for position in range(stages - 1):
+        count = len(old[position].status)
+        assert np.array_equal(new[position].points[:count], old[position].points)
+    added = sum(len(new[p].status) - len(old[p].status) for p in range(stages - 1))
+    assert added > 300
+    assert len(flown) == added + len(new[stages - 1].status)
+    engine.dispose()
+
+
+def test_only_a_run_that_has_ended_goes_on(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    engine = connect(default_url(data))
+    with engine.begin() as connection:
+        submit(connection, asked(), name="waiting", tags=[], owner="", planned=1)
+    engine.dispose()
+    for run, why in (("R-0002", "it is queued"), ("R-0099", "there is no such run")):
+        assert invoke(["run", "--continue", run, "--budget", "+10", "--data", str(data)]) == WRONG_INPUT
+        assert why in capsys.readouterr().err

@@ -17,7 +17,7 @@ from worker.evaluate import InProcess
 from worker.problem import CampaignUnusable, Problem
 from worker.provenance import provenance
 from worker.search.base import EXCLUDED, OK
-from worker.stages import nominal, search, sensitivity, validate, verdict
+from worker.stages import certify, nominal, search, sensitivity, validate, verdict
 from worker.stages.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
 from worker.store import Conclusion, Finding, StagePlan, StageRecord, Store, Trace
 
@@ -70,6 +70,8 @@ def _stage(context: Context, position: int, record: StageRecord, index: int) -> 
         result = sensitivity.run(context, position)
     elif kind == "search":
         result = search.run(context, position, index)
+    elif kind == "certify":
+        result = certify.run(context, position)
     else:
         result, findings, traces = validate.run(context, position)
     context.results[position] = result
@@ -86,6 +88,7 @@ def _evidence(context: Context, records: list[StageRecord]) -> verdict.Evidence:
     return verdict.Evidence(
         nominal=by_kind["nominal"][0],
         searches=by_kind["search"],
+        certificate=next(iter(by_kind.get("certify", [])), None),
         validation=by_kind["validate"][0],
         finding=min(findings, key=lambda f: f.cost) if findings else None,
         evaluations=len(status),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from worker.stages.search import bound
+from worker.stages.claims import band, bound, held, needed, order
 
 
 @pytest.mark.parametrize("samples", [1, 2, 10, 100, 1000, 10**6])
@@ -37,3 +37,48 @@ def test_the_bound_says_nothing_of_nothing() -> None:
     assert bound(0, 0, 0.95) == bound(5, 5, 0.95) == 1.0
     values = [bound(k, 30, 0.95) for k in range(31)]
     assert np.all(np.diff(values) >= 0)
+
+
+# Wilks
+
+
+@pytest.mark.parametrize(
+    ("share", "confidence", "size"),
+    [(0.05, 0.95, 59), (0.01, 0.95, 299), (0.10, 0.90, 22), (0.05, 0.99, 90), (0.01, 0.99, 459), (0.5, 0.95, 5)],
+)
+def test_the_known_sizes_of_samples(share: float, confidence: float, size: int) -> None:
+    # Wilks (1941); 59 and 93 flights are the sizes of first and second order for 95 %/95 % in reactor safety.
+    assert needed(share, confidence) == size
+    assert order(size, share, confidence) == 1
+    assert order(size - 1, share, confidence) == 0
+    assert held(1, size, share) == pytest.approx(1 - (1 - share) ** size)
+
+
+@pytest.mark.parametrize(("size", "r"), [(59, 1), (93, 2), (124, 3), (153, 4), (181, 5), (208, 6)])
+def test_the_sizes_of_higher_orders(size: int, r: int) -> None:
+    # One-sided 95 %/95 %: Guba, Makai, Pal, Statistical aspects of best estimate method (2003), table 1.
+    assert order(size, 0.05, 0.95) == r
+    assert order(size - 1, 0.05, 0.95) == r - 1
+
+
+@pytest.mark.parametrize("size", [1, 17, 60, 500, 3000, 100_000])
+@pytest.mark.parametrize("share", [0.001, 0.05, 0.5, 0.999])
+def test_the_order_is_the_highest_that_holds(size: int, share: float) -> None:
+    r = order(size, share, 0.95)
+    assert 0 <= r <= size
+    if r:
+        assert held(r, size, share) >= 0.95
+    assert held(r + 1, size, share) < 0.95
+    assert held(max(r, 1), size, share) == pytest.approx(stats.binom.sf(max(r, 1) - 1, size, share))
+
+
+def test_what_no_sample_bounds() -> None:
+    assert order(0, 0.05, 0.95) == order(1000, 0.0, 0.95) == order(1000, -0.1, 0.95) == 0
+    assert held(0, 10, 0.5) == held(11, 10, 0.5) == 0.0
+
+
+def test_the_band_of_the_distribution_function() -> None:
+    # Massart: P(sup |F_n - F| > e) <= 2 exp(-2 n e^2).
+    assert band(1000, 0.95) == pytest.approx(0.04295, abs=1e-5)
+    assert 2 * np.exp(-2 * 1000 * band(1000, 0.95) ** 2) == pytest.approx(0.05)
+    assert band(0, 0.95) == 1.0

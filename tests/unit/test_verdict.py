@@ -10,15 +10,19 @@ import pytest
 from campaigns import Campaign
 from tests.unit.cases import campaign, case1
 from worker.problem import Problem
-from worker.stages.search import bound
+from worker.stages.claims import bound
 from worker.stages.verdict import Evidence, conclude
 from worker.store import Conclusion, Finding
 
 NOMINAL, WORST = 0.94, 0.84
 """[m]; the threshold is 0.5 m, and 5 % of nominal minus worst is 0.005 m."""
 
-TITLES = {"direct": "DIRECT", "sqp": "SQP multistart", "monte_carlo": "Monte Carlo", "ga": "Genetic algorithm"}
-KINDS = {"direct": "global", "ga": "global", "sqp": "local", "monte_carlo": "random"}
+TITLES = {
+    "direct": "DIRECT", "sqp": "SQP multistart", "monte_carlo": "Monte Carlo", "ga": "Genetic algorithm",
+    "portfolio": "Portfolio", "nsga2": "NSGA-II",
+}  # fmt: skip
+KINDS = {"sqp": "local", "monte_carlo": "random", "nsga2": "multi"}
+"""All others are global."""
 
 
 def search(method: str, cost: float | None = WORST, **changes: Any) -> dict[str, Any]:
@@ -26,7 +30,7 @@ def search(method: str, cost: float | None = WORST, **changes: Any) -> dict[str,
     made: dict[str, Any] = {
         "method": method,
         "title": TITLES[method],
-        "kind": KINDS[method],
+        "kind": KINDS.get(method, "global"),
         "best": None if cost is None else {"cost": cost, "margin": cost - 0.5, "parameters": {}, "index": 0},
         "evaluations": 1000,
         "failed": 0,
@@ -44,9 +48,20 @@ def sample(violations: int = 0, samples: int = 1000) -> dict[str, Any]:
     return {"samples": samples, "violations": violations, "confidence": 0.95, "upper_bound": upper, "text": text}
 
 
+QUANTILE = {"share": 0.05, "bound": 0.9, "text": "at most 5 % of the flights have d_min below 0.9 m"}
+
+
+def certificate(violations: int = 0, samples: int = 3000) -> dict[str, Any]:
+    """The result of a certify stage."""
+    return {"sample": sample(violations, samples) | {"quantile": QUANTILE}, "grid": None}
+
+
 def finding(cost: float = WORST, confirmed: bool = True) -> Finding:
     validation = {"name": "F1", "ok": confirmed}
-    return Finding("F1", cost, cost - 0.5, {"vehicle.m": 6.0}, [1.0], ["direct"], {"vehicle.m": "high"}, validation)
+    return Finding(
+        label="F1", cost=cost, margin=cost - 0.5, parameters={"vehicle.m": 6.0}, point=[1.0], methods=["direct"],
+        found=[], at_bounds={"vehicle.m": "high"}, validation=validation,
+    )  # fmt: skip
 
 
 def evidence(**changes: Any) -> Evidence:
@@ -279,7 +294,7 @@ def test_the_target_is_not_met() -> None:
 
 def test_a_target_without_a_sample() -> None:
     said = barred("target", campaign(target_probability=0.5), searches=[search("direct"), search("sqp")])
-    assert said == "the target P(violation) of 50 % needs a random sample; add Monte Carlo"
+    assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
 
 
 def test_the_first_sample_counts_whatever_a_second_says() -> None:
@@ -293,3 +308,52 @@ def test_the_first_sample_counts_whatever_a_second_says() -> None:
 def test_without_a_target_the_bound_decides_nothing() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(samples=2))]
     assert concluded(searches=searches).verdict == "cleared"
+
+
+def test_the_certify_stage_speaks_instead_of_a_search() -> None:
+    stands = concluded(certificate=certificate()).summary["statistics"]
+    assert (stands["samples"], stands["source"], stands["quantile"]) == (3000, "certify", QUANTILE)
+    before = concluded().summary["statistics"]
+    assert (before["samples"], before["source"], before["quantile"]) == (1000, "search", None)
+
+
+def test_what_it_bounds_is_in_the_sentence() -> None:
+    said = concluded(certificate=certificate()).reason
+    assert "0 of 3000 violate. At most 5 % of the flights have d_min below 0.9 m. A search can miss" in said
+    assert "0 of 1000 violate" not in said
+
+
+def test_the_target_is_held_against_the_certify_stage() -> None:
+    asked = campaign(target_probability=0.0015)
+    assert barred("target", asked) == "the bound of 0.299 % does not meet the target of 0.15 %"
+    assert concluded(asked, certificate=certificate()).verdict == "cleared"
+    said = barred("target", asked, certificate=certificate(3))
+    assert said == "the bound of 0.258 % does not meet the target of 0.15 %"
+
+
+def test_a_certify_stage_is_not_passed_over_for_a_better_search() -> None:
+    barred("target", campaign(target_probability=0.003), certificate=certificate(samples=100))
+
+
+def test_points_that_are_no_independent_sample_give_no_statement() -> None:
+    even = sample() | {"upper_bound": None, "text": "they are no independent sample"}
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=even)]
+    assert concluded(searches=searches).summary["statistics"] is None
+    said = barred("target", campaign(target_probability=0.5), searches=searches)
+    assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
+    both = [*searches, search("monte_carlo", 0.85, sample=sample(samples=200))]
+    assert concluded(searches=both).summary["statistics"]["samples"] == 200
+
+
+def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
+    searches = [search("direct"), search("sqp"), search("nsga2", WORST + 0.2)]
+    assert concluded(searches=searches).verdict == "cleared"
+    said = "only DIRECT reached the worst case; a verdict needs a second method to confirm it"
+    assert barred("agreement", searches=[search("direct"), search("nsga2")]) == said
+    assert barred("agreement", searches=[search("sqp"), search("nsga2")]).startswith("no global method searched")
+
+
+def test_a_portfolio_is_a_global_method() -> None:
+    assert concluded(searches=[search("portfolio"), search("sqp")]).verdict == "cleared"
+    said = barred("agreement", searches=[search("portfolio", WORST + 0.03), search("direct"), search("sqp")])
+    assert said == "the worst case is 0.84, but Portfolio stopped 0.03 above it"

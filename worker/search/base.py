@@ -46,7 +46,8 @@ class Space:
 
     starts (s, n); quantile maps uniform numbers (m, n) to points drawn from the campaign's distributions; report
     hands over a local minimum as soon as it is found, so that none is lost when the budget ends; attribute tells, just
-    before a request and in its order, which member of a method asks for how many of its points.
+    before a request and in its order, which member of a method asks for how many of its points. A cost at or below the
+    threshold is a violation; confidence is that of statements on its probability.
     """
 
     dimension: int
@@ -56,6 +57,8 @@ class Space:
     quantile: Callable[[Floats], Floats]
     report: Callable[[Minimum], None]
     attribute: Callable[[str, int], None] = lambda member, points: None
+    threshold: float = float("-inf")
+    confidence: float = 0.95
 
 
 Search = Generator[Floats, Batch, str]

@@ -1,7 +1,7 @@
 """Search: one method looks for the lowest cost within its budget.
 
-For a random method the result holds the statement its sample allows: Clopper and Pearson, The use of confidence or
-fiducial limits (Biometrika 26, 1934), one-sided. Start reading at `run`.
+For a random method the result holds the statement that its sample allows, for DIRECT an estimate of what it may have
+missed. Start reading at `run`.
 """
 
 from __future__ import annotations
@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 from pydantic import TypeAdapter
-from scipy import stats
 
 from campaigns.stages import Search as Asked
 from worker.catalog import methods
-from worker.search.base import EXCLUDED, OK, Floats, Method, Minimum, Space
+from worker.search.base import Floats, Method, Minimum, Space
+from worker.stages import gap, sample
 from worker.stages.base import Context, Driven, drive
-from worker.store import Columns
-from worker.wording import count
 
 
 def run(context: Context, position: int, index: int) -> dict[str, Any]:
@@ -32,23 +30,18 @@ def run(context: Context, position: int, index: int) -> dict[str, Any]:
         starts=_starts(context, asked),
         quantile=context.problem.quantile,
         report=minima.append,
+        threshold=context.problem.threshold,
+        confidence=context.campaign.confidence,
     )
     options: Any = TypeAdapter(method.options).validate_python(asked.options)
     driven = drive(context, position, method.search(space, options), asked.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
-    return _result(context, method, driven, minima)
+    return _result(context, method, options, driven, minima)
 
 
 def stream(seed: int, index: int) -> np.random.Generator:
     """The random numbers of search stage `index`: independent of every other stage and of who flies it."""
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,)))
-
-
-def bound(violations: int, samples: int, confidence: float) -> float:
-    """Upper Clopper-Pearson bound on a probability of which `violations` of `samples` were seen."""
-    if samples == 0 or violations >= samples:
-        return 1.0
-    return float(stats.beta.ppf(confidence, violations + 1, samples - violations))
 
 
 def _starts(context: Context, asked: Asked) -> Floats:
@@ -62,8 +55,8 @@ def _place(minimum: Minimum, starts: Floats) -> int:
     return same[0] if same else len(starts)
 
 
-def _result(context: Context, method: Method, driven: Driven, minima: list[Minimum]) -> dict[str, Any]:
-    problem, tally = context.problem, driven.tally
+def _result(context: Context, method: Method, options: Any, driven: Driven, minima: list[Minimum]) -> dict[str, Any]:
+    problem, tally, columns = context.problem, driven.tally, driven.columns
     best = None
     if tally.best is not None and tally.best_point is not None:
         best = {
@@ -93,30 +86,6 @@ def _result(context: Context, method: Method, driven: Driven, minima: list[Minim
             }
             for m in minima
         ],
-        "sample": _sample(context, driven.columns) if method.kind == "random" and driven.columns else None,
-    }
-
-
-def _sample(context: Context, columns: Columns) -> dict[str, Any]:
-    """What the sample says. A failed flight counts as a violation: nobody knows how it would have ended."""
-    drawn = columns.status != EXCLUDED
-    costs = columns.costs[columns.status == OK, 0]
-    samples = int(np.count_nonzero(drawn))
-    failed = samples - len(costs)
-    violations = int(np.count_nonzero(costs <= context.problem.threshold)) + failed
-    confidence = context.campaign.confidence
-    upper = bound(violations, samples, confidence)
-    counts, edges = np.histogram(costs, bins=min(40, max(5, int(np.sqrt(len(costs))))))
-    return {
-        "samples": samples,
-        "violations": violations,
-        "failed": failed,
-        "confidence": confidence,
-        "upper_bound": upper,
-        "lowest": float(costs.min()) if len(costs) else None,
-        "mean": float(costs.mean()) if len(costs) else None,
-        "deviation": float(costs.std(ddof=1)) if len(costs) > 1 else None,
-        "histogram": {"edges": edges.tolist(), "counts": counts.tolist()},
-        "text": f"{count(violations)} of {count(samples)} flights drawn from the stated distributions violate "
-        f"the criterion: P(violation) is at most {100 * upper:.3g} % with {100 * confidence:g} % confidence",
+        "sample": sample.of_search(context, options, columns) if method.kind == "random" and columns else None,
+        "gap": gap.estimate(problem, method.name, options, columns) if columns else None,
     }

@@ -41,6 +41,7 @@ class Evidence:
     failed: int
     excluded: int
     complete: bool = True
+    certificate: dict[str, Any] | None = None
 
 
 def conclude(problem: Problem, evidence: Evidence, provenance: dict[str, Any]) -> Conclusion:
@@ -48,7 +49,7 @@ def conclude(problem: Problem, evidence: Evidence, provenance: dict[str, Any]) -
     campaign, finding = problem.campaign, evidence.finding
     checks = _checks(problem, evidence)
     verdict = _verdict(checks, evidence)
-    statistics = _statistics(evidence.searches)
+    statistics = _statistics(evidence)
     sentence = _sentence(problem, evidence, verdict, checks, statistics)
     scope = _scope(problem)
     summary = {
@@ -145,7 +146,7 @@ def _agreement(campaign: Campaign, evidence: Evidence) -> Check:
     if not titles:
         return Check("agreement", False, "no global method searched; add one, such as DIRECT")
     allowed = max(campaign.agreement * (nominal - finding.cost), 1e-9 * max(abs(finding.cost), 1.0))
-    aiming = [s for s in evidence.searches if s["kind"] != "random"]
+    aiming = [s for s in evidence.searches if s["kind"] in ("global", "local")]
     above = [float("inf") if s["best"] is None else s["best"]["cost"] - finding.cost for s in aiming]
     late = [
         f"{s['title']} stopped {number(by)} above it" if s["best"] is not None else f"{s['title']} found no flight"
@@ -181,20 +182,30 @@ def _target(campaign: Campaign, evidence: Evidence) -> Check | None:
     if campaign.target_probability is None:
         return None
     goal = f"{100 * campaign.target_probability:.4g} %"
-    statistics = _statistics(evidence.searches)
+    statistics = _statistics(evidence)
     if statistics is None:
-        return Check("target", False, f"the target P(violation) of {goal} needs a random sample; add Monte Carlo")
+        return Check(
+            "target", False, f"the target P(violation) of {goal} needs an independent sample; add a certify stage"
+        )
     ok = statistics["upper_bound"] <= campaign.target_probability
     word = "meets" if ok else "does not meet"
     return Check("target", ok, f"the bound of {100 * statistics['upper_bound']:.3g} % {word} the target of {goal}")
 
 
-def _statistics(searches: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
-    """The first random sample's statement: it was declared with the campaign, so the choice is not ours."""
-    sample = next((s["sample"] for s in searches if s["kind"] == "random" and s["sample"]), None)
+def _statistics(evidence: Evidence) -> dict[str, Any] | None:
+    """The statement of the certify stage; without one, that of the first random search whose points are independent.
+
+    Either was declared with the campaign, so the choice is not ours.
+    """
+    searched = [s["sample"] for s in evidence.searches if s["kind"] == "random" and s["sample"]]
+    samples = [evidence.certificate["sample"]] if evidence.certificate is not None else searched
+    sample = next((s for s in samples if s["upper_bound"] is not None), None)
     if sample is None:
         return None
-    return {k: sample[k] for k in ("samples", "violations", "confidence", "upper_bound", "text")}
+    told = {k: sample[k] for k in ("samples", "violations", "confidence", "upper_bound", "text")}
+    quantile = sample.get("quantile")
+    source = "search" if evidence.certificate is None else "certify"
+    return told | {"quantile": quantile, "source": source}
 
 
 def _best_method(searches: Sequence[dict[str, Any]]) -> str | None:
@@ -216,6 +227,9 @@ def _sentence(
     )
     how = f"{count(evidence.evaluations)} evaluations, searched by {listed([s['title'] for s in evidence.searches])}"
     chance = f" {statistics['text']}." if statistics else ""
+    if statistics and statistics["quantile"]:
+        said = statistics["quantile"]["text"]
+        chance += f" {said[0].upper()}{said[1:]}."
     if verdict == "violated":
         return f"{quantity} falls to or below {limit}. {worst} It was validated, and found in {how}.{chance}"
     if verdict == "cleared":

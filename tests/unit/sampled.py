@@ -1,0 +1,58 @@
+"""A stage on a problem whose probabilities are known: evaluations are a formula instead of flights.
+
+Start reading at `context`. Two uniform parameters u, v; d = threshold - 0.2 + u + v, so that P(d <= threshold) is 0.02.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from campaigns import Campaign
+from tests.unit.cases import campaign, case1
+from worker.problem import Problem
+from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats
+from worker.stages.base import Context
+from worker.store import MemoryStore, StagePlan
+
+THRESHOLD = 0.5
+PROBABILITY = 0.02
+"""Of a violation."""
+
+
+def quantile(share: float) -> float:
+    """Of d, for shares below one half: u + v is at most s with probability s^2 / 2."""
+    return THRESHOLD - 0.2 + float(np.sqrt(2 * share))
+
+
+def costs(points: Floats) -> Floats:
+    return np.asarray(THRESHOLD - 0.2 + points.sum(axis=1))
+
+
+def evaluate(
+    failing: Callable[[Floats], Any] = lambda points: np.zeros(len(points), dtype=bool),
+    excluded: Callable[[Floats], Any] = lambda points: np.zeros(len(points), dtype=bool),
+) -> Callable[[Floats], tuple[Batch, dict[int, str]]]:
+    """Evaluations of the formula, some of which fail or are excluded."""
+
+    def flown(points: Floats) -> tuple[Batch, dict[int, str]]:
+        status = np.where(excluded(points), EXCLUDED, np.where(failing(points), FAILED, OK)).astype(np.uint8)
+        return Batch(np.where(status == OK, costs(points), np.nan)[:, None], status), {}
+
+    return flown
+
+
+def asked(stages: dict[str, Any], **changes: Any) -> Campaign:
+    """A campaign with these stages, with no more than must be."""
+    given = {"search": [{"method": "direct", "evaluations": 1}], "sensitivity": None} | stages
+    return campaign(stages=given, **changes)
+
+
+def context(asked: Campaign, flown: Any = None, problem: Problem | None = None, seed: int | None = None) -> Context:
+    """A run of one stage, at position 0, in memory."""
+    store = MemoryStore()
+    store.plan([StagePlan("certify", None, 1)])
+    seeded = asked if seed is None else asked.model_copy(update={"seed": seed})
+    return Context(seeded, problem or case1(), flown or evaluate(), store)

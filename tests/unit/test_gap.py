@@ -1,0 +1,81 @@
+"""DIRECT's remaining gap: rectangles built again from stored evaluations, slopes along each side, the lowest corner."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.unit.cases import case1
+from tests.unit.sampled import asked, context, evaluate
+from tests.unit.searching import Function, batch, run
+from worker.search import direct
+from worker.search.base import Floats
+from worker.stages import gap, search
+from worker.store import Columns
+
+
+def stored(function: Function, budget: int, options: dict[str, float] | None = None) -> Columns:
+    found = run(direct.method, function, 2, budget, options=options)
+    points = found.points[:budget]
+    given = batch(function(points))
+    return Columns(points, given.costs, given.status, np.zeros(len(points)), {})
+
+
+def plane(x: Floats) -> Floats:
+    return np.asarray(1.0 + 2.0 * x[:, 0] - 0.5 * x[:, 1])
+
+
+def test_of_a_plane_it_is_exact() -> None:
+    # Slopes 2 and 0.5 along the sides: the estimate is the true minimum, at the corner (0, 1).
+    for budget in (5, 40, 700):
+        found = gap.estimate(case1(), "direct", direct.Options(), stored(plane, budget))
+        assert found is not None
+        assert found["slopes"] == {"vehicle.m": pytest.approx(2.0 / 2), "vehicle.J": pytest.approx(0.5 / 0.02)}
+        assert found["lower_bound"] == pytest.approx(0.5)
+
+
+def test_of_a_bowl_it_lies_below_the_minimum_and_closes_in() -> None:
+    def bowl(x: Floats) -> Floats:
+        return np.asarray(((x - 0.3) ** 2).sum(axis=1))
+
+    gaps = []
+    for budget in (21, 201, 2001):
+        found = gap.estimate(case1(), "direct", direct.Options(epsilon=0.0), stored(bowl, budget, {"epsilon": 0.0}))
+        assert found is not None
+        assert found["lower_bound"] <= 0.0
+        gaps.append(found["gap"])
+    assert gaps[0] > gaps[1] > gaps[2]
+
+
+def test_the_rectangles_are_those_of_the_search() -> None:
+    columns = stored(plane, 400)
+    boxes, _ = gap._replayed(direct.divided, direct.Options(), columns)
+    whole = boxes.count
+    assert 350 < whole <= 400
+    # The centres are the evaluated points, and their sides fill the unit square.
+    assert sorted(map(tuple, boxes.centre[:whole])) == sorted(map(tuple, columns.points[:whole]))
+    assert (3.0 ** -boxes.depth[:whole].astype(float)).prod(axis=1).sum() == pytest.approx(1.0)
+
+
+def test_rectangles_without_a_value_are_left_out_and_told() -> None:
+    columns = stored(lambda x: np.where(x[:, 0] > 0.6, np.nan, plane(x)), 300)
+    found = gap.estimate(case1(), "direct", direct.Options(), columns)
+    assert found is not None
+    assert found["without_value"] > 0
+    assert f"{found['without_value']} rectangles whose centre has no value are left out" in found["text"]
+    assert found["slopes"]["vehicle.m"] == pytest.approx(1.0)
+
+
+def test_where_there_is_nothing_to_estimate() -> None:
+    assert gap.estimate(case1(), "sqp", direct.Options(), stored(plane, 50)) is None
+    nothing = stored(lambda x: np.full(len(x), np.nan), 50)
+    assert gap.estimate(case1(), "direct", direct.Options(), nothing) is None
+    one = gap.estimate(case1(), "direct", direct.Options(), stored(plane, 1))
+    assert one is not None
+    assert one["gap"] == 0.0
+
+
+def test_a_search_stage_tells_it_as_an_estimate() -> None:
+    found = search.run(context(asked({"search": [{"method": "direct", "evaluations": 200}]}), evaluate()), 0, 0)
+    assert found["gap"]["lower_bound"] == pytest.approx(0.3)
+    assert found["gap"]["text"].startswith("estimate, no bound: if d_min changes nowhere faster than")

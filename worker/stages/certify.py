@@ -1,0 +1,114 @@
+"""Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
+
+Its numbers come from a stream of their own, apart from every search; no point is an optimiser's. Excluded draws are
+drawn again and counted. A full grid, where asked for, claims nothing beyond its own points. Start reading at `run`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from campaigns.stages import Certify
+from worker.problem import Problem
+from worker.search.base import EXCLUDED, Batch, Floats, Search
+from worker.stages.base import Context, drive
+from worker.stages.sample import Sample
+from worker.stages.search import stream
+from worker.store import Columns
+from worker.wording import count, number
+
+STREAM = 2**21
+"""Of random numbers: searches have those from 0 on."""
+
+BLOCK = 4096
+MOST_DRAWS = 20
+"""Draws per flight asked for, excluded ones among them: a scenario that hardly ever holds is given up."""
+
+
+@dataclass
+class _Drawn:
+    draws: int = 0
+    flown: int = 0
+
+
+def run(context: Context, position: int) -> dict[str, Any]:
+    """Draw and fly the sample, then the grid."""
+    problem, asked = context.problem, context.campaign.stages.certify
+    assert asked is not None
+    drawn = _Drawn()
+    grid = 0 if asked.grid is None else asked.grid.points**problem.dimension
+    random = stream(context.campaign.seed, STREAM)
+    driven = drive(context, position, _search(problem, asked, random, drawn), MOST_DRAWS * asked.samples + grid + 1)
+    assert driven.columns is not None
+    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence)
+    criterion = problem.parts.criterion
+    quantile = sample.quantile(asked.quantile, criterion.quantity, criterion.unit)
+    told = sample.told()
+    short = f"; only {count(sample.size)} of {count(asked.samples)} flights were not excluded"
+    text = f"{told['text']}; {quantile['text']}{short if sample.size < asked.samples else ''}"
+    tally = driven.tally
+    return {
+        "sample": told | {"quantile": quantile, "distribution": sample.distribution()},
+        "grid": _grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
+        "evaluations": tally.evaluations,
+        "failed": tally.failed,
+        "excluded": tally.excluded,
+        "seconds": tally.seconds,
+        "stop": {"kind": driven.stop, "text": driven.text},
+        "text": text,
+    }
+
+
+def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn) -> Search:
+    most = MOST_DRAWS * asked.samples
+    while drawn.flown < asked.samples and drawn.draws < most:
+        draws = min(BLOCK, asked.samples - drawn.flown, most - drawn.draws)
+        batch: Batch = yield problem.quantile(random.random((draws, problem.dimension)))
+        drawn.draws += draws
+        drawn.flown += int(np.count_nonzero(batch.status != EXCLUDED))
+    if asked.grid is None:
+        return f"drew {count(drawn.flown)} flights"
+    points = asked.grid.points
+    total = points**problem.dimension
+    for first in range(0, total, BLOCK):
+        yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
+    return f"drew {count(drawn.flown)} flights and flew a grid of {count(total)}"
+
+
+def _of_grid(index: Any, points: int, dimension: int) -> Floats:
+    """Points of the full grid by their number, the last parameter fastest."""
+    places = np.stack(np.unravel_index(index, (points,) * dimension), axis=1)
+    return np.asarray(places / (points - 1))
+
+
+def _rows(columns: Columns, first: int, last: int) -> Columns:
+    rows = slice(first, last)
+    return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})
+
+
+def _grid(context: Context, points: int, columns: Columns, first: int) -> dict[str, Any]:
+    """The lowest of the grid and its spacing; between its points nothing is known."""
+    problem = context.problem
+    flown = _rows(columns, first, len(columns.status))
+    sample = Sample.of(flown, problem, context.campaign.confidence)
+    unit, quantity = problem.parts.criterion.unit, problem.parts.criterion.quantity
+    lowest = None
+    if len(sample.costs):
+        row = int(np.nanargmin(flown.costs[:, 0]))
+        cost = float(flown.costs[row, 0])
+        lowest = {"cost": cost, "margin": cost - problem.threshold, "parameters": problem.named(flown.points[row])}
+    found = "none of them was flown" if lowest is None else f"lowest {quantity} {number(sample.costs[0])} {unit}"
+    return {
+        "points": points,
+        "total": len(flown.status),
+        "spacing": {r.path: (r.high - r.low) / (points - 1) for r in problem.ranges},
+        "lowest": lowest,
+        "violations": sample.violations,
+        "failed": sample.failed,
+        "excluded": sample.excluded,
+        "text": f"full grid of {points} points on every axis, {count(len(flown.status))} in all: {found}, "
+        f"{count(sample.violations)} violate the criterion{sample.failures()}; nothing is claimed of what lies between",
+    }

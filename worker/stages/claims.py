@@ -1,0 +1,52 @@
+"""What a random sample allows to claim, as numbers; the sentences are in `worker.stages.sample`.
+
+Clopper and Pearson, The use of confidence or fiducial limits (Biometrika 26, 1934); Wilks, Determination of sample
+sizes for setting tolerance limits (Annals of Mathematical Statistics 12, 1941); Massart, The tight constant in the
+Dvoretzky-Kiefer-Wolfowitz inequality (Annals of Probability 18, 1990). Start reading at `bound`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scipy import stats
+
+
+def bound(violations: int, samples: int, confidence: float) -> float:
+    """Upper Clopper-Pearson bound on a probability of which `violations` of `samples` were seen, one-sided."""
+    if samples == 0 or violations >= samples:
+        return 1.0
+    return float(stats.beta.ppf(confidence, violations + 1, samples - violations))
+
+
+def order(samples: int, share: float, confidence: float) -> int:
+    """Wilks: the highest r so that the r-th lowest of the sample is at most the quantile at `share`; 0 for none.
+
+    One-sided, for any distribution: P(r-th lowest <= quantile) is at least P(Binomial(samples, share) >= r).
+    """
+    if samples == 0 or not 0.0 < share < 1.0:
+        return 0
+    r = int(stats.binom.ppf(1.0 - confidence, samples, share))
+    while held(r + 1, samples, share) >= confidence:
+        r += 1
+    while r > 0 and held(r, samples, share) < confidence:
+        r -= 1
+    return r
+
+
+def held(r: int, samples: int, share: float) -> float:
+    """The confidence with which the r-th lowest of the sample is at most the quantile at `share`."""
+    return float(stats.binom.sf(r - 1, samples, share)) if 0 < r <= samples and share > 0.0 else 0.0
+
+
+def needed(share: float, confidence: float) -> int:
+    """The smallest sample whose lowest value bounds the quantile at `share`: 59 for 5 % with 95 % confidence."""
+    size = max(1, math.floor(math.log1p(-confidence) / math.log1p(-share)) - 1)
+    while held(1, size, share) < confidence:
+        size += 1
+    return size
+
+
+def band(samples: int, confidence: float) -> float:
+    """Half the width of the band that holds the whole distribution function around the sample's."""
+    return min(1.0, math.sqrt(math.log(2.0 / (1.0 - confidence)) / (2.0 * samples))) if samples else 1.0

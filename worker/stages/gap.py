@@ -1,0 +1,90 @@
+"""How far below its best DIRECT may still have missed something: an estimate, from the slopes that it saw.
+
+Jones, Perttunen, Stuckman (JOTA 79, 1993), section 2, Shubert's bound in several dimensions: a function that changes
+along each parameter no faster than L_i lies above f(centre) - sum L_i side_i / 2 in a rectangle. The true L_i are not
+known; taken are the largest slopes between neighbouring centres. Start reading at `estimate`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from worker.problem import Problem
+from worker.search import direct
+from worker.search.base import Batch, Floats
+from worker.store import Columns
+from worker.wording import count, number
+
+DIVIDE = {"direct": direct.divided}
+"""The methods that keep rectangles."""
+
+DIGITS = 12
+"""Centres are told apart to so many decimals: those of 3^-24 still are."""
+
+
+def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> dict[str, Any] | None:
+    """The gap that these stored evaluations leave; None where a method keeps no rectangles or none has a value."""
+    if method not in DIVIDE:
+        return None
+    boxes, slopes = _replayed(DIVIDE[method], options, columns)
+    kept = ~boxes.lost[: boxes.count]
+    if not kept.any():
+        return None
+    half = 0.5 * 3.0 ** -boxes.depth[: boxes.count][kept].astype(np.float64)
+    lowest = float((boxes.value[: boxes.count][kept] - half @ slopes).min())
+    best = float(boxes.value[: boxes.count][kept].min())
+    criterion, lost = problem.parts.criterion, int(np.count_nonzero(~kept))
+    unit = criterion.unit
+    without = f"; {count(lost)} rectangles whose centre has no value are left out" if lost else ""
+    return {
+        "rectangles": boxes.count,
+        "without_value": lost,
+        "slopes": {r.path: float(s) / (r.high - r.low) for r, s in zip(problem.ranges, slopes, strict=True)},
+        "lower_bound": lowest,
+        "gap": best - lowest,
+        "text": f"estimate, no bound: if {criterion.quantity} changes nowhere faster than between neighbouring centres "
+        f"of its {count(boxes.count)} rectangles, it lies nowhere below {number(lowest)} {unit}, "
+        f"{number(best - lowest)} {unit} below the lowest of them{without}",
+    }
+
+
+def _replayed(divided: Any, options: Any, columns: Columns) -> tuple[direct.Boxes, Floats]:
+    """The rectangles after the last whole iteration, and the largest slope seen along each side of the unit cube."""
+    dimension = columns.points.shape[1]
+    boxes = direct.Boxes(dimension)
+    known: dict[bytes, float] = {}
+    slopes = np.zeros(dimension)
+    search = divided(boxes, options)
+    points, done = next(search), 0
+    try:
+        while done + len(points) <= len(columns.status):
+            batch = Batch(columns.costs[done : done + len(points)], columns.status[done : done + len(points)])
+            done += len(points)
+            values = np.where(np.isfinite(batch.ranked()), batch.ranked(), np.nan)
+            known |= {key.tobytes(): float(v) for key, v in zip(_keys(points), values, strict=True)}
+            if len(points) > 1:
+                _steepest(slopes, points, values, known)
+            points = search.send(batch)
+    except StopIteration:
+        pass
+    finally:
+        search.close()
+    return boxes, slopes
+
+
+def _keys(points: Floats) -> Floats:
+    return np.round(points, DIGITS)
+
+
+def _steepest(slopes: Floats, points: Floats, values: Floats, known: dict[bytes, float]) -> None:
+    """Take in the slopes between pairs of new centres and the one between them."""
+    low, high = points[0::2], points[1::2]
+    middle = np.array([known.get(key.tobytes(), np.nan) for key in _keys((low + high) / 2)])
+    side = np.argmax(np.abs(high - low), axis=1)
+    step = np.abs(high - low).max(axis=1) / 2
+    for value in (values[0::2], values[1::2]):
+        slope = np.abs(value - middle) / step
+        found = np.isfinite(slope)
+        np.maximum.at(slopes, side[found], slope[found])

@@ -1,0 +1,158 @@
+"""A random sample told: counts, the bound on P(violation), the bound on a quantile, the distribution function.
+
+A failed flight counts as a violation and as the lowest value: nobody knows how it would have ended. Where the
+distributions reach beyond the bounds, that probability is added to the bounds. Start reading at `Sample.told`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from worker.problem import Floats, Problem
+from worker.search import monte_carlo
+from worker.search.base import EXCLUDED, OK
+from worker.stages import claims
+from worker.stages.base import Context
+from worker.store import Columns
+from worker.wording import count, number
+
+STEPS = 400
+"""Values of the distribution function that a chart is given."""
+
+POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol points"}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Independent draws that were flown: the costs that are, sorted; how many failed; how many were excluded."""
+
+    costs: Floats
+    failed: int
+    excluded: int
+    threshold: float
+    outside: float
+    """The probability of lying beyond the bounds, or an upper bound of it."""
+    confidence: float
+
+    @staticmethod
+    def of(columns: Columns, problem: Problem, confidence: float) -> Sample:
+        """The sample that these evaluations are."""
+        costs = np.sort(columns.costs[columns.status == OK, 0])
+        excluded = int(np.count_nonzero(columns.status == EXCLUDED))
+        failed = len(columns.status) - excluded - len(costs)
+        return Sample(costs, failed, excluded, problem.threshold, problem.distributions.outside, confidence)
+
+    @property
+    def size(self) -> int:
+        return len(self.costs) + self.failed
+
+    @property
+    def violations(self) -> int:
+        return int(np.count_nonzero(self.costs <= self.threshold)) + self.failed
+
+    def told(self, level: float | None = None) -> dict[str, Any]:
+        """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter."""
+        costs = self.costs
+        upper = min(1.0, claims.bound(self.violations, self.size, level or self.confidence) + self.outside)
+        counts, edges = np.histogram(costs, bins=min(40, max(5, int(np.sqrt(len(costs))))))
+        return {
+            "samples": self.size,
+            "violations": self.violations,
+            "failed": self.failed,
+            "excluded": self.excluded,
+            "outside": self.outside,
+            "confidence": self.confidence,
+            "upper_bound": upper,
+            "lowest": float(costs[0]) if len(costs) else None,
+            "mean": float(costs.mean()) if len(costs) else None,
+            "deviation": float(costs.std(ddof=1)) if len(costs) > 1 else None,
+            "histogram": {"edges": edges.tolist(), "counts": counts.tolist()},
+            "text": f"{self._seen()} violate the criterion{self.failures()}: P(violation) is at most "
+            f"{100 * upper:.3g} % with {100 * self.confidence:g} % confidence{self._beyond()}",
+        }
+
+    def unclaimed(self, points: str) -> dict[str, Any]:
+        """The same without a bound, of points that are no independent sample."""
+        share = f" (an estimate of {100 * self.violations / self.size:.3g} %)" if self.size else ""
+        text = (
+            f"{count(self.violations)} of {count(self.size)} {points} violate the criterion{self.failures()}{share}: "
+            "they are no independent sample, so no bound on P(violation) follows from them"
+        )
+        return self.told() | {"upper_bound": None, "text": text}
+
+    def quantile(self, share: float, quantity: str, unit: str) -> dict[str, Any]:
+        """Wilks' lower bound on the quantile at `share`: which of the lowest values, with which confidence."""
+        within = share - self.outside
+        counted = ", counted over all draws," if self.outside and self.excluded else ""
+        r = claims.order(self.size, within, self.confidence)
+        least = claims.needed(within, self.confidence) if within > 0.0 else None
+        value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
+        told = {"share": share, "order": r or None, "bound": value, "needed": least}
+        told["confidence"] = claims.held(r, self.size, within) if r else None
+        most = f"{100 * share:g} %"
+        if least is None:
+            text = f"no bound on the {most} quantile: {100 * self.outside:.3g} % of the draws may lie beyond the bounds"
+        elif r == 0:
+            text = (
+                f"{count(self.size)} flights are too few for a bound on the {most} quantile, which needs {count(least)}"
+            )
+        elif value is None:
+            text = f"no bound on the {most} quantile: the {_ordinal(r)} lowest of the sample is a failed flight"
+        else:
+            text = (
+                f"at most {most} of the flights{counted} have {quantity} below {number(value)} {unit}, "
+                f"with {100 * self.confidence:g} % confidence: it is the {_ordinal(r)} lowest of {count(self.size)}"
+            )
+        return told | {"text": text}
+
+    def distribution(self) -> dict[str, Any]:
+        """The empirical distribution function: values and the share of the sample at or below each; its band."""
+        size = len(self.costs)
+        # The lowest ones all, of the rest an even choice.
+        lowest = np.arange(min(size, STEPS // 4))
+        chosen = np.union1d(lowest, np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64))
+        shares = (self.failed + np.arange(1, size + 1)) / max(self.size, 1)
+        return {
+            "values": [float(self.costs[i]) for i in chosen],
+            "shares": [float(shares[i]) for i in chosen],
+            "band": claims.band(self.size, self.confidence),
+        }
+
+    def _seen(self) -> str:
+        return f"{count(self.violations)} of {count(self.size)} flights drawn from the stated distributions"
+
+    def failures(self) -> str:
+        """A clause on the flights that failed, where some did."""
+        return f" ({count(self.failed)} of them flights that failed)" if self.failed else ""
+
+    def _beyond(self) -> str:
+        if not self.outside:
+            return ""
+        every = ", counted over all draws, excluded ones among them" if self.excluded else ""
+        return f", of which {100 * self.outside:.3g} % is the probability of lying beyond the bounds{every}"
+
+
+def of_search(context: Context, options: Any, columns: Columns) -> dict[str, Any]:
+    """What the points of a random search say: a bound only where they are independent, and one that knows when the
+    sample was looked at to decide whether it may stop."""
+    confidence = context.campaign.confidence
+    sample = Sample.of(columns, context.problem, confidence)
+    if isinstance(options, monte_carlo.Options) and options.sampling != "plain":
+        return sample.unclaimed(POINTS[options.sampling])
+    if not isinstance(options, monte_carlo.Options) or options.interval == 0.0:
+        return sample.told()
+    looks, level = monte_carlo.looked(len(columns.status), confidence)
+    told = sample.told(level)
+    how = (
+        "; the sample may stop by what it shows, which makes it no fixed sample: every look spends a part of the error, "
+        f"so that the bounds of all looks hold together, and this is number {looks}, made with {100 * level:.6g} %"
+    )
+    return told | {"looks": looks, "text": told["text"] + how}
+
+
+def _ordinal(r: int) -> str:
+    ending = "th" if r % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(r % 10, "th")
+    return f"{r}{ending}"

@@ -47,6 +47,15 @@ class Evaluations(Schema):
     """At most 200 of them."""
 
 
+class FoundBy(Schema):
+    """A search stage that came to a finding by itself."""
+
+    position: int
+    method: str
+    evaluations: int
+    """How many of its evaluations it needed until then."""
+
+
 class FindingDetail(Schema):
     label: str
     cost: float
@@ -56,6 +65,8 @@ class FindingDetail(Schema):
     low: dict[str, float]
     high: dict[str, float]
     methods: list[str]
+    found: list[FoundBy]
+    """Empty where no search came to it by itself, only polishing did."""
     at_bounds: dict[str, Literal["low", "high"]]
     validation: dict[str, Any]
 

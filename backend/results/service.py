@@ -27,7 +27,7 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
 
 def _finding(row: Any, limits: dict[str, tuple[float, float, float]]) -> FindingDetail:
     nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
-    columns = ("label", "cost", "margin", "parameters", "methods", "at_bounds", "validation")
+    columns = ("label", "cost", "margin", "parameters", "methods", "found", "at_bounds", "validation")
     values = {column: getattr(row, column) for column in columns}
     return FindingDetail.model_validate(values | {"nominal": nominal, "low": low, "high": high})
 

@@ -41,7 +41,7 @@ _SORTS: dict[str, sa.ColumnElement[Any]] = {
 _PLAIN = (
     "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",
     "nominal_cost", "worst_cost", "worst_method", "evaluations", "planned", "failed_evaluations", "created", "started",
-    "finished", "attempts", "worker",
+    "finished", "attempts", "worker", "continues",
 )  # fmt: skip
 
 
@@ -96,6 +96,7 @@ def _summary(row: Any, stage: StageProgress | None, units: dict[str, tuple[str, 
     values = {column: getattr(row, column) for column in _PLAIN}
     quantity, unit = units.get(row.criterion, ("", ""))
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
+    values["continues"] = None if row.continues is None else name(row.continues)
     values |= {"id": name(row.id), "campaign_name": row.campaign_name, "stage": stage, "margin": margin}
     values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}
     return RunSummary.model_validate(values)

@@ -80,6 +80,8 @@ class RunSummary(Schema):
     """The stage being worked on."""
     attempts: int
     worker: str | None
+    continues: str | None
+    """The run whose searches this one goes on with, R-0001."""
 
 
 class RunDetail(RunSummary):

@@ -99,11 +99,21 @@ class Work:
         self.store.begin(2)
         self.store.append(2, first, search(first, count))
 
-    def found(self, labels: tuple[str, ...] = ("F1",), flown: Trace | None = None) -> None:
+    def found(
+        self, labels: tuple[str, ...] = ("F1",), flown: Trace | None = None, by: tuple[dict[str, Any], ...] = ()
+    ) -> None:
         parameters: dict[str, float] = {"vehicle.m": 6.0, "vehicle.J": float(np.nextafter(0.06, 0))}
         findings = [
             Finding(
-                label, 0.1 + 0.2, 0.3 - 0.5, parameters, [1.0, 1.0], ["direct"], {"vehicle.m": "high"}, {"ok": True}
+                label,
+                0.1 + 0.2,
+                0.3 - 0.5,
+                parameters,
+                [1.0, 1.0],
+                ["direct"],
+                {"vehicle.m": "high"},
+                {"ok": True},
+                list(by),
             )
             for label in labels
         ]

@@ -99,6 +99,13 @@ def test_findings_are_as_stored_the_worst_first(service: Service, client: httpx.
     assert (found[0]["at_bounds"], found[0]["validation"]) == ({"vehicle.m": "high"}, {"ok": True})
 
 
+def test_findings_tell_which_searches_found_them(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    by = {"position": 2, "method": "direct", "evaluations": 417}
+    Work(service).found(("F1",), by=(by,))
+    assert client.get(f"/api/v1/runs/{run}/findings").json()[0]["found"] == [by]
+
+
 def test_traces_are_listed_without_their_data(client: httpx.Client, run: str) -> None:
     traces = client.get(f"/api/v1/runs/{run}/traces").json()
     assert [(t["name"], t["rows"]) for t in traces] == [("nominal", 3001), ("F1", 3001)]

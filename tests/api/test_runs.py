@@ -14,6 +14,7 @@ from backend.db.queue import Queue
 from backend.db.records import Conclusion, StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
 from campaigns import Campaign
 from tests.api.catalogue import campaign
 from tests.api.server import Service
@@ -47,7 +48,7 @@ def test_a_campaign_as_json_becomes_a_queued_run(service: Service, client: httpx
     assert answer.headers["location"] == "/api/v1/runs/R-0001"
     assert (run["id"], run["name"], run["tags"], run["state"]) == ("R-0001", "first", ["a", "b"], "queued")
     assert (run["owner"], run["quantity"], run["unit"], run["threshold"]) == ("local", "d_min", "m", 0.5)
-    assert run["planned"] == 1 + 21 * 2 + 1000 + 300
+    assert run["planned"] == 1 + 21 * 2 + 1000 + 20_000 + 8 * 300
     assert run["campaign_digest"] == Campaign.model_validate(campaign()).digest
     detail = client.get("/api/v1/runs/R-0001").json()
     assert detail["campaign"] == Campaign.model_validate(campaign()).document()
@@ -59,6 +60,14 @@ def test_a_campaign_as_yaml_is_the_same_campaign(client: httpx.Client) -> None:
     assert answer.status_code == 201
     assert answer.json()["name"] == "Unicycle past a pillar"
     assert answer.json()["campaign_digest"] == Campaign.model_validate(campaign()).digest
+
+
+def test_a_run_names_the_one_it_goes_on_with(service: Service, client: httpx.Client) -> None:
+    first, second = submit(client), submit(client, seed=2)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(Run).where(Run.id == 2).values(continues=1))
+    assert client.get(f"/api/v1/runs/{second}").json()["continues"] == first
+    assert [r["continues"] for r in client.get("/api/v1/runs").json()["items"]] == [first, None]
 
 
 def test_the_same_campaign_twice_is_stored_once(service: Service, client: httpx.Client) -> None:

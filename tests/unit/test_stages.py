@@ -211,15 +211,36 @@ def test_the_finding_is_the_lowest_of_everything() -> None:
 
 
 @pytest.mark.usefixtures("few_looks")
-def test_a_neighbour_that_is_lower_becomes_the_finding() -> None:
-    # One evaluation at the centre of the box: every second neighbour is lower.
+def test_what_only_polishing_found_names_no_method() -> None:
+    # One evaluation at the centre of the box, far from the worst corner.
     store, _ = run(searching({"method": "direct", "evaluations": 1}, stages__sensitivity=None, scenario__horizon=4.0))
     (found,) = store.findings
-    told = found.validation["neighbours"]
-    assert told["lower_by"] > 0
-    assert found.cost == told["lowest"]
-    assert found.methods == ["neighbours"]
-    assert np.abs(np.array(found.point) - 0.5).max() <= 1e-3
+    assert (found.methods, found.found) == ([], [])
+    assert found.point == [1.0, 1.0]
+    result = store.stages[-1].result
+    assert result is not None
+    (row,) = result["comparison"]
+    assert (row["method"], row["findings"], row["to_near_best"]) == ("direct", [], None)
+    assert result["findings"]["complete"]
+
+
+def test_the_methods_side_by_side() -> None:
+    found = result(5)
+    rows = {row["method"]: row for row in found["comparison"]}
+    assert list(rows) == ["direct", "sqp", "monte_carlo"]
+    store = ran()[0]
+    for position, row in zip((2, 3, 4), rows.values(), strict=True):
+        columns = store.evaluations(position)
+        assert columns is not None
+        assert row["evaluations"] == len(columns.status)
+        assert row["best"] == columns.costs[:, 0].min()
+        assert row["stop"] == result(position)["stop"]
+    assert rows["direct"]["findings"] == rows["sqp"]["findings"] == ["F1"]
+    near = rows["direct"]["to_near_best"]
+    columns = store.evaluations(2)
+    assert columns is not None
+    limit = 0.9417405 + 0.01 * (0.9435644 - 0.9417405)
+    assert columns.costs[near - 1, 0] <= limit + 1e-7 < columns.costs[: near - 1, 0].min()
 
 
 @pytest.mark.usefixtures("few_looks")

@@ -1,0 +1,153 @@
+"""The findings of a run on functions whose worst cases are known: how many, by whom, after how many evaluations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from campaigns import Campaign
+from tests.unit.cases import case1, searching
+from tests.unit.searching import Function, batch
+from worker.catalog import methods
+from worker.problem import Floats
+from worker.search.base import Space
+from worker.stages import findings, search
+from worker.stages.base import Context, Driven, drive
+from worker.stages.comparison import compare
+from worker.stages.findings import Found
+from worker.store import Finding, MemoryStore, StagePlan
+
+GLOBAL = [m.name for m in methods().values() if m.kind == "global"]
+BUDGET = 3000
+WELL = 0.005
+"""Squared width of a well: 5 % of the box is below half its depth."""
+
+
+def two_failures(x: Floats) -> Floats:
+    """Two symmetric wells in the plane, below the threshold of 0.5 at their bottoms; 1 far from both."""
+    wells = sum(np.exp(-((x - place) ** 2).sum(axis=1) / WELL) for place in ([0.23, 0.31], [0.77, 0.69]))
+    return np.asarray(1.0 - 0.7 * wells + 0.05 * ((x - 0.5) ** 2).sum(axis=1))
+
+
+def context(campaign: Campaign, function: Function) -> Context:
+    """A run in memory whose evaluations are this function's values."""
+    store = MemoryStore()
+    made = Context(campaign, case1(), lambda points: (batch(function(points)), {}), store)
+    made.results[0] = {"cost": float(function(case1().nominal_point[None, :])[0])}
+    searches = [StagePlan("search", s.method, s.evaluations) for s in campaign.stages.search]
+    store.plan([StagePlan("nominal", None, 1), *searches, StagePlan("validate", None, 10**6)])
+    return made
+
+
+def found_by(campaign: Campaign, function: Function, budget: int = 10**6) -> tuple[Context, Found, Driven]:
+    """All searches, then what the findings stage makes of them."""
+    made = context(campaign, function)
+    for index in range(len(campaign.stages.search)):
+        made.results[index + 1] = search.run(made, index + 1, index)
+    found = Found()
+    position = len(campaign.stages.search) + 1
+    return made, found, drive(made, position, findings.search(made, position, found), budget, repeats=True)
+
+
+@pytest.mark.parametrize("method", GLOBAL)
+def test_two_symmetric_failures_are_exactly_two_findings(method: str) -> None:
+    made, found, driven = found_by(searching({"method": method, "evaluations": BUDGET}), two_failures)
+    assert driven.stop == "rule"
+    assert len(found.basins) == 2
+    assert sorted(tuple(np.round(b.point, 2)) for b in found.basins) == [(0.23, 0.31), (0.77, 0.69)]
+    assert all(b.cost < 0.5 for b in found.basins)
+    columns = made.store.evaluations(1)
+    assert columns is not None
+    counts = [findings.reached(made, columns, b) for b in found.basins]
+    assert any(c is not None for c in counts), "the method came to neither by itself"
+
+
+def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
+    asked = searching({"method": "direct", "evaluations": 500}, {"method": "monte_carlo", "evaluations": 20})
+    made, found, _ = found_by(asked, two_failures)
+    columns = made.store.evaluations(1)
+    assert columns is not None
+    for basin in found.basins:
+        needed = findings.reached(made, columns, basin)
+        assert needed is not None
+        near = basin.cost + 0.01 * findings.scale(made, basin.cost)
+        close = [
+            i for i, (p, c) in enumerate(zip(columns.points, columns.costs[:, 0], strict=True))
+            if c <= near and np.abs(p - basin.point).max() <= 0.05
+        ]  # fmt: skip
+        assert needed == close[0] + 1
+    told = [
+        Finding(f"F{i}", b.cost, b.cost - 0.5, {}, b.point.tolist(), ["direct"], {}, {}, [{"position": 1}])
+        for i, b in enumerate(found.basins, 1)
+    ]
+    direct, sample = compare(made, told)
+    assert (direct["findings"], sample["findings"]) == (["F1", "F2"], [])
+    assert direct["best"] == columns.costs[:, 0].min()
+
+
+def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:
+    def three(x: Floats) -> Floats:
+        bump = 0.3 * np.exp(-((x - [0.8, 0.2]) ** 2).sum(axis=1) / WELL)
+        return np.asarray(two_failures(x) + 0.6 - bump)
+
+    asked = searching({"method": "direct", "evaluations": 2000})
+    _, found, _ = found_by(asked, three)
+    nominal = float(three(case1().nominal_point[None, :])[0])
+    assert all(b.cost < nominal for b in found.basins)
+    _, strict, _ = found_by(searching({"method": "direct", "evaluations": 2000}), lambda x: three(x) - 0.9)
+    assert len(strict.basins) >= len(found.basins)
+
+
+def test_where_nominal_is_the_worst_it_is_the_finding() -> None:
+    _, found, _ = found_by(
+        searching({"method": "direct", "evaluations": 200}), lambda x: 1.0 + ((x - 0.5) ** 2).sum(axis=1)
+    )
+    (only,) = found.basins
+    assert np.abs(only.point - 0.5).max() < 1e-6
+
+
+def test_neighbours_lower_a_rough_worst_case() -> None:
+    def rough(x: Floats) -> Floats:
+        grain = np.modf(np.abs(np.sin(x[:, 0] * 12345.678 + x[:, 1] * 54321.987)) * 1000.0)[0]
+        return np.asarray(1.0 + ((x - 0.4) ** 2).sum(axis=1) + 1e-3 * grain)
+
+    asked = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
+    _, found, _ = found_by(asked, rough)
+    assert len(found.neighbours) == len(found.basins)
+    assert any(n["lower_by"] > 0.0 for n in found.neighbours)
+    for told, basin in zip(found.neighbours, found.basins, strict=True):
+        assert told["flown"] == 5000
+        assert basin.cost == rough(basin.point[None, :])[0]
+        assert told["lower_by"] == 0.0 or basin.cost == told["lowest"]
+
+
+def test_without_any_cost_there_is_no_finding() -> None:
+    _, found, driven = found_by(searching({"method": "direct", "evaluations": 100}), lambda x: np.full(len(x), np.nan))
+    assert found.basins == []
+    assert driven.text == "no flight was evaluated"
+
+
+def test_a_spent_budget_keeps_what_is_known_and_says_so() -> None:
+    asked = searching({"method": "direct", "evaluations": 500})
+    made, found, driven = found_by(asked, two_failures, budget=60)
+    assert driven.stop == "budget"
+    assert found.basins
+    columns = made.store.evaluations(1)
+    assert columns is not None
+    assert found.basins[0].cost <= columns.costs[:, 0].min()
+
+
+def test_it_repeats_bit_by_bit() -> None:
+    asked = searching({"method": "direct", "evaluations": 300}, {"method": "monte_carlo", "evaluations": 100})
+    one, other = (found_by(asked, two_failures)[0].store.evaluations(3) for _ in range(2))
+    assert one is not None
+    assert other is not None
+    assert np.array_equal(one.points, other.points)
+
+
+def test_the_space_of_findings_has_its_own_random_numbers() -> None:
+    made = context(searching({"method": "direct", "evaluations": 1}), two_failures)
+    spaces: list[Space] = [findings._space(made), findings._space(made)]
+    drawn = [s.random.random(4) for s in spaces]
+    assert np.array_equal(*drawn)
+    assert not np.array_equal(drawn[0], search.stream(made.campaign.seed, 0).random(4))

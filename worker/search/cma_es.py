@@ -103,6 +103,8 @@ def _strategy(start: Floats, deviation: float, population: int, random: np.rando
         "verbose": -9,
         "verb_log": 0,
     }
+    if len(start) == 1:
+        options["maxstd_boundrange"] = np.inf  # keeping to its limit breaks it where there is one parameter
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return cma.CMAEvolutionStrategy(start, deviation, options)

@@ -147,7 +147,7 @@ def of_search(context: Context, options: Any, columns: Columns) -> dict[str, Any
     looks, level = monte_carlo.looked(len(columns.status), confidence)
     told = sample.told(level)
     how = (
-        "; the sample may stop by what it shows, which makes it no fixed sample: every look spends a part of the error, "
+        "; the sample may stop by what it shows, which makes it no fixed sample: each look spends a part of the error, "
         f"so that the bounds of all looks hold together, and this is number {looks}, made with {100 * level:.6g} %"
     )
     return told | {"looks": looks, "text": told["text"] + how}

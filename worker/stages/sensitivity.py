@@ -1,40 +1,37 @@
-"""Sensitivity, one at a time: each parameter over its bounds, the others nominal.
+"""Sensitivity: each parameter over its bounds, the others nominal; Morris and Sobol indices where asked for.
 
-Srikanthakumar, chapter 3: d_min against each parameter. It shows main effects near the nominal point and nothing of
-interactions.
+Srikanthakumar, chapter 3: d_min against each parameter. One at a time shows main effects near the nominal point and
+nothing of interactions; the indices (`worker.stages.indices`) look at the whole box. Start reading at `run`.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from worker.search.base import STATUS
-from worker.stages.base import Context, drive, once
+from campaigns.stages import Sensitivity
+from worker.search.base import Search
+from worker.stages import indices
+from worker.stages.base import Context, drive
+from worker.stages.search import stream
+from worker.stages.slices import curves
 
 
 def run(context: Context, position: int) -> dict[str, Any]:
-    """One batch: `points` values of each parameter in turn."""
-    problem, study = context.problem, context.campaign.stages.sensitivity
-    assert study is not None
-    grid = np.linspace(0.0, 1.0, study.points)
-    points = np.repeat(problem.nominal_point[None, :], problem.dimension * study.points, axis=0)
-    for k in range(problem.dimension):
-        points[k * study.points : (k + 1) * study.points, k] = grid
-    driven = drive(context, position, once(points, "flew every curve"), len(points))
-    assert driven.columns is not None
-    values = problem.values(points)
-    curves = []
-    for k, r in enumerate(problem.ranges):
-        rows = slice(k * study.points, (k + 1) * study.points)
-        costs = driven.columns.costs[rows, 0]
-        curves.append(
-            {
-                "path": r.path,
-                "values": [float(v) for v in values[rows, k]],
-                "costs": [float(c) if np.isfinite(c) else None for c in costs],
-                "status": [STATUS[s] for s in driven.columns.status[rows]],
-            }
-        )
-    return {"points": study.points, "curves": curves}
+    """The curves in one batch, each kind of index in another."""
+    asked = context.campaign.stages.sensitivity
+    assert asked is not None
+    told: dict[str, Any] = {"points": asked.points, "morris": None, "sobol": None}
+    drive(context, position, _search(context, asked, told), 2**62)
+    return told
+
+
+def _search(context: Context, asked: Sensitivity, told: dict[str, Any]) -> Search:
+    problem, seed, confidence = context.problem, context.campaign.seed, context.campaign.confidence
+    told |= yield from curves(problem, problem.nominal_point, asked.points)
+    if asked.morris is not None:
+        random = stream(seed, indices.MORRIS_STREAM)
+        told["morris"] = yield from indices.morris(problem, asked.morris, random, confidence)
+    if asked.sobol is not None:
+        random = stream(seed, indices.SOBOL_STREAM)
+        told["sobol"] = yield from indices.sobol(problem, asked.sobol, random, confidence)
+    return "flew every curve"

@@ -1,0 +1,138 @@
+"""Sensitivity indices against functions whose indices are known in closed form; designs that cannot be computed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns import CampaignError
+from campaigns.plan import plan
+from tests.unit.sampled import asked, context, evaluate
+from worker.problem import Problem
+from worker.search.base import OK, Batch, Floats
+from worker.stages import sensitivity
+from worker.store import MemoryStore
+
+THREE: dict[str, Any] = {
+    "vehicle.m": {"low": 4, "high": 6}, "vehicle.J": {"low": 0.04, "high": 0.06}, "avoider.k_rep": {"plus_minus": 1},
+}  # fmt: skip
+"""In the order of the axes: vehicle.m, avoider.k_rep, vehicle.J (small letters first)."""
+
+
+def flown(function: Any) -> Any:
+    def evaluated(points: Floats) -> tuple[Batch, dict[int, str]]:
+        return Batch(function(points)[:, None], np.full(len(points), OK, dtype=np.uint8)), {}
+
+    return evaluated
+
+
+def ran(function: Any, study: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    campaign = asked({"sensitivity": {"points": 3} | study}, uncertain=changes.pop("uncertain", THREE), **changes)
+    run = context(campaign, flown(function), Problem(campaign))
+    found = sensitivity.run(run, 0)
+    assert isinstance(run.store, MemoryStore)
+    stored = run.store.evaluations(0)
+    assert stored is not None
+    assert len(stored.status) == next(p.planned for p in plan(campaign) if p.kind == "sensitivity")
+    return found
+
+
+def ishigami(u: Floats) -> Floats:
+    x = np.pi * (2 * u - 1)
+    return np.asarray(np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0]))
+
+
+def test_the_shares_of_ishigami() -> None:
+    # Closed form with a = 7, b = 0.1: Sobol and Levitan (1999).
+    found = ran(ishigami, {"sobol": {"samples": 4096}})["sobol"]
+    paths = [row["path"] for row in found["indices"]]
+    assert paths == [r.path for r in Problem(asked({}, uncertain=THREE)).ranges]
+    assert [row["first"] for row in found["indices"]] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.02)
+    assert [row["total"] for row in found["indices"]] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.02)
+    assert all(0 < row["total_confidence"] < 0.1 for row in found["indices"])
+    assert (found["samples"], found["evaluations"], found["failed"], found["excluded"]) == (4096, 4096 * 5, 0, 0)
+    assert found["text"].startswith(f"largest total shares: {paths[0]} 0.5")
+
+
+def test_the_effects_of_a_plane_and_of_a_product() -> None:
+    found = ran(lambda u: 3 * u[:, 0] - 2 * u[:, 1], {"morris": {"trajectories": 10}})["morris"]
+    rows = found["indices"]
+    assert [row["mu"] for row in rows] == pytest.approx([3, -2, 0])
+    assert [row["mu_star"] for row in rows] == pytest.approx([3, 2, 0])
+    assert [row["sigma"] for row in rows] == pytest.approx([0, 0, 0], abs=1e-12)
+    assert found["evaluations"] == 10 * 4
+    rows = ran(lambda u: u[:, 0] * u[:, 1], {"morris": {"trajectories": 50, "levels": 8}})["morris"]["indices"]
+    assert rows[0]["sigma"] > 0.1  # an interaction
+    assert rows[2]["mu_star"] == 0
+
+
+def test_the_distributions_weigh_the_shares() -> None:
+    narrow = {"low": 4, "high": 6, "distribution": {"kind": "truncated_normal", "mean": 5, "deviation": 0.05}}
+    found = ran(lambda u: u.sum(axis=1), {"sobol": {"samples": 1024}}, uncertain=THREE | {"vehicle.m": narrow})["sobol"]
+    shares = {row["path"]: row["first"] for row in found["indices"]}
+    assert shares["vehicle.m"] == pytest.approx(0.025**2 / (0.025**2 + 2 / 12), abs=0.005)
+    assert shares["vehicle.J"] == pytest.approx(0.5, abs=0.03)
+
+
+def test_correlations_are_left_out_and_that_is_said() -> None:
+    given = [{"between": ["vehicle.m", "vehicle.J"], "value": 0.9}]
+    found = ran(lambda u: u.sum(axis=1), {"sobol": {"samples": 1024}}, correlations=given)["sobol"]
+    assert [row["first"] for row in found["indices"]] == pytest.approx([1 / 3] * 3, abs=0.03)
+    assert found["text"].endswith("; correlations are left out")
+
+
+def test_what_is_the_same_everywhere_has_no_shares() -> None:
+    found = ran(lambda u: np.full(len(u), 0.7), {"sobol": {"samples": 8}, "morris": {"trajectories": 4}})
+    assert found["sobol"]["indices"] is None
+    assert "there is no variance to share" in found["sobol"]["text"]
+    assert all(row["mu_star"] == 0 for row in found["morris"]["indices"])
+
+
+@pytest.mark.parametrize("kind", ["failing", "excluded"])
+def test_a_design_with_flights_that_are_missing_is_not_computed(kind: str) -> None:
+    study = {"points": 3, "sobol": {"samples": 64}, "morris": {"trajectories": 10}}
+    lost: Any = {kind: lambda x: x[:, 0] > 0.9}
+    found = sensitivity.run(context(asked({"sensitivity": study}), evaluate(**lost)), 0)
+    for name in ("sobol", "morris"):
+        told = found[name]
+        missing = told["failed"] if kind == "failing" else told["excluded"]
+        assert missing > 0
+        assert told["indices"] is None
+        assert told["text"].startswith(
+            f"not computed: {missing} of {told['evaluations']} flights failed or were excluded"
+        )
+    assert found["curves"][0]["status"].count("ok") == 2
+
+
+def test_nothing_is_computed_that_was_not_asked_for() -> None:
+    found = ran(lambda u: u.sum(axis=1), {})
+    assert (found["morris"], found["sobol"], found["points"]) == (None, None, 3)
+    heavy = "import sys, worker.runner; print('SALib' in sys.modules)"
+    said = subprocess.run([sys.executable, "-c", heavy], capture_output=True, text=True, check=True).stdout
+    assert said.strip() == "False"
+
+
+def test_the_seed_decides_the_design() -> None:
+    study = {"sobol": {"samples": 16}, "morris": {"trajectories": 4}}
+    one, same, other = (ran(ishigami, study, seed=seed) for seed in (1, 1, 2))
+    assert one == same
+    assert one["morris"] != other["morris"]
+    assert one["sobol"] != other["sobol"]
+
+
+@pytest.mark.parametrize(
+    ("study", "message"),
+    [
+        ({"sobol": {"samples": 100}}, "Sobol points are balanced for powers of two only; give 64 or 128"),
+        ({"morris": {"levels": 5}}, "multiple of 2"),
+        ({"morris": {"trajectories": 1}}, "greater than or equal to 2"),
+        ({"fast": {}}, "not known here"),
+    ],
+)
+def test_settings_that_make_no_sense(study: dict[str, Any], message: str) -> None:
+    with pytest.raises(CampaignError, match=message):
+        asked({"sensitivity": study})

@@ -1,0 +1,144 @@
+"""How far from nominal the boundary of a violation lies: along each parameter, and straight towards the worst case.
+
+Every ray is looked at in equal steps and then halved between the last flight that keeps clear and the first that does
+not; a violation between two looks may be missed, and that is said. Start reading at `boundary`; `after` is all that is
+told of a finding beside its own flight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from worker.problem import Floats, Problem
+from worker.search.base import EXCLUDED, OK, Batch
+from worker.stages import slices
+from worker.stages.slices import Asking
+from worker.wording import number
+
+LOOKS = 20
+"""On every ray."""
+
+TOLERANCE = 1e-5
+"""Share of each range to which a boundary is told."""
+
+
+@dataclass
+class _Ray:
+    """From the nominal point to `end`; the boundary lies between the shares `clear` and `beyond` of the way."""
+
+    end: Floats
+    path: str
+    towards: str
+    clear: float = 0.0
+    beyond: float = np.inf
+    cost: float = np.nan
+
+
+def after(problem: Problem, point: Floats, cost: float) -> Asking:
+    """Slices through a finding and, where it violates, the distances to the boundary; None where it does not."""
+    through = yield from slices.slices(problem, point)
+    violated = cost <= problem.threshold
+    return {"slices": through, "boundary": (yield from boundary(problem, point)) if violated else None}
+
+
+def most(dimension: int) -> int:
+    """Evaluations that `after` takes at most."""
+    rays = 2 * dimension + 1
+    halvings = int(np.ceil(np.log2(1.0 / (LOOKS * TOLERANCE)))) + 1
+    return dimension * (slices.POINTS + 1) + 1 + rays * (LOOKS + halvings)
+
+
+def boundary(problem: Problem, worst: Floats) -> Asking:
+    """Along each parameter alone towards either bound, and along the straight line to the worst case."""
+    nominal = np.clip(problem.nominal_point, 0.0, 1.0)
+    rays = [*_along(problem, nominal), _Ray(worst, "", "the worst case")]
+    shares = np.arange(1, LOOKS + 1) / LOOKS
+    looks = np.concatenate([nominal[None, :], *(_at(nominal, ray, shares) for ray in rays)])
+    batch = yield looks
+    told: dict[str, Any] = {"tolerance": TOLERANCE, "looks": LOOKS}
+    beyond = _beyond(batch, problem.threshold)
+    if beyond[0]:
+        return told | {"rays": [], "line": None, "text": "the nominal flight itself does not keep clear"}
+    costs = batch.costs[1:, 0].reshape(len(rays), LOOKS)
+    for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), LOOKS), costs, strict=True):
+        if hit.any():
+            first = int(np.argmax(hit))
+            ray.beyond, ray.clear, ray.cost = float(shares[first]), first / LOOKS, float(values[first])
+    yield from _halved(problem, nominal, [ray for ray in rays if np.isfinite(ray.beyond)])
+    return told | _told(problem, nominal, rays)
+
+
+def _along(problem: Problem, nominal: Floats) -> list[_Ray]:
+    rays = []
+    for k, r in enumerate(problem.ranges):
+        for towards, bound in (("low", 0.0), ("high", 1.0)):
+            if abs(nominal[k] - bound) > TOLERANCE:
+                end = nominal.copy()
+                end[k] = bound
+                rays.append(_Ray(end, r.path, towards))
+    return rays
+
+
+def _at(nominal: Floats, ray: _Ray, shares: Floats) -> Floats:
+    return np.asarray(nominal + shares[:, None] * (ray.end - nominal))
+
+
+def _beyond(batch: Batch, threshold: float) -> NDArray[np.bool_]:
+    """Violated or failed; an excluded flight is neither."""
+    known = (batch.status == EXCLUDED) | (batch.status == OK)
+    return np.asarray(~known | (batch.costs[:, 0] <= threshold))
+
+
+def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Floats, Batch, None]:
+    """Halve every ray's interval, all of them in one batch, until each is within tolerance."""
+    while wide := [ray for ray in rays if (ray.beyond - ray.clear) * np.abs(ray.end - nominal).max() > TOLERANCE]:
+        middles = [(ray.clear + ray.beyond) / 2 for ray in wide]
+        batch = yield np.concatenate([_at(nominal, ray, np.array([m])) for ray, m in zip(wide, middles, strict=True)])
+        beyond = _beyond(batch, problem.threshold)
+        for i, (ray, middle) in enumerate(zip(wide, middles, strict=True)):
+            if beyond[i]:
+                ray.beyond, ray.cost = middle, float(batch.costs[i, 0])
+            else:
+                ray.clear = middle
+
+
+def _told(problem: Problem, nominal: Floats, rays: list[_Ray]) -> dict[str, Any]:
+    *single, line = [_ray(problem, nominal, ray) for ray in rays]
+    hits = [told for told in single if told["share"] is not None]
+    text = f"no violation was seen along any one parameter alone, looked at in {LOOKS} steps"
+    if hits:
+        near = min(hits, key=lambda told: told["share"])
+        text = (
+            f"the nearest boundary along one parameter alone is {near['path']} = {number(near['value'])}, "
+            f"{100 * near['share']:.3g} % of its range from nominal"
+        )
+    if line["way"] is not None:
+        text += f"; on the straight line to the worst case it is crossed after {100 * line['way']:.3g} % of the way"
+    return {"rays": single, "line": line, "text": text}
+
+
+def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> dict[str, Any]:
+    """Where the first flight beyond the boundary lies: `share` of the range, `way` along the ray, value, cost (None
+    for a flight that failed)."""
+    told: dict[str, Any] = {"path": ray.path, "towards": ray.towards}
+    if not np.isfinite(ray.beyond):
+        missing = ("kind", "way", "share", "cost", "value", "distance", "parameters")
+        return told | dict.fromkeys(missing)
+    point = _at(nominal, ray, np.array([ray.beyond]))[0]
+    named, before = problem.named(point), problem.named(nominal)
+    failed = not np.isfinite(ray.cost)
+    value = named.get(ray.path)
+    return told | {
+        "kind": "failure" if failed else "violation",
+        "way": ray.beyond,
+        "share": float(np.abs(point - nominal).max()),
+        "cost": None if failed else ray.cost,
+        "value": value,
+        "distance": None if value is None else abs(value - before[ray.path]),
+        "parameters": named,
+    }

@@ -100,7 +100,7 @@ def _address(rest: str) -> Address:
         return parse(rest)
     except ValueError as error:
         raise RefusedError(
-            404, "not-found", f"{error}: /view/RUN/t/SECONDS/cam/top/dark, each part if wanted"
+            404, "not-found", f"{error}: /view/RUN/F2/t/SECONDS/cam/top/dark, each part if wanted"
         ) from None
 
 
@@ -108,7 +108,7 @@ def _build(server: viser.ViserServer, socket: WebSocket, run_id: int, address: A
     state = socket.app.state
     with read(state.engine) as reader:
         fixed = setting.load(reader, run_id)
-        progress = setting.Progress(fixed, run_id)
+        progress = setting.Progress(fixed, run_id, address.flight)
         progress.look(reader)
     return Viewer(server, state.engine, state.live, fixed, progress, address)
 

@@ -24,8 +24,6 @@ from campaigns.check import parameters
 
 OVER = ("done", "failed", "cancelled")
 NOMINAL, WORST = "nominal", "F1"
-SHOWN = (NOMINAL, WORST)
-"""The stored flights that are drawn."""
 
 
 Floats = NDArray[np.float64]
@@ -169,8 +167,9 @@ def _methods(asked: Campaign, catalogue: Catalogue | None) -> list[tuple[int, st
 class Progress:
     """What a run has found, looked at again and again while it runs."""
 
-    def __init__(self, setting: Setting, run_id: int) -> None:
-        self._setting, self._run_id = setting, run_id
+    def __init__(self, setting: Setting, run_id: int, shown: str = WORST) -> None:
+        """`shown` is the flight beside the nominal one."""
+        self._setting, self._run_id, self.shown = setting, run_id, shown
         self.flights: dict[str, Flight] = {}
         self.findings: dict[str, dict[str, float]] = {}
         """{label: {path: value}}"""
@@ -182,7 +181,9 @@ class Progress:
         """Read what is new; whether there was anything."""
         before = self._state()
         self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in OVER
-        shown = sa.select(Trace.name, Trace.meta).where(Trace.run_id == self._run_id, Trace.name.in_(SHOWN))
+        shown = sa.select(Trace.name, Trace.meta).where(
+            Trace.run_id == self._run_id, Trace.name.in_((NOMINAL, self.shown))
+        )
         for name, meta in reader.execute(shown).all():
             if self._seen.get(name) != meta:  # stored for the first time, or again by a later stage
                 self._seen[name] = meta

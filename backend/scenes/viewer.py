@@ -60,7 +60,8 @@ class Viewer:
             self._world = World(server, setting, palette)
             self._obstacles = Obstacles(server, setting, palette, self._world)
             self._nominal = self._drawn(Style("nominal", "Nominal", palette.nominal, 0, "bottom"))
-            self._worst = self._drawn(Style("worst", "Worst", palette.worst, 1, "top"))
+            called = "Worst" if address.flight == WORST else address.flight
+            self._worst = self._drawn(Style("worst", called, palette.worst, 1, "top"))
             self._what_if = self._drawn(Style("what-if", "What-if", palette.what_if, 2, "beyond"))
             self._all = (self._nominal, self._worst, self._what_if)
             self._draw_stored(address.time or 0.0)
@@ -137,7 +138,7 @@ class Viewer:
     def _draw_stored(self, time: float) -> None:
         new = {
             drawn: flight
-            for drawn, name in ((self._nominal, NOMINAL), (self._worst, WORST))
+            for name, drawn in {self._progress.shown: self._worst, NOMINAL: self._nominal}.items()
             if (flight := self._progress.flights.get(name)) is not None and flight is not drawn.flight
         }
         first = all(drawn.flight is None for drawn in self._all)

@@ -31,6 +31,7 @@ def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: h
     assert "unsafe-eval'" not in policy.replace("wasm-unsafe-eval'", "")
     assert client.get(f"/view/{run}").headers["location"] == f"/view/{run}/"
     assert client.get(f"/view/{run}/t/3.25/cam/encounter/dark").status_code == 200
+    assert client.get(f"/view/{run}/F12/dark").status_code == 200
     plain = client.get(f"/view/{run}/", headers={"accept-encoding": "identity"})
     assert plain.content == answer.content
 
@@ -45,6 +46,7 @@ def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: h
         ("/view/R-0001/t/nan", 404),
         ("/view/R-0001/t/", 404),
         ("/view/R-0001/purple", 404),
+        ("/view/R-0001/F0", 404),
     ],
 )
 def test_other_addresses_are_refused(service: Service, client: httpx.Client, path: str, status: int) -> None:
@@ -64,6 +66,20 @@ def test_the_scene_of_a_finished_run_arrives(service: Service, client: httpx.Cli
     assert b"Worst 0.8000 m" in received
     assert b"vehicle.J [kg m2]" in received
     assert b"Convergence" in received
+
+
+def test_another_finding_or_the_nominal_flight_alone_can_be_looked_at(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    work = Work(service)
+    work.nominal()
+    work.found(("F1", "F2"))
+    work.conclude()
+    with viewing(service, client, f"/view/{run}/F2/") as connection:
+        received = frames_until(connection, b"/flights/worst/path", b"F2 0.8000 m")
+        assert b"Worst 0.8000 m" not in received
+    with viewing(service, client, f"/view/{run}/nominal/") as connection:
+        received = frames_until(connection, b"/flights/nominal/path", b"Convergence", b"/goal/label")
+        assert b"/flights/worst/path" not in received
 
 
 def test_what_is_found_while_watching_appears(service: Service, client: httpx.Client) -> None:

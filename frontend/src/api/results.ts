@@ -71,11 +71,41 @@ export interface ValidationCase {
   neighbours: { flown: number; failed: number; lowest: number | null; lower_by: number | null } | null
 }
 
+/** A search beside the others, once all findings are known. */
+export interface Compared {
+  position: number
+  method: string
+  title: string
+  kind: SearchResult['kind']
+  best: number | null
+  evaluations: number
+  failed: number
+  excluded: number
+  seconds: number
+  /** Evaluations until within 1 % of nominal minus worst of the best known; null where it never came there. */
+  to_near_best: number | null
+  /** Labels of the findings it came to by itself. */
+  findings: string[]
+  stop: SearchResult['stop']
+}
+
 export interface ValidateResult {
   ok: boolean
   text: string
   tolerance: number
   cases: ValidationCase[]
+  findings?: {
+    candidates: number
+    left_out: number
+    complete: boolean
+    text: string
+    /** Share of every range. */
+    distance: number
+    /** Share of nominal minus worst. */
+    barrier: number
+    at_most: number
+  }
+  comparison?: Compared[]
 }
 
 interface ResultByKind {

@@ -1,5 +1,6 @@
 // The addresses of the pages; all that a page can be set to stands in its address.
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
+import { readChosen } from '../run/chosen'
 import { readSearch } from '../runs/search'
 import { Shell } from './Shell'
 import { Loading, NotFound, Trouble } from './Trouble'
@@ -46,6 +47,7 @@ const launch = createRoute({
 const run = createRoute({
   getParentRoute: () => root,
   path: '/runs/$id',
+  validateSearch: readChosen,
   component: lazyRouteComponent(() => import('../run/RunPage'), 'RunPage'),
 })
 

@@ -2,8 +2,10 @@
 import { resultOf } from '../api/results'
 import { Banner } from './Banner'
 import { Convergence } from './Convergence'
+import { calledOf, NOMINAL } from './chosen'
 import { bestOf, type RunData, stageOf } from './data'
 import { Failures } from './Failures'
+import { FindingsCard } from './FindingsCard'
 import { FiveFigures } from './FiveFigures'
 import { Flight } from './Flight'
 import { MethodsTable } from './MethodsTable'
@@ -21,7 +23,7 @@ import { ValidationCard } from './ValidationCard'
 
 export function Finished({ data }: { data: RunData }) {
   const { run } = data
-  const finding = data.findings[0]
+  const { finding, chosen } = data
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
   const sample = searches.find((search) => search.sample)?.sample ?? null
@@ -31,19 +33,16 @@ export function Finished({ data }: { data: RunData }) {
   const searched = run.stages.some((stage) => stage.kind === 'search' && stage.evaluations > 0)
   const methods = run.stages.filter((stage) => stage.kind === 'search').length
   // Without a validated finding the page shows the lowest flight, and says that it is no more than that.
-  const lowest = finding ? null : bestOf(data)
+  const lowest = data.findings.length > 0 ? null : bestOf(data)
   const flown = data.nominalTrace !== undefined
   // Two curves stand beside the separation, more take a row of their own.
   const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
   // Where each start ended needs a row of its own with many parameters.
   const many = data.parameters.length > 3
   const sections: Section[] = [
-    ...(flown
-      ? [
-          { id: 'flight', name: 'Flight' },
-          { id: 'separation', name: 'Separation' },
-        ]
-      : []),
+    ...(flown ? [{ id: 'flight', name: 'Flight' }] : []),
+    ...(data.findings.length ? [{ id: 'findings', name: 'Findings', count: data.findings.length }] : []),
+    ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
     ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
@@ -64,18 +63,19 @@ export function Finished({ data }: { data: RunData }) {
       <SectionTabs sections={sections} />
       <div className="grid">
         {flown && <Flight data={data} className="c8" />}
-        {(flown || finding || lowest) && (
+        {(flown || data.findings.length > 0 || lowest) && (
           <div className={flown ? 'stack pair c4' : 'stack pair c6'}>
             <NominalWorst
               data={data}
               className=""
-              title={finding ? 'Nominal against worst' : 'Nominal and lowest flown'}
-              column={finding ? 'Worst' : 'Lowest, not validated'}
-              worst={finding ? { ...finding, method: run.worst_method, atBounds: finding.at_bounds } : lowest}
+              title={titleOf(data)}
+              column={chosen === NOMINAL ? null : finding ? calledOf(chosen) : 'Lowest, not validated'}
+              worst={finding ? { ...finding, method: methodOf(data), atBounds: finding.at_bounds } : lowest}
             />
             {few && <Tornado data={data} result={sensitivity} className="" />}
           </div>
         )}
+        {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
         {flown && <SeparationCard data={data} className={few ? 'c7' : 'c12'} />}
         {sensitivity && (
           <SensitivityCard data={data} result={sensitivity} className={few ? 'c5' : 'c8'} height={few ? 226 : 150} />
@@ -97,4 +97,16 @@ export function Finished({ data }: { data: RunData }) {
       </div>
     </>
   )
+}
+
+function titleOf({ chosen, finding }: RunData): string {
+  if (chosen === NOMINAL) return 'Nominal flight'
+  return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest flown'
+}
+
+/** Who came to the chosen finding with the least work; of the worst one, who found it lowest. */
+function methodOf({ run, chosen, finding }: RunData): string | null {
+  if (chosen === 'F1') return run.worst_method
+  const found = [...(finding?.found ?? [])].sort((a, b) => a.evaluations - b.evaluations)
+  return found[0]?.method ?? null
 }

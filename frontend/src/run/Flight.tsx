@@ -3,6 +3,7 @@ import { IconExternalLink, IconLoader } from '@tabler/icons-react'
 import { useEffect, useRef, useState } from 'react'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
+import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
 
 export function Flight({ data, className }: { data: RunData; className: string }) {
@@ -10,7 +11,9 @@ export function Flight({ data, className }: { data: RunData; className: string }
   const holder = useRef<HTMLDivElement>(null)
   const [near, setNear] = useState(false)
   const [loaded, setLoaded] = useState(false)
-  const address = `/view/${data.run.id}/${theme}/`
+  // The worst flight is the viewer's own choice: one address, one kept page.
+  const shown = data.chosen === 'F1' ? '' : `${data.chosen}/`
+  const address = `/view/${data.run.id}/${shown}${theme}/`
 
   // A viewer costs the service a scene: it is opened when it comes near the window.
   useEffect(() => {
@@ -26,7 +29,7 @@ export function Flight({ data, className }: { data: RunData; className: string }
   return (
     <Card
       title="Flight"
-      note="Nominal and worst, with what-if sliders. Drag to turn, wheel to zoom. Vehicles not to scale"
+      note={`${flights(data.chosen)}, with what-if sliders. Drag to turn, wheel to zoom. Vehicles not to scale`}
       className={className}
       id="flight"
       flush
@@ -49,3 +52,6 @@ export function Flight({ data, className }: { data: RunData; className: string }
     </Card>
   )
 }
+
+const flights = (chosen: string): string =>
+  chosen === NOMINAL ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`

@@ -29,6 +29,14 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           <span className="small mut nw" title={moment(run.created)}>
             {dayAndClock(run.created)}, {run.owner}
           </span>
+          {run.continues && (
+            <span className="small nw">
+              Goes on with{' '}
+              <Link to="/runs/$id" params={{ id: run.continues }} className="mono">
+                {run.continues}
+              </Link>
+            </span>
+          )}
         </div>
       </div>
       <div className="acts">

@@ -1,10 +1,11 @@
 // The methods side by side: what each found, with how much work, and how it ended.
+import { type Compared, resultOf } from '../api/results'
 import { count, decimalsApart, duration, fixed, NONE, signed } from '../format/numbers'
 import { Card, Progress } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
-import { type RunData, type SearchStage, searchesOf } from './data'
+import { type RunData, type SearchStage, searchesOf, stageOf } from './data'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
   const { run } = data
@@ -13,6 +14,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const decimals = decimalsApart(bests, 4, 6)
   const best = Math.min(...bests.filter((value): value is number => value !== null))
   const over = searches.every(({ stage }) => stage.state === 'done')
+  const compared = resultOf(stageOf(data, 'validate'), 'validate')?.comparison
   return (
     <Card
       title="Methods"
@@ -48,6 +50,20 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <br />
               <span className="u">evaluation</span>
             </th>
+            {compared && (
+              <>
+                <th className="num">
+                  Within 1 %
+                  <br />
+                  <span className="u">at evaluation</span>
+                </th>
+                <th className="num">
+                  Findings
+                  <br />
+                  <span className="u">of {data.findings.length}</span>
+                </th>
+              </>
+            )}
             <th className="num">Failed</th>
             <th className="num">Time</th>
           </tr>
@@ -74,6 +90,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
                 {stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)}
               </td>
               <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
+              {compared && <Reached row={compared.find((c) => c.position === stage.position)} />}
               <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>
               <td className="num sec">{stage.state === 'waiting' ? NONE : duration(stage.seconds)}</td>
             </tr>
@@ -81,6 +98,18 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
         </tbody>
       </table>
     </Card>
+  )
+}
+
+/** How soon a method was near the best known, and how many of the findings it came to by itself. */
+function Reached({ row }: { row: Compared | undefined }) {
+  return (
+    <>
+      <td className="num sec">{row?.to_near_best == null ? 'not reached' : count(row.to_near_best)}</td>
+      <td className="num sec" title={row?.findings.join(', ')}>
+        {count(row?.findings.length)}
+      </td>
+    </>
   )
 }
 

@@ -22,24 +22,28 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
   const costs = search.minima.map((minimum) => minimum.cost)
   const decimals = decimalsApart(costs, 5, 6)
   const lowest = Math.min(...costs)
-  const rows = search.minima.slice(0, MOST)
+  // A method that starts from points of its own sample tells none: then only where each descent ended is shown.
+  const started = search.minima.some((minimum) => minimum.start !== null)
+  const rows = started
+    ? search.minima.slice(0, MOST)
+    : [...search.minima].sort((a, b) => a.cost - b.cost).slice(0, MOST)
   return (
     <Card
-      title="Minima by start"
+      title={started ? 'Minima by start' : 'Local minima'}
       note={
         <>
           <MethodName method={search.method} title={search.title} />
-          {tall && ' Start above, end below'}
+          {started ? tall && ' Start above, end below' : ' The lowest first'}
         </>
       }
       className={className}
       flush
-      footer={search.minima.length > MOST ? `The first ${MOST} of ${count(search.minima.length)}.` : undefined}
+      footer={search.minima.length > MOST ? `The ${started ? 'first' : 'lowest'} ${MOST} of ${count(search.minima.length)}.` : undefined}
     >
       <table className="tight">
         <thead>
           <tr>
-            <th className="num">Start</th>
+            <th className="num">{started ? 'Start' : 'No.'}</th>
             {parameters.map((p) => (
               <th key={p.path} className="num">
                 <Sign text={p.symbol} />
@@ -64,10 +68,12 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
                 const digits = decimalsFor([p.low, p.high])
                 return (
                   <td key={p.path} className="num">
-                    <span className="mut">
-                      {minimum.start ? fixed(minimum.start[p.path], digits) : NONE} {tall ? '' : '→ '}
-                    </span>
-                    {tall && <br />}
+                    {started && (
+                      <span className="mut">
+                        {minimum.start ? fixed(minimum.start[p.path], digits) : NONE} {tall ? '' : '→ '}
+                      </span>
+                    )}
+                    {started && tall && <br />}
                     {fixed(minimum.parameters[p.path], digits)}
                   </td>
                 )

@@ -19,15 +19,16 @@ interface NominalWorstProps {
   data: RunData
   className: string
   title: string
-  column: string
+  /** Head of the column of the other flight; null for the nominal one alone. */
+  column: string | null
   worst: Worst | null
   id?: string
 }
 
 export function NominalWorst({ data, className, title, column, worst, id }: NominalWorstProps) {
-  const { run, parameters, nominalTrace, worstTrace } = data
+  const { run, parameters, nominalTrace, findingTrace } = data
   const decimals = decimalsFor([run.nominal_cost, worst?.cost])
-  const times = [closest(nominalTrace), closest(worstTrace)]
+  const times = [closest(nominalTrace), closest(findingTrace)]
   return (
     <Card
       title={title}
@@ -49,13 +50,13 @@ export function NominalWorst({ data, className, title, column, worst, id }: Nomi
           <tr>
             <th>Parameter</th>
             <th className="num">Nominal</th>
-            <th className="num">{column}</th>
+            {column !== null && <th className="num">{column}</th>}
             <th>Within bounds</th>
           </tr>
         </thead>
         <tbody>
           {parameters.map((parameter) => (
-            <Row key={parameter.path} parameter={parameter} worst={worst} />
+            <Row key={parameter.path} parameter={parameter} worst={worst} alone={column === null} />
           ))}
           {times.some((time) => time !== null) && (
             <tr>
@@ -63,7 +64,7 @@ export function NominalWorst({ data, className, title, column, worst, id }: Nomi
                 Time of closest approach <span className="mut small">s</span>
               </td>
               <td className="num sec">{fixed(times[0], 2)}</td>
-              <td className="num">{fixed(times[1], 2)}</td>
+              {column !== null && <td className="num">{fixed(times[1], 2)}</td>}
               <td />
             </tr>
           )}
@@ -72,9 +73,11 @@ export function NominalWorst({ data, className, title, column, worst, id }: Nomi
               <Sign text={run.quantity || 'value'} /> <span className="mut small">{run.unit}</span>
             </td>
             <td className="num sec">{fixed(run.nominal_cost, decimals)}</td>
-            <td className="num b" data-testid="worst-cost">
-              {fixed(worst?.cost, decimals)}
-            </td>
+            {column !== null && (
+              <td className="num b" data-testid="worst-cost">
+                {fixed(worst?.cost, decimals)}
+              </td>
+            )}
             <td className="small mut">criterion {plain(run.threshold)}</td>
           </tr>
         </tbody>
@@ -88,7 +91,7 @@ function closest(trace: RunData['nominalTrace']): number | null {
   return typeof time === 'number' ? time : null
 }
 
-function Row({ parameter, worst }: { parameter: UncertainParameter; worst: Worst | null }) {
+function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst: Worst | null; alone: boolean }) {
   const { path, symbol, unit, text, nominal, low, high } = parameter
   const value = worst?.parameters[path] ?? null
   const span = decimalsFor([low, high, nominal])
@@ -104,12 +107,14 @@ function Row({ parameter, worst }: { parameter: UncertainParameter; worst: Worst
         </span>
       </td>
       <td className="num sec">{fixed(nominal, span)}</td>
-      <td className="num b">
-        <span className="rn">
-          {value === null ? NONE : fixed(value, span)}
-          {at && <span className="atbound">at {at} bound</span>}
-        </span>
-      </td>
+      {!alone && (
+        <td className="num b">
+          <span className="rn">
+            {value === null ? NONE : fixed(value, span)}
+            {at && <span className="atbound">at {at} bound</span>}
+          </span>
+        </td>
+      )}
       <td style={{ width: 118 }}>
         <span className="rn">
           <WithinBounds low={low} high={high} nominal={nominal} value={value} />

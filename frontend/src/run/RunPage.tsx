@@ -1,6 +1,6 @@
 // One run: while it works, how far it is; when it is over, the verdict and everything behind it.
 import { useQuery } from '@tanstack/react-query'
-import { useParams } from '@tanstack/react-router'
+import { useParams, useSearch } from '@tanstack/react-router'
 import { useStream } from '../api/events'
 import { isLive, runQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
@@ -27,7 +27,7 @@ export function RunPage() {
 
 function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
   useTitle(`${run.id} ${run.name}`)
-  const data = useRunData(run)
+  const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
   return (
     <>
       <Head run={run} stale={stale} />

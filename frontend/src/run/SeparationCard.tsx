@@ -8,6 +8,7 @@ import type { PlotSpec, Point } from '../charts/spec'
 import type { TraceData } from '../client'
 import { decimalsFor, fixed, plain } from '../format/numbers'
 import { Seg } from '../ui/Card'
+import { calledOf } from './chosen'
 import type { RunData } from './data'
 
 interface Drawn {
@@ -18,7 +19,8 @@ interface Drawn {
 }
 
 export function SeparationCard({ data, className }: { data: RunData; className: string }) {
-  const { run, nominalTrace, worstTrace } = data
+  const { run, nominalTrace, findingTrace, chosen } = data
+  const called = calledOf(chosen)
   const [window, setWindow] = useState<'encounter' | 'all'>('encounter')
   const [hidden, toggle] = useHidden()
   const spec = useMemo(
@@ -26,13 +28,13 @@ export function SeparationCard({ data, className }: { data: RunData; className: 
       specOf(
         [
           { key: 'nominal', label: 'Nominal', colour: '--c-nom', trace: nominalTrace },
-          { key: 'worst', label: 'Worst', colour: '--c-worst', trace: worstTrace },
+          { key: 'worst', label: called, colour: '--c-worst', trace: findingTrace },
         ],
         run.threshold,
         run.unit,
         window,
       ),
-    [nominalTrace, worstTrace, run.threshold, run.unit, window],
+    [nominalTrace, findingTrace, called, run.threshold, run.unit, window],
   )
   const keys: Key[] = [
     ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),
@@ -116,7 +118,7 @@ function specOf(all: Drawn[], threshold: number | null, unit: string, window: 'e
   const span = inside.length > 2 ? ([Math.min(...inside), Math.max(...inside)] as [number, number]) : whole
   const xRange = window === 'all' ? whole : span
   return {
-    label: 'Separation over time, nominal and worst flight, with the criterion',
+    label: `Separation over time, ${drawn.map(({ label }) => label.toLowerCase()).join(' and ')} flight, with the criterion`,
     x: xs,
     lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.8 })),
     points,

@@ -1,5 +1,5 @@
 // What the cards of a run's page share: the run with its answers, and small readings of them. Start reading at `RunData`.
-import { useQuery } from '@tanstack/react-query'
+import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { asCampaign, type Campaign } from '../api/campaign'
 import {
   catalogueQuery,
@@ -20,9 +20,11 @@ import type {
   StageDetail,
   StageProgress,
   TraceData,
+  TraceInfo,
 } from '../client'
 import { boundsOf, numberOf, parametersOf } from '../launch/parameters'
 import { usePolling } from '../ui/usePolling'
+import { chosenOf, NOMINAL } from './chosen'
 
 export interface UncertainParameter {
   path: string
@@ -42,12 +44,17 @@ export interface RunData {
   stages: StageDetail[]
   evaluations: Evaluations | undefined
   findings: FindingDetail[]
+  /** The stored flights without their data. */
+  traces: TraceInfo[]
   nominalTrace: TraceData | undefined
-  worstTrace: TraceData | undefined
+  /** What the page shows beside the nominal flight: the label of a finding, or `nominal`. */
+  chosen: string
+  finding: FindingDetail | null
+  findingTrace: TraceData | undefined
 }
 
 /** Everything the page shows of a run; what is still on its way is empty or undefined. */
-export function useRunData(run: RunDetail): RunData {
+export function useRunData(run: RunDetail, asked?: string): RunData {
   const over = !isLive(run)
   const catalogue = useQuery(catalogueQuery).data
   const stages = useQuery(stagesQuery(run.id)).data ?? []
@@ -58,7 +65,12 @@ export function useRunData(run: RunDetail): RunData {
   const traces = useQuery({ ...tracesQuery(run.id), enabled: over }).data ?? []
   const has = (name: string) => over && traces.some((trace) => trace.name === name)
   const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') }).data
-  const worstTrace = useQuery({ ...traceQuery(run.id, 'F1'), enabled: has('F1') }).data
+  const chosen = chosenOf(asked, findings)
+  const findingTrace = useQuery({
+    ...traceQuery(run.id, chosen),
+    enabled: chosen !== NOMINAL && has(chosen),
+    placeholderData: keepPreviousData,
+  }).data
   const campaign = asCampaign(run.campaign)
   const parameters = uncertainOf(campaign, catalogue)
   return {
@@ -69,8 +81,11 @@ export function useRunData(run: RunDetail): RunData {
     stages,
     evaluations: evaluations.data,
     findings,
+    traces,
     nominalTrace,
-    worstTrace,
+    chosen,
+    finding: findings.find((finding) => finding.label === chosen) ?? null,
+    findingTrace: chosen === NOMINAL ? undefined : findingTrace,
   }
 }
 

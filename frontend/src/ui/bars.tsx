@@ -1,4 +1,4 @@
-// Two small drawings for tables: where a value lies within its bounds, and how large a margin is.
+// Small drawings for tables: where a value lies within its bounds, and how large a margin is.
 
 interface WithinProps {
   low: number
@@ -34,6 +34,36 @@ export function MarginBar({ margin, threshold }: { margin: number; threshold: nu
         height={7}
         fill={share < 0 ? 'var(--bad-solid)' : 'var(--ok-solid)'}
       />
+    </svg>
+  )
+}
+
+interface PlaceProps {
+  low: number
+  high: number
+  nominal: number
+  value: number | null
+  /** Drawn full at a bound, hollow inside. */
+  bound: boolean
+}
+
+/** Where a value lies within its bounds, small enough for one of many columns. */
+export function Place({ low, high, nominal, value, bound }: PlaceProps) {
+  const x = (v: number) => 4 + (30 * (Math.min(Math.max(v, low), high) - low)) / (high - low || 1)
+  return (
+    <svg width={38} height={12} viewBox="0 0 38 12" style={{ display: 'block' }} aria-hidden="true">
+      <path d="M4 6h30" stroke="var(--line-2)" strokeWidth={1.5} />
+      <path d={`M${x(nominal)} 1.5v9`} stroke="var(--c-nom)" strokeWidth={1.5} />
+      {value !== null && (
+        <circle
+          cx={x(value)}
+          cy={6}
+          r={bound ? 3.2 : 2.6}
+          fill={bound ? 'var(--c-worst)' : 'var(--surface)'}
+          stroke="var(--c-worst)"
+          strokeWidth={1.5}
+        />
+      )}
     </svg>
   )
 }

@@ -1,0 +1,220 @@
+// Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
+import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
+import { useNavigate } from '@tanstack/react-router'
+import type { MouseEvent } from 'react'
+import type { ValidateResult } from '../api/results'
+import type { FindingDetail } from '../client'
+import { count, decimalsApart, fixed, NONE, percent, signed } from '../format/numbers'
+import { unitText } from '../format/units'
+import { Place } from '../ui/bars'
+import { Card } from '../ui/Card'
+import { MethodName } from '../ui/MethodMark'
+import { methodLook } from '../ui/methods'
+import { Sign } from '../ui/Sign'
+import { NOMINAL } from './chosen'
+import type { RunData, UncertainParameter } from './data'
+
+interface FindingsProps {
+  data: RunData
+  result: ValidateResult | null
+  className: string
+}
+
+export function FindingsCard({ data, result, className }: FindingsProps) {
+  const { run, findings, parameters, chosen } = data
+  const navigate = useNavigate()
+  const choose = (name: string) =>
+    void navigate({
+      to: '/runs/$id',
+      params: { id: run.id },
+      search: { finding: name === findings[0]?.label ? undefined : name },
+      hash: (hash) => hash ?? '',
+      replace: true,
+      resetScroll: false,
+    })
+  const decimals = decimalsApart([run.nominal_cost, ...findings.map((finding) => finding.cost)], 4, 6)
+  const shared = { data, decimals, choose }
+  return (
+    <Card
+      title="Findings"
+      note="Distinct worst cases. The chosen one is shown in the flight, the table beside it and the separation"
+      className={className}
+      id="findings"
+      flush
+      footer={result?.findings && <Told told={result.findings} kept={findings.length} />}
+    >
+      <table className="tight pick">
+        <thead>
+          <tr>
+            <th>Finding</th>
+            <th className="num">
+              <Sign text={run.quantity || 'value'} />
+              <br />
+              <span className="u">{run.unit}</span>
+            </th>
+            <th className="num">
+              Margin
+              <br />
+              <span className="u">{run.unit}</span>
+            </th>
+            <th className="num">
+              Closest at
+              <br />
+              <span className="u">s</span>
+            </th>
+            {parameters.map((p) => (
+              <th key={p.path} className="place" title={`${p.text} [${unitText(p.unit)}]`}>
+                <Sign text={p.symbol} />
+              </th>
+            ))}
+            <th>At bounds</th>
+            <th>Found by, after evaluations</th>
+            <th>Validation</th>
+          </tr>
+        </thead>
+        <tbody>
+          {findings.map((finding) => (
+            <Row key={finding.label} {...shared} finding={finding} on={finding.label === chosen} />
+          ))}
+          <Nominal {...shared} on={chosen === NOMINAL} />
+        </tbody>
+      </table>
+    </Card>
+  )
+}
+
+interface RowProps {
+  data: RunData
+  decimals: number
+  choose: (name: string) => void
+  on: boolean
+}
+
+function Row({ data, decimals, choose, on, finding }: RowProps & { finding: FindingDetail }) {
+  const { parameters } = data
+  const { label, cost, margin } = finding
+  return (
+    <tr {...picking(label, on, choose)} data-finding={label}>
+      <Name name={label} on={on} choose={choose} />
+      <td className="num b">{fixed(cost, decimals)}</td>
+      <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      <td className="num sec">{fixed(closestOf(data, label), 2)}</td>
+      {parameters.map((p) => (
+        <td key={p.path} className="place">
+          <Place
+            low={p.low}
+            high={p.high}
+            nominal={p.nominal}
+            value={finding.parameters[p.path] ?? null}
+            bound={p.path in finding.at_bounds}
+          />
+        </td>
+      ))}
+      <td className="sec">
+        <Bounds finding={finding} parameters={parameters} />
+      </td>
+      <td>
+        <FoundBy finding={finding} />
+      </td>
+      <td className="nw">
+        <Validated finding={finding} />
+      </td>
+    </tr>
+  )
+}
+
+function Nominal({ data, decimals, choose, on }: RowProps) {
+  const { run, parameters } = data
+  const margin = run.nominal_cost === null || run.threshold === null ? null : run.nominal_cost - run.threshold
+  return (
+    <tr {...picking(NOMINAL, on, choose)} data-finding={NOMINAL}>
+      <Name name={NOMINAL} on={on} choose={choose} />
+      <td className="num">{fixed(run.nominal_cost, decimals)}</td>
+      <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      <td className="num sec">{fixed(closestOf(data, NOMINAL), 2)}</td>
+      <td colSpan={parameters.length + 3} className="mut small">
+        Every parameter at its nominal value
+      </td>
+    </tr>
+  )
+}
+
+/** The whole row chooses; the button in it does the same for the keyboard. */
+const picking = (name: string, on: boolean, choose: (name: string) => void) => ({
+  className: on ? 'sel' : undefined,
+  onClick: (event: MouseEvent) => {
+    if (!(event.target as HTMLElement).closest('button') && !getSelection()?.toString()) choose(name)
+  },
+})
+
+function Name({ name, on, choose }: { name: string; on: boolean; choose: (name: string) => void }) {
+  const nominal = name === NOMINAL
+  return (
+    <td>
+      <button type="button" className="picker" aria-pressed={on} onClick={() => choose(name)}>
+        <span className="dot" style={{ background: nominal ? 'var(--c-nom)' : 'var(--c-worst)' }} />
+        {nominal ? 'Nominal' : name}
+      </button>
+    </td>
+  )
+}
+
+function closestOf({ traces }: RunData, name: string): number | null {
+  const closest = traces.find((trace) => trace.name === name)?.meta.closest as { time?: unknown } | null | undefined
+  return typeof closest?.time === 'number' ? closest.time : null
+}
+
+/** Up to three by name; of more, how many. */
+function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: UncertainParameter[] }) {
+  const at = parameters.filter((p) => p.path in finding.at_bounds)
+  if (at.length === 0) return 'none'
+  if (at.length > 3) return `${at.length} of ${parameters.length}`
+  return at.map((p, i) => (
+    <span key={p.path} className="nw">
+      {i > 0 && ', '}
+      <Sign text={p.symbol} /> {finding.at_bounds[p.path]}
+    </span>
+  ))
+}
+
+function FoundBy({ finding }: { finding: FindingDetail }) {
+  if (finding.found.length === 0) return <span className="sec">found by polishing only</span>
+  const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
+  return (
+    <span className="finders">
+      {found.map((by) => (
+        <span key={by.position} className="row nw" title={methodLook(by.method).title}>
+          <MethodName method={by.method} short /> <span className="sec tn">{count(by.evaluations)}</span>
+        </span>
+      ))}
+    </span>
+  )
+}
+
+function Validated({ finding }: { finding: FindingDetail }) {
+  const { ok } = finding.validation
+  if (typeof ok !== 'boolean') return <span className="mut">{NONE}</span>
+  return ok ? (
+    <span className="row">
+      <IconCircleCheck className="i s ok-t" aria-hidden /> Validated
+    </span>
+  ) : (
+    <span className="row">
+      <IconHelpCircle className="i s unk-t" aria-hidden /> Not validated
+    </span>
+  )
+}
+
+/** How the findings were told apart, in one sentence. */
+function Told({ told, kept }: { told: NonNullable<ValidateResult['findings']>; kept: number }) {
+  return (
+    <>
+      {told.complete ? '' : `${told.text.charAt(0).toUpperCase()}${told.text.slice(1)}. `}
+      {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they lie
+      within {percent(told.distance)} of every range, or no hill above {percent(told.barrier)} of nominal minus worst
+      stands between them.
+      {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal flight, and left out.`}
+      {kept >= told.at_most && ` At most ${told.at_most} are kept: there may be more.`}
+    </>
+  )
+}

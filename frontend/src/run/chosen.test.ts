@@ -1,0 +1,25 @@
+// What the address may choose, and what is shown when it asks for something that is not there.
+import { expect, it } from 'vitest'
+import type { FindingDetail } from '../client'
+import { calledOf, chosenOf, readChosen } from './chosen'
+
+const found = (...labels: string[]) => labels.map((label) => ({ label })) as FindingDetail[]
+
+it('reads labels and the nominal flight, nothing else', () => {
+  for (const finding of ['F1', 'F12', 'nominal']) expect(readChosen({ finding })).toEqual({ finding })
+  for (const finding of ['F0', 'f1', 'worst', '', 7, null]) expect(readChosen({ finding })).toEqual({})
+})
+
+it('shows the worst unless another one is known', () => {
+  expect(chosenOf(undefined, found('F1', 'F2'))).toBe('F1')
+  expect(chosenOf('F2', found('F1', 'F2'))).toBe('F2')
+  expect(chosenOf('F9', found('F1', 'F2'))).toBe('F1')
+  expect(chosenOf('nominal', found('F1'))).toBe('nominal')
+  // While the findings are still on their way, what was asked for is waited for.
+  expect(chosenOf('F2', [])).toBe('F2')
+  expect(chosenOf(undefined, [])).toBe('F1')
+})
+
+it('calls the first one the worst', () => {
+  expect([calledOf('F1'), calledOf('F2')]).toEqual(['Worst', 'F2'])
+})

@@ -1,0 +1,24 @@
+// Which flight a run's page shows beside the nominal one: a finding, or none. It stands in the address.
+import type { FindingDetail } from '../client'
+
+export const NOMINAL = 'nominal'
+
+export interface ChosenSearch {
+  /** A finding's label, or `nominal`; the worst one where there is none. */
+  finding?: string
+}
+
+export function readChosen(search: Record<string, unknown>): ChosenSearch {
+  const { finding } = search
+  return typeof finding === 'string' && /^(F[1-9]\d{0,2}|nominal)$/.test(finding) ? { finding } : {}
+}
+
+/** The label of what is shown: as asked for where there is such a finding, otherwise the worst. */
+export function chosenOf(asked: string | undefined, findings: readonly FindingDetail[]): string {
+  if (asked === NOMINAL) return NOMINAL
+  const known = findings.some((finding) => finding.label === asked)
+  return asked && (known || findings.length === 0) ? asked : (findings[0]?.label ?? 'F1')
+}
+
+/** What a chosen flight is called in charts and tables. */
+export const calledOf = (chosen: string): string => (chosen === 'F1' ? 'Worst' : chosen)

@@ -14,8 +14,8 @@ StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
 class Planned(NamedTuple):
-    """One stage to come; `planned` evaluations are its budget. Of validate it is what telling the findings apart and
-    their neighbours may take at most, seldom what they take.
+    """One stage to come; `planned` evaluations are its budget. Of validate they are an estimate: nobody knows before
+    how many worst cases there are to tell apart.
 
     Of certify it is what is flown where nothing is excluded: excluded draws come on top.
     Flights at half the step and with the other integrator are checks of an evaluation, not evaluations.
@@ -36,8 +36,7 @@ def plan(campaign: Campaign) -> list[Planned]:
     if certify is not None:
         grid = 0 if certify.grid is None else certify.grid.points**dimension
         stages.append(Planned("certify", None, certify.samples + grid))
-    findings, neighbours = campaign.stages.findings, campaign.stages.validate_.neighbours
-    stages.append(Planned("validate", None, findings.evaluations + findings.at_most * neighbours))
+    stages.append(Planned("validate", None, _validating(campaign)))
     return stages
 
 
@@ -46,3 +45,9 @@ def _studied(asked: Sensitivity, dimension: int) -> int:
     morris = 0 if asked.morris is None else asked.morris.trajectories * (dimension + 1)
     sobol = 0 if asked.sobol is None else asked.sobol.samples * (dimension + 2)
     return asked.points * dimension + morris + sobol
+
+
+def _validating(campaign: Campaign) -> int:
+    """What telling the worst cases apart usually takes (measured on the library), and the neighbours of one."""
+    usual = 400 * (len(campaign.uncertain) + 1)
+    return min(campaign.stages.findings.evaluations, usual) + campaign.stages.validate_.neighbours

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from campaigns.plan import plan
 from worker import integrator
 from worker.problem import Floats
 from worker.search.base import OK
@@ -36,7 +35,9 @@ def run(context: Context, position: int) -> tuple[dict[str, Any], list[Finding],
 
 
 def _budget(context: Context) -> int:
-    return next(p.planned for p in plan(context.campaign) if p.kind == "validate")
+    """At most: telling the worst cases apart, and the neighbours of all that are kept."""
+    stages = context.campaign.stages
+    return stages.findings.evaluations + stages.findings.at_most * stages.validate_.neighbours
 
 
 def _told(context: Context, driven: Driven, found: findings.Found, told: list[Finding]) -> dict[str, Any]:

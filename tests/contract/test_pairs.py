@@ -1,0 +1,62 @@
+"""Every avoider with every vehicle of its dimension, under every controller that flies the vehicle.
+
+In plain Python: what is compiled from it is held to it elsewhere. Start reading at `PAIRS`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns import check
+from campaigns.load import load_document
+from tests.contract.scenes import around
+from worker.catalog import catalogue, components
+from worker.kernels.component import Avoider, Controller, Vehicle
+from worker.problem import Problem
+from worker.search.base import OK
+
+STEPS = 12
+
+
+def of(kind: type) -> list[Any]:
+    return [c for c in components().values() if isinstance(c, kind)]
+
+
+PAIRS = [(a, v, c) for a in of(Avoider) for v in of(Vehicle) if a.dimension == v.dimension
+         for c in of(Controller) if v.name in c.fits]  # fmt: skip
+
+
+def document(avoider: Avoider, vehicle: Vehicle, controller: Controller) -> dict[str, Any]:
+    made = around(vehicle)
+    scenario = made["scenario"] | {
+        "avoider": around(avoider)["scenario"]["avoider"],
+        "controller": around(controller)["scenario"]["controller"],
+        "goal": around(avoider)["scenario"]["goal"],
+        "obstacles": around(avoider)["scenario"]["obstacles"],
+    }
+    return made | {"scenario": scenario, "uncertain": {"start.x": {"low": -1.0, "high": 1.0}}}
+
+
+def test_there_are_pairs_in_the_plane_and_in_space() -> None:
+    assert {a.dimension for a, _, _ in PAIRS} == {2, 3}
+    assert {v.name for _, v, _ in PAIRS} == {v.name for v in of(Vehicle)}
+    assert {a.name for a, _, _ in PAIRS} == {a.name for a in of(Avoider)}
+
+
+@pytest.mark.parametrize(("avoider", "vehicle", "controller"), PAIRS, ids=lambda c: c.name)
+def test_it_flies(avoider: Avoider, vehicle: Vehicle, controller: Controller) -> None:
+    campaign = load_document(document(avoider, vehicle, controller))
+    assert check(campaign, catalogue()) == []
+    problem = Problem(campaign, compiled=False)
+    vectors = problem.vectors(np.array([[0.0], [0.5], [1.0]]))
+    flown = problem.loop.fly(vectors, problem.step, STEPS)
+    status, reasons = problem.judge(flown.status, flown.when)
+    assert status.tolist() == [OK] * 3, reasons
+    assert np.isfinite(flown.costs).all()
+    held = np.repeat(vectors[1:2], 2, axis=0)
+    held[1, problem.paths["start.x"]] += 1e-3
+    apart = problem.loop.fly(held, problem.step, STEPS, traced=1).trace
+    assert np.isfinite(apart).all()

@@ -11,7 +11,7 @@ import pytest
 
 from backend.db import continuation as stored
 from backend.db.engine import connect, default_url, migrate, read
-from backend.db.queue import Queue, submit
+from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
 from campaigns import Campaign
 from campaigns.plan import plan
@@ -23,7 +23,7 @@ from worker.continuation import Budget, CannotContinue, carried, continued
 from worker.evaluate import InProcess
 from worker.problem import Floats
 from worker.runner import execute
-from worker.store import MemoryStore
+from worker.store import MemoryStore, StagePlan
 
 SHORT = {"scenario__horizon": 4.0}
 """[s]; the closest approach comes at 3.1 s."""
@@ -211,3 +211,22 @@ def test_only_a_run_that_has_ended_goes_on(data: Path, capsys: pytest.CaptureFix
     for run, why in (("R-0002", "it is queued"), ("R-0099", "there is no such run")):
         assert invoke(["run", "--continue", run, "--budget", "+10", "--data", str(data)]) == WRONG_INPUT
         assert why in capsys.readouterr().err
+
+
+def test_any_worker_goes_on_with_it_when_this_process_is_gone(data: Path) -> None:
+    engine = connect(default_url(data))
+    with read(engine) as connection:
+        columns = stored.evaluations(connection, 1)
+    onward = continued(asked(), Budget(50, more=True))
+    planned = [StagePlan(*p) for p in plan(onward)]
+    kept = {at: c for at, c in columns.items() if at < len(planned) - 1}
+    with engine.begin() as connection:
+        mine = stored.begin(connection, 1, onward, planned, kept, worker="gone", lease=-1.0)
+    claim = Queue(engine).claim("another worker")
+    assert claim is not None
+    assert (claim.run_id, claim.fence) == (mine.run_id, mine.fence + 1)
+    conclusion = execute(Campaign.model_validate(claim.document), RunStore(engine, claim))
+    assert conclusion.verdict in ("cleared", "inconclusive")
+    with pytest.raises(LostLease):
+        RunStore(engine, mine).begin(0)
+    engine.dispose()

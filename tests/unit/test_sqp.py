@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
+from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run, space
 from worker.search import sqp
 from worker.search.base import Floats
@@ -93,11 +94,43 @@ def test_sqp_survives_a_region_without_values() -> None:
     assert "a start could not be evaluated" in found.text
 
 
-def test_sqp_ends_where_its_line_search_fails() -> None:
-    # Gradients of 1e11 overflow the library's own quadratic programme.
-    found = run(sqp.method, lambda x: 1e11 * (x - 0.5).sum(axis=1), 2, 2000, starts=np.array([[0.3, 0.2]]))
+IMPLEMENTATIONS = pytest.mark.parametrize("implementation", ["nlopt", "scipy"])
+
+
+@IMPLEMENTATIONS
+@pytest.mark.parametrize("slope", [1.0, 1e5, 1e11, 1e200])
+def test_sqp_descends_slopes_of_any_size(implementation: str, slope: float) -> None:
+    found = run(
+        sqp.method, lambda x: slope * (x - 0.5).sum(axis=1), 2, 2000, starts=np.array([[0.3, 0.2]]),
+        options={"implementation": implementation},
+    )  # fmt: skip
+    assert found.minima[0].point.tolist() == [0.0, 0.0]
+    assert found.text != "the line search failed"
+
+
+@IMPLEMENTATIONS
+def test_sqp_ends_where_its_line_search_fails(implementation: str) -> None:
+    # A cliff of 1e13 behind a gentle slope: the library's own quadratic programme overflows.
+    def cliff(x: Floats) -> Floats:
+        return np.where(x[:, 0] < 0.2, 1e13 * (x[:, 0] - 0.2) * (1 + x[:, 1]), x.sum(axis=1))
+
+    found = run(sqp.method, cliff, 2, 2000, starts=np.array([[0.3, 0.2]]), options={"implementation": implementation})
     assert found.text == found.minima[0].text == "the line search failed"
     assert found.minima[0].cost == found.lowest
+
+
+@pytest.mark.parametrize("name", ["Branin", "Hartman 3", "Hartman 6", "Shekel 10", "Levy 8"])
+def test_both_implementations_end_at_the_same_minimum(name: str) -> None:
+    f = on_unit_cube(name, 1)
+    start = np.clip(f.minimisers[:1] + 0.01, 0.0, 1.0)
+    ends = []
+    for implementation in ("nlopt", "scipy"):
+        found = run(sqp.method, f, f.dimension, 5000, starts=start, options={"implementation": implementation})
+        ends.append(found.minima[0])
+        assert found.points.min() >= 0.0
+        assert found.points.max() <= 1.0
+        assert f.gap(ends[-1].cost) < 1e-6
+    assert ends[0].point == pytest.approx(ends[1].point, abs=1e-4)
 
 
 def test_sqp_counts_its_iterations() -> None:

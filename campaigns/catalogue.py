@@ -60,6 +60,10 @@ class ComponentEntry(Entry):
     """The unit of a criterion's value."""
     quantity: str = ""
     """The short name of a criterion's value, such as d_min."""
+    worse: Literal["", "low", "high"] = ""
+    """Which end of a criterion is sought; what is worse when low may decide."""
+    of: Literal["", "obstacles", "goal", "flight"] = ""
+    """What a criterion reads; one of the goal needs a goal that is a place."""
     text: str
     """Equations, symbols and source, as the component's own file states them."""
 

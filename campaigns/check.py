@@ -12,6 +12,7 @@ from typing import Any
 
 from campaigns import said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
+from campaigns.criteria import criteria
 from campaigns.problem import Problem
 from campaigns.spec import Campaign, Part
 from campaigns.values import MAX_EVALUATIONS
@@ -39,6 +40,8 @@ def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
         yield f"faults.{i}", f"scenario.faults.{i}", "fault", fault
     c = campaign.criterion
     yield "criterion", "criterion", "criterion", Part(component=c.component, parameters=c.parameters)
+    for i, objective in enumerate(campaign.objectives):
+        yield f"objectives.{i}", f"objectives.{i}", "criterion", objective
 
 
 def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[ParameterEntry, float]]:
@@ -82,6 +85,7 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
             yield from _given("scenario.goal", entry.goals, campaign.scenario.goal)
     yield from _dimensions(campaign, catalogue)
     yield from _fits(campaign, catalogue)
+    yield from criteria(campaign, catalogue)
     known = parameters(campaign, catalogue)
     unknown = _unknown(campaign, catalogue)
     for path, uncertain in campaign.uncertain.items():

@@ -106,13 +106,13 @@ def _a_kernel(component: Component) -> Any:
 
 def _component_entry(component: Component) -> ComponentEntry:
     parameters = declared(component.parameters)
-    if isinstance(component, Criterion):
+    if isinstance(component, Criterion) and component.worse == "low":
         parameters = parameters[1:]  # the threshold is the campaign's own field
     return ComponentEntry(
         role=component.role,
         name=component.name,
         title=component.title,
-        dimension=component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None,
+        dimension=_dimension(component),
         frame=component.frame if isinstance(component, Vehicle) else "enu",
         moving=isinstance(component, Obstacle) and component.moving,
         parameters=[_parameter_entry(p) for p in parameters],
@@ -125,8 +125,17 @@ def _component_entry(component: Component) -> ComponentEntry:
         path=component.path if isinstance(component, Fault) else "",
         quantity=component.quantity if isinstance(component, Criterion) else "",
         unit=component.unit if isinstance(component, Criterion) else "",
+        worse=component.worse if isinstance(component, Criterion) else "",
+        of=component.of if isinstance(component, Criterion) else "",
         text=inspect.getdoc(source_of(component)) or "",
     )
+
+
+def _dimension(component: Component) -> int | None:
+    """2 or 3, None where it fits both."""
+    if isinstance(component, Criterion):
+        return next(iter(component.sample)) if len(component.sample) == 1 else None
+    return component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None
 
 
 def _parameter_entry(p: Declared) -> ParameterEntry:

@@ -1,12 +1,14 @@
 """The other integrator: the same components, undecorated, under SciPy's DOP853 with dense output.
 
 Dormand and Prince, order 8(5,3) (Hairer, Norsett, Wanner, Solving ODEs I, 1993, section II.10). It shares neither the
-step, the order, the refinement nor the compiler with the flights of a search. Start reading at `fly`.
+step, the order, the refinement nor the compiler with the flights of a search. It reads the criterion that decides and
+no other. Start reading at `fly`.
 """
 
 from __future__ import annotations
 
 from bisect import bisect
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -20,9 +22,13 @@ from worker.problem import Floats, Problem
 NAME = "DOP853"
 RELATIVE, ABSOLUTE = 1e-10, 1e-12
 COARSE = 1e-4
-"""The relative tolerance where the fine one makes no headway: a loop that slides along a switch has no order there."""
+"""Both tolerances from where the fine ones make no headway: a loop that slides along a switch has no order there."""
 
-STUCK, HEADWAY = 20_000, 1e-3
+STRETCHES = 40
+"""A flight without samples of guidance is integrated in so many stretches: only from the one where it stuck on is it
+flown at the coarse tolerance."""
+
+STUCK, HEADWAY = 5_000, 1e-3
 """So many calls of the right-hand side for less than this share of the horizon: no headway."""
 
 BEFORE = 1e-8
@@ -31,7 +37,7 @@ BEFORE = 1e-8
 APART = 1e-9
 """Instants are apart by more than this [s]."""
 
-LOOKS = 4000
+LOOKS = 2000
 """Instants at which the channels are read before each minimum is refined."""
 
 
@@ -49,6 +55,8 @@ def fly(problem: Problem, vector: Floats) -> Flight:
     Of several realisations the one that counts, where the worst does: it is that flight which is to be confirmed.
     """
     realised = problem.realisations
+    if problem.parts.criterion.over == "crossing":
+        return Flight(None, f"{NAME} does not look for crossings, which {problem.parts.criterion.title} reads")
     seeds = realised.seeds
     if realised.several and realised.combine == "worst":
         flown = problem.loop.fly(realised.flights(vector[None, :]), problem.step, *problem.counts(problem.step))
@@ -63,12 +71,7 @@ def fly(problem: Problem, vector: Floats) -> Flight:
 def _realised(problem: Problem, vector: Floats) -> Flight:
     try:
         with np.errstate(all="ignore"):
-            p = problem.loop.extend(vector)
-            try:
-                return _fly(problem, p, RELATIVE)
-            except _Stuck as stuck:
-                coarse = _fly(problem, p, COARSE)
-                return coarse if coarse.cost is None else Flight(coarse.cost, f"at a tolerance of {COARSE:g}: {stuck}")
+            return _fly(problem, problem.loop.extend(vector))
     except (ArithmeticError, ValueError, _Stuck) as error:
         return Flight(None, f"{NAME} could not fly it: {error}")
 
@@ -83,6 +86,9 @@ class _Headway:
     def __init__(self, horizon: float) -> None:
         self.least, self.calls, self.mark = HEADWAY * horizon, 0, 0.0
 
+    def restart(self, t: float) -> None:
+        self.calls, self.mark = 0, t
+
     def watch(self, t: float) -> None:
         self.calls += 1
         if self.calls % STUCK == 0:
@@ -91,15 +97,16 @@ class _Headway:
             self.mark = t
 
 
-def _fly(problem: Problem, p: tuple[float, ...], relative: float) -> Flight:
+def _fly(problem: Problem, p: tuple[float, ...]) -> Flight:
     loop, horizon = problem.loop, problem.campaign.scenario.horizon
     guide, closed_loop, cost = (loop.part(n) for n in ("guide", "closed_loop", "cost"))
     g = loop.part("blank")(p)
     x = loop.part("initial")(p)
-    lowest = np.full(loop.n_channels, np.inf)
+    lowest = np.full(loop.channels.total, np.inf)
+    deciding = slice(*loop.channels.of["criterion"])
     ticks = _ticks(problem, horizon)
     switches = _switches(problem, p, horizon)
-    headway = _Headway(horizon)
+    headway, relative, reason = _Headway(horizon), RELATIVE, ""
     for start, end in pairwise(_joined(ticks, switches)):
         if start in ticks:
             g = guide(start, x, g, p)
@@ -110,17 +117,33 @@ def _fly(problem: Problem, p: tuple[float, ...], relative: float) -> Flight:
             headway.watch(t)
             return closed_loop(min(t, last), tuple(y.tolist()), g, p)[0]
 
-        solution: Any = solve_ivp(  # type: ignore[call-overload]
-            slope, (start, end), x, method=NAME, rtol=relative, atol=relative * ABSOLUTE / RELATIVE, dense_output=True
-        )
+        try:
+            solution = _solved(slope, start, end, x, relative)
+        except _Stuck as stuck:
+            if relative == COARSE:
+                raise
+            relative, reason = COARSE, f"at a tolerance of {COARSE:g} from t = {start:.6g} s on: {stuck}"
+            headway.restart(start)
+            solution = _solved(slope, start, end, x, relative)
         if not solution.success:
             return Flight(None, f"{NAME} stopped at t = {solution.t[-1]:.6g} s: {solution.message}")
         x = tuple(solution.y[:, -1].tolist())
         if not np.isfinite(x).all():
             return Flight(None, f"{NAME}: the state was no longer finite at t = {end:.6g} s")
         looks = max(8, round(LOOKS * (end - start) / horizon))
-        lowest = np.minimum(lowest, _lowest(solution.sol, closed_loop, g, p, np.linspace(start, end, looks + 1)))
-    return Flight(float(cost(tuple(lowest.tolist()), p)))
+
+        def read(t: float, g: Any = g, sol: Any = solution.sol) -> Any:
+            return closed_loop(t, tuple(sol(t).tolist()), g, p)[1][deciding]
+
+        lowest[deciding] = np.minimum(lowest[deciding], _lowest(read, np.linspace(start, end, looks + 1)))
+    return Flight(float(cost(tuple(lowest.tolist()), p)), reason)
+
+
+def _solved(slope: Any, start: float, end: float, x: Any, relative: float) -> Any:
+    absolute = COARSE if relative == COARSE else ABSOLUTE
+    return solve_ivp(  # type: ignore[call-overload]
+        slope, (start, end), x, method=NAME, rtol=relative, atol=absolute, dense_output=True
+    )
 
 
 def _switches(problem: Problem, p: tuple[float, ...], horizon: float) -> set[float]:
@@ -154,17 +177,13 @@ def _ticks(problem: Problem, horizon: float) -> list[float]:
     period = problem.campaign.scenario.guidance.period
     if period == 0.0:
         if problem.parts.avoider.memory == 0:
-            return [0.0, horizon]
+            return [k * horizon / STRETCHES for k in range(STRETCHES)] + [horizon]
         period = problem.step
     return [k * period for k in range(round(horizon / period))] + [horizon]
 
 
-def _lowest(sol: Any, closed_loop: Any, g: Any, p: Any, looks: Floats) -> Floats:
+def _lowest(read: Callable[[float], Any], looks: Floats) -> Floats:
     """The lowest value of every channel over one stretch of dense output."""
-
-    def read(t: float) -> tuple[float, ...]:
-        return closed_loop(t, tuple(sol(t).tolist()), g, p)[1]  # type: ignore[no-any-return]
-
     seen = np.array([read(t) for t in looks])
     lowest = seen.min(axis=0)
     for k, i in enumerate(seen.argmin(axis=0)):

@@ -20,7 +20,7 @@ from worker.catalog import catalogue, components
 from worker.distributions import Distributions, Range
 from worker.kernels import loop as closed_loop
 from worker.kernels.assemble import Loop
-from worker.kernels.component import NoTrim
+from worker.kernels.component import Criterion, NoTrim
 from worker.kernels.layout import Parts, Placed
 from worker.realisations import Realisations
 from worker.search.base import EXCLUDED, FAILED, OK, Batch
@@ -117,6 +117,11 @@ class Problem:
         scenario = self.campaign.scenario
         return round(scenario.horizon / step), max(1, round(scenario.guidance.period / step))
 
+    @property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """All criteria in the order of a batch's columns, the one that decides first."""
+        return tuple(self.parts.criteria.values())
+
     def judge(self, codes: Floats, when: Floats) -> tuple[NDArray[np.uint8], dict[int, str]]:
         """The loop's codes as evaluation status, with the reason of each that is not ok."""
         status = np.full(len(codes), FAILED, dtype=np.uint8)
@@ -155,6 +160,9 @@ class Problem:
         given["avoider"] = scenario.avoider.parameters
         given["start"], given["goal"] = scenario.start, scenario.goal
         given["criterion"] = {**self.campaign.criterion.parameters, "threshold": self.threshold}
+        # A further criterion has no threshold; where its component knows one, it is not looked at.
+        for i, objective in enumerate(self.campaign.objectives):
+            given[f"objectives.{i}"] = {"threshold": 0.0, **objective.parameters}
         for name in ("obstacles", "environment", "faults"):
             given |= {f"{name}.{i}": part.parameters for i, part in enumerate(getattr(scenario, name))}
         named = {f"{s.prefix}.{p.name}": _nominal(p, given[s.prefix]) for s in self.loop.sections for p in s.parameters}
@@ -194,6 +202,7 @@ def _parts(campaign: Campaign) -> Parts:
             for fault, part in zip(several("fault", scenario.faults), scenario.faults, strict=True)
         ),
         sampled=scenario.guidance.period > 0,
+        objectives=several("criterion", campaign.objectives),
     )
 
 

@@ -67,26 +67,31 @@ class Realisations:
         return flown
 
     def combined(self, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]) -> tuple[Batch, Any]:
-        """The batch of m evaluations from their flights' costs and status (k m,), and the reasons by evaluation.
+        """The batch of m evaluations from their flights' costs (s m, k), status (s m,) and reasons, with its reasons.
 
-        An evaluation is ok when all its flights are; otherwise its reason is that of the first that is not.
+        Each criterion is combined by itself: the worst of two may come from different flights. An evaluation is ok when
+        all its flights are; otherwise its reason is that of the first that is not.
         """
         if not self.several:
-            return Batch(costs[:, None], status), dict(reasons)
-        table, states = costs.reshape(len(self.seeds), -1), status.reshape(len(self.seeds), -1)
+            return Batch(costs, status), dict(reasons)
+        states = status.reshape(len(self.seeds), -1)
+        table = costs.reshape(*states.shape, -1)
         bad = states != OK
         first = np.argmax(np.where(states == EXCLUDED, 1, 2) * bad, axis=0)
-        one = np.arange(table.shape[1])
+        one = np.arange(states.shape[1])
         joined = np.where(bad.any(axis=0), states[first, one], OK).astype(np.uint8)
         value = table.min(axis=0) if self.combine == "worst" else table.mean(axis=0)
         said = {
-            int(i): f"with seed {self.seeds[first[i]]}: {reasons[int(first[i] * table.shape[1] + i)]}"
+            int(i): f"with seed {self.seeds[first[i]]}: {reasons[int(first[i] * len(one) + i)]}"
             for i in np.flatnonzero(joined != OK)
         }
-        return Batch(np.where(joined == OK, value, np.nan)[:, None], joined), said
+        return Batch(np.where((joined == OK)[:, None], value, np.nan), joined), said
 
     def worst(self, costs: Floats, status: NDArray[np.uint8]) -> int:
-        """Which of the flights (k,) of one evaluation to show: the first that failed, else the lowest cost."""
+        """Which of the flights of one evaluation to show: the first that failed, else the lowest cost.
+
+        costs (s, k), of which the criterion that decides counts; status (s,).
+        """
         if (status == FAILED).any():
             return int(np.argmax(status == FAILED))
-        return int(np.argmin(np.where(status == OK, costs, np.inf)))
+        return int(np.argmin(np.where(status == OK, costs[:, 0], np.inf)))

@@ -54,7 +54,7 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
         "cost": _known(batch.costs[0, 0]),
     }
     if problem.realisations.places:
-        meta["realisation"] = _realisation(problem, shown, flown.costs[shown])
+        meta["realisation"] = _realisation(problem, shown, flown.costs[shown, 0])
     return Trace(name, _columns(problem), data, meta)
 
 
@@ -79,11 +79,14 @@ class _Seen:
     def __init__(self, problem: Problem, columns: Floats, vector: Floats) -> None:
         self.problem, self.columns, self.vector = problem, columns, vector
         obstacles = problem.parts.obstacles
-        last = columns.shape[1] - problem.loop.n_channels
+        last = columns.shape[1] - problem.loop.channels.total
+        deciding = problem.loop.channels.of["criterion"]
         first = last - 3 * len(obstacles)
         self.commands = columns[:, POSE:first]
         self.centres = columns[:, first:last].reshape(len(columns), len(obstacles), 3)
         self.channels = columns[:, last:]
+        self.distances = self.channels[:, slice(*deciding)]
+        """The channels of the criterion that decides, one for each obstacle."""
         moving = [i for i, o in enumerate(obstacles) if o.moving]
         self.moving = self.centres[:, moving, :].reshape(len(columns), 3 * len(moving))
 
@@ -125,8 +128,8 @@ def _columns(problem: Problem) -> list[dict[str, str]]:
 
 def _closest(problem: Problem, seen: _Seen) -> dict[str, Any] | None:
     """When, where and to which obstacle the flight came closest, refined by the parabola as the cost is."""
-    channels = seen.channels
-    if channels.size == 0 or not np.isfinite(channels).all():
+    channels = seen.distances
+    if problem.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
         return None
     row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
     lowest, shift = float(channels[row, obstacle]), 0.0
@@ -139,7 +142,7 @@ def _closest(problem: Problem, seen: _Seen) -> dict[str, Any] | None:
     return {
         "time": (row + shift) * problem.step,
         "row": row,
-        "value": seen.cost(np.full(channels.shape[1], lowest)),
+        "value": seen.cost(np.full(seen.channels.shape[1], lowest)),
         "position": _between(seen.columns[:, :3], row, shift),
         "obstacle": obstacle,
         "obstacle_position": _between(seen.centres[:, obstacle], row, shift),

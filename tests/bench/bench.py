@@ -66,7 +66,7 @@ def unicycle(problem: Problem) -> dict[str, Any]:
     costs = np.empty(256)
     handwritten = lambda: fly_cpp(library_, problem, vectors[:256], steps, costs)  # noqa: E731
     handwritten()
-    apart = float(np.abs(costs - problem.loop.fly(vectors[:256], problem.step, steps).costs).max())
+    apart = float(np.abs(costs - problem.loop.fly(vectors[:256], problem.step, steps).costs[:, 0]).max())
     seconds = interleaved([(wide, FULL), (slow, 256), (handwritten, 256)])
     one = interleaved([(lambda: problem.loop.fly(vectors[:1], problem.step, steps), 1)], repeats=50)
     return {

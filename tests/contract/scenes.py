@@ -11,7 +11,7 @@ import numpy as np
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.load import load_document
 from worker.catalog import catalogue, components
-from worker.kernels.component import Component, Controller, Vehicle
+from worker.kernels.component import Component, Controller, Criterion, Vehicle
 from worker.problem import Floats, Problem
 
 HORIZON, STEP = 0.32, 0.005
@@ -31,7 +31,7 @@ def around(component: Component) -> dict[str, Any]:
     controller = component if isinstance(component, Controller) else _controller(vehicle)
     chosen: dict[str, Component] = {"vehicle": vehicle, "controller": controller, component.role: component}
     for role in ("avoider", "obstacle", "criterion"):
-        if role not in chosen:
+        if role not in chosen or (role == "criterion" and _beside(component)):
             chosen[role] = _first(role, vehicle, controller)
     scenario: dict[str, Any] = {role: _part(chosen[role]) for role in ("vehicle", "controller", "avoider")}
     scenario |= {
@@ -48,9 +48,12 @@ def around(component: Component) -> dict[str, Any]:
         scenario["faults"] = [_part(component) | {"on": on}]
         if entry(component).path == "guidance":  # only sampled guidance can be late
             scenario["guidance"] = {"period": 4 * STEP}
+    more: dict[str, Any] = {}
     # Some avoiders only hold a course and have no goal.
     path, value = next(((f"goal.{name}", at) for name, at in scenario["goal"].items()), ("start.x", 0.0))
-    return {
+    if _beside(component):
+        more["objectives"] = [_part(component)]
+    return more | {
         "name": f"{component.role} {component.name}",
         "scenario": scenario,
         "uncertain": {path: {"low": value - 1, "high": value + 1}},
@@ -75,7 +78,7 @@ def prefixes(component: Component) -> tuple[str, ...]:
     return {
         "vehicle": ("vehicle.", "start."), "controller": ("controller.",), "avoider": ("avoider.", "goal."),
         "obstacle": ("obstacles.0.",), "environment": ("environment.0.",), "fault": ("faults.0.",),
-        "criterion": ("criterion.",),
+        "criterion": ("objectives.0." if _beside(component) else "criterion.",),
     }[component.role]  # fmt: skip
 
 
@@ -119,6 +122,11 @@ def near(component: Component, count: int, seed: int = 1) -> Floats:
     return vectors
 
 
+def _beside(component: Component) -> bool:
+    """Whether it is a criterion that cannot decide."""
+    return isinstance(component, Criterion) and component.worse == "high"
+
+
 def _part(component: Component) -> dict[str, Any]:
     return {"component": component.name, "parameters": _values(entry(component).parameters, 30.0)}
 
@@ -135,7 +143,7 @@ def _of(role: str) -> list[Any]:
 def _vehicle(component: Component) -> Vehicle:
     if isinstance(component, Controller):
         return next(v for v in _of("vehicle") if v.name in component.fits)
-    dimension = getattr(component, "dimension", None)
+    dimension = entry(component).dimension
     demand = getattr(component, "demand", None)
     return next(
         v
@@ -153,6 +161,7 @@ def _first(role: str, vehicle: Vehicle, controller: Controller) -> Component:
     return next(
         c
         for c in _of(role)
-        if getattr(c, "dimension", None) in (None, vehicle.dimension)
+        if entry(c).dimension in (None, vehicle.dimension)
+        and (role != "criterion" or c.worse == "low")
         and (role != "avoider" or c.demand in controller.command)
     )

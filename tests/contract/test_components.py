@@ -11,7 +11,8 @@ from campaigns import check
 from campaigns.load import load_document
 from tests.contract.scenes import STEP, around, drawn, entry, near, own, problem
 from worker.catalog import catalogue, components, source_of
-from worker.kernels.component import Component, Vehicle, declared
+from worker.kernels.component import Component, Criterion, Vehicle, declared
+from worker.problem import Problem
 from worker.search.base import EXCLUDED, FAILED, OK
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
@@ -60,11 +61,34 @@ def test_its_parameters_have_unit_text_and_limits(component: Component) -> None:
         assert p.default is None or p.low <= p.default <= p.high, path
 
 
-def test_the_threshold_is_the_first_parameter_of_a_criterion_and_no_parameter_of_a_campaign() -> None:
-    for (role, _), component in components().items():
-        if role == "criterion":
-            assert declared(component.parameters)[0].name == "threshold"
-            assert "threshold" not in [p.name for p in entry(component).parameters]
+CRITERIA = [c for (role, _), c in components().items() if role == "criterion"]
+
+
+@pytest.mark.parametrize("criterion", CRITERIA, ids=lambda c: c.name)
+def test_a_criterion_says_which_end_is_worse(criterion: Criterion) -> None:
+    named = [p.name for p in declared(criterion.parameters)]
+    assert entry(criterion).worse == criterion.worse
+    assert entry(criterion).of == criterion.of
+    assert (entry(criterion).dimension is None) == (set(criterion.sample) == {2, 3})
+    assert "threshold" not in [p.name for p in entry(criterion).parameters]
+    if criterion.worse == "low":
+        assert named[0] == "threshold"
+        assert criterion.excluded is not None
+    else:
+        assert "threshold" not in named
+
+
+@pytest.mark.parametrize("criterion", [c for c in CRITERIA if c.worse == "high"], ids=lambda c: c.name)
+def test_a_criterion_beside_the_one_that_decides_changes_nothing_of_it(criterion: Criterion) -> None:
+    beside = problem(criterion)
+    document = around(criterion) | {"objectives": []}
+    alone = Problem(load_document(document))
+    points = np.random.default_rng(5).random((21, 1))
+    batch, _ = beside.fly(points)
+    assert batch.costs.shape == (21, 2)
+    assert batch.costs[:, 0].tobytes() == alone.fly(points)[0].costs[:, 0].tobytes()
+    # Its sign is turned, so that every column is minimised.
+    assert (batch.costs[:, 1] <= 0.0).all()
 
 
 @EACH
@@ -94,6 +118,7 @@ def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Comp
     ok = batch.status == OK
     assert np.isfinite(batch.costs[ok]).all()
     assert np.isnan(batch.costs[~ok]).all()
+    assert batch.costs.shape == (len(vectors), len(flown.criteria))
     assert set(np.unique(batch.status)) <= {OK, FAILED, EXCLUDED}
     assert sorted(reasons) == np.flatnonzero(~ok).tolist()
     assert all(reason.startswith("the flight ") for reason in reasons.values())
@@ -110,7 +135,7 @@ def test_a_value_that_is_no_number_fails_the_flight_or_changes_nothing(component
         vector = flown.nominal.copy()
         vector[flown.paths[path]] = np.nan
         batch, _ = flown.fly_vectors(vector[None, :])
-        assert batch.status[0] != OK or batch.costs[0, 0] == usual.costs[0, 0], path
+        assert batch.status[0] != OK or np.array_equal(batch.costs, usual.costs), path
 
 
 @EACH

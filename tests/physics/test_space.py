@@ -155,8 +155,8 @@ def test_the_closest_approach_is_kept(obstacle: str) -> None:
     first = [s.name for s in made.signals].index("obstacle.0.x")
     blind = made.fly(vector(made, obstacle, **GIVEN["closest_approach_3d"] | {"avoider.horizon": 0.01}), 0.05, 1000)
     kept = {"cylinder": 40.0, "box_3d": 77.4}.get(obstacle, 45.0)
-    assert blind.costs[0] < kept - 10.0
-    assert flown.costs[0] > kept - 3.0  # a little goes into taking up the velocity
-    assert flown.costs[0] == pytest.approx(
+    assert blind.costs[0, 0] < kept - 10.0
+    assert flown.costs[0, 0] > kept - 3.0  # a little goes into taking up the velocity
+    assert flown.costs[0, 0] == pytest.approx(
         np.linalg.norm(seen[:, :3] - seen[:, first : first + 3], axis=1).min(), abs=0.2
     )

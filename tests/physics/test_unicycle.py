@@ -135,7 +135,7 @@ class TestFormulations:
         squares = ((flown.trace[0, :, :2] - [4.0, 4.0]) ** 2).sum(axis=1)
         i = int(squares.argmin())
         a, b, c = squares[i - 1 : i + 2]
-        assert math.sqrt(b - 0.125 * (a - c) ** 2 / (a - 2 * b + c)) == pytest.approx(flown.costs[0], abs=1e-14)
+        assert math.sqrt(b - 0.125 * (a - c) ** 2 / (a - 2 * b + c)) == pytest.approx(flown.costs[0, 0], abs=1e-14)
 
 
 class TestSymmetry:

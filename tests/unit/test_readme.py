@@ -56,4 +56,4 @@ def test_the_component_flies() -> None:
     )
     flown = loop.fly(vector[None], 0.005, 1000)
     assert flown.status[0] == 0.0
-    assert 0.3 < flown.costs[0] < 1.5
+    assert 0.3 < flown.costs[0, 0] < 1.5

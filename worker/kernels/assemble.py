@@ -16,7 +16,7 @@ from worker.kernels.bind import Function, bind, compile_loop, digest, filled, pl
 from worker.kernels.chains import chains
 from worker.kernels.component import Signal
 from worker.kernels.lanes import LaneOps, lane_ops, plain_ops
-from worker.kernels.layout import Parts, derivations, places, sections, states
+from worker.kernels.layout import Parts, channels, derivations, places, sections, states
 
 Floats = NDArray[np.float64]
 
@@ -24,14 +24,15 @@ LANES = 16
 """The one width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single flight 1.5 times slower; searches
 fly batches (DECISIONS.md)."""
 
-FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "settled", "envelope", "cost", "barred")
+FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "settled", "envelope", "costs_of", "barred")
 
 
 class Flown:
-    """What `Loop.fly` returns: costs (n,), NaN unless ok; status (n,) and when (n,) [s] as in `loop.fly`; trace."""
+    """What `Loop.fly` returns: costs (n, k) of k criteria, the one that decides first, NaN unless ok; status (n,) and
+    when (n,) [s] as in `loop.fly`; trace."""
 
-    def __init__(self, n: int, trace: Floats) -> None:
-        self.costs: Floats = np.empty(n)
+    def __init__(self, n: int, k: int, trace: Floats) -> None:
+        self.costs: Floats = np.empty((n, k))
         self.status: Floats = np.empty(n)
         self.when: Floats = np.empty(n)
         self.trace = trace
@@ -50,7 +51,7 @@ class Loop:
         self.states = states(parts)
         self.n_state = self.states.total
         self.n_held = parts.vehicle.dimension * (1 + guidance.KEPT * parts.late) + parts.avoider.memory
-        self.n_channels = len(parts.obstacles)
+        self.channels = channels(parts)
         self._glue = _glue(self)
         self._plain: dict[str, Any] = {}
 
@@ -72,7 +73,7 @@ class Loop:
         """Columns that `observe` gives, in order."""
         pose = [Signal(n, n, "m") for n in ("x", "y", "z")] + [Signal(n, n, "rad") for n in ("roll", "pitch", "yaw")]
         centres = [Signal(f"obstacle.{i}.{a}", a, "m") for i in range(len(self.parts.obstacles)) for a in "xyz"]
-        channels = [Signal(f"channel.{i}", f"y{i}", "") for i in range(self.n_channels)]
+        channels = [Signal(f"channel.{i}", f"y{i}", "") for i in range(self.channels.total)]
         return (*pose, *self.parts.vehicle.inputs, *self.parts.controller.signals, *centres, *channels)
 
     def fly(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Flown:
@@ -84,7 +85,7 @@ class Loop:
             every = 1 if self.parts.avoider.memory else steps + 1
         params = np.ascontiguousarray(params, dtype=np.float64)
         trace = np.full((traced, steps + 1, self.n_state + self.n_held), np.nan)
-        flown = Flown(len(params), trace)
+        flown = Flown(len(params), len(self.parts.criteria), trace)
         with np.errstate(all="ignore"):
             self._fly(params, step, steps, every, flown.costs, flown.status, flown.when, trace)
         # Comparisons inside components may swallow a NaN: a flight of parameters that are no numbers is none.
@@ -104,7 +105,7 @@ class Loop:
         return seen
 
     def part(self, name: str) -> Function:
-        """A part of the glue in plain Python: bodies, initial, blank, guide, closed_loop, envelope, cost, barred.
+        """A part of the glue in plain Python: bodies, initial, blank, guide, closed_loop, envelope, cost, costs_of, ...
 
         All take the extended vector of parameters, which `extend` makes.
         """
@@ -137,13 +138,15 @@ class Loop:
 
 
 def _layout(made: Loop) -> dict[str, Any]:
-    lanes, n_x, n_p, n_g, n_y = made.lanes, made.n_state, made.size, made.n_held, made.n_channels
+    lanes, n_x, n_p, n_g, n_y = made.lanes, made.n_state, made.size, made.n_held, made.channels.total
+    n_k = len(made.parts.criteria)
     rows = {
         "X": n_x, "A": n_x, "B": n_x, "C": n_x, "P": made.size_extended, "G": n_g,
-        "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "STATUS": 1, "WHEN": 1,
+        "Y0": n_y, "Y1": n_y, "Y2": n_y, "LOW": n_y, "K": n_k, "STATUS": 1, "WHEN": 1,
     }  # fmt: skip
     n_e = made.size_extended
     slots: dict[str, Any] = {"N_X": n_x, "N_P": n_p, "N_E": n_e, "N_G": n_g, "N_Y": n_y, "LANES": lanes}
+    slots |= {"N_R": made.channels.refined, "N_S": made.channels.steps, "N_K": n_k}
     slots["SETTLES"] = made.parts.vehicle.settle is not None
     offset = 0
     for name, count in rows.items():
@@ -156,6 +159,7 @@ def _layout(made: Loop) -> dict[str, Any]:
         "load_x": x.load, "store_x": x.store, "advance": x.advance, "combine": x.combine,
         "load_p": p.load, "store_p": p.store, "load_raw": _ops(ops, n_p, lanes).load,
         "load_g": g.load, "store_g": g.store, "load_y": y.load, "store_y": y.store,
+        "store_k": _ops(ops, n_k, lanes).store,
         "magnitude_x": x.magnitude, "magnitude_y": y.magnitude,
     }  # fmt: skip
 
@@ -170,7 +174,7 @@ def _glue(made: Loop) -> dict[str, Any]:
     slots["kept"] = _filled(guidance.four_kept if made.parts.late else guidance.none_kept, slots)
     slots["demand"] = _filled(_demand(made.parts), slots)
     slots |= _translation(made.parts, slots)
-    parts: dict[str, Any] = {"bodies": slots["bodies"], "extend": _extend(made)}
+    parts = {"extend": _extend(made)} | {name: slots[name] for name in ("bodies", "costs_of")}
     names = (
         "aware",
         "guide",
@@ -236,6 +240,7 @@ def _constants(made: Loop) -> dict[str, Any]:
         place = made.extended[prefix]
         slots[prefix.title()] = place.fields
         slots[f"{letter}0"], slots[f"{letter}1"] = place.first, place.last
+    slots["Y0"], slots["Y1"] = made.channels.of["criterion"]
     return slots
 
 

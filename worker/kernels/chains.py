@@ -1,4 +1,4 @@
-"""Components of which there may be several, as chains: obstacles, channels, faults, environment.
+"""Components of which there may be several, as chains: obstacles, faults, environment, criteria.
 
 Each link is a template of `links` bound to one component, its parameters' and states' slices, and the link before.
 Start reading at `chains`.
@@ -11,8 +11,8 @@ from typing import Any
 
 from worker.kernels import guidance, links, views
 from worker.kernels.bind import bind
-from worker.kernels.component import Obstacle
-from worker.kernels.layout import Parts, Place, Placed
+from worker.kernels.component import Criterion, Obstacle
+from worker.kernels.layout import Parts, Place, Placed, channels
 
 
 def chains(parts: Parts, places: Mapping[str, Place]) -> dict[str, Any]:
@@ -23,14 +23,14 @@ def chains(parts: Parts, places: Mapping[str, Place]) -> dict[str, Any]:
     slots["blended"] = bind(getattr(guidance, f"blended{suffix}"), {})
     for name in ("shifted", "shown", "point", "solid"):
         slots[name] = bind(getattr(views, f"{name}{suffix}"), {})
-    return slots | _environment(parts, own, slots) | _obstacles(parts, own, slots)
+    return slots | _environment(parts, own, slots) | _obstacles(parts, own, slots) | _criteria(parts, own, places)
 
 
 def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, Any]) -> dict[str, Any]:
-    """All obstacles as they are, as they are seen, how they move, and the criterion's channels."""
+    """All obstacles as they are, as they are seen, and how they move."""
     bodies = seen = bind(links.nothing, {})
     woken, moved = bind(links.no_wake, {}), bind(links.no_move, {})
-    samples = centres = bind(links.nothing, {})
+    centres = bind(links.nothing, {})
     centre = {"centre": bind(views.centre3 if parts.vehicle.dimension == 3 else views.centre2, {})}
     sensed = {k: slots[k] for k in ("sight", "shifted", "shown", "point", "solid")}
     late = any(f.fault.path == "timing" for f in parts.faults)
@@ -38,17 +38,14 @@ def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, An
     for i, obstacle in enumerate(parts.obstacles):
         at = own[f"obstacles.{i}"] | {"X0": offset, "X1": offset + obstacle.states}
         link = at | {"body": obstacle.body}
-        sample = {"sample": parts.criterion.sample[parts.vehicle.dimension]}
         if i == 0:
             bodies = bind(links.first_body, link)
             seen = bind(links.first_seen, link | sensed | _timed(late, obstacle, slots))
-            samples = bind(links.first_sample, sample)
             centres = bind(links.first_centre, centre)
         else:
             bodies = bind(links.more_bodies, link | {"before": bodies})
             timed = _timed(late, obstacle, slots)
             seen = bind(links.more_seen, link | sensed | timed | {"before": seen, "INDEX": i})
-            samples = bind(links.more_samples, sample | {"before": samples, "INDEX": i})
             centres = bind(links.more_centres, centre | {"before": centres, "INDEX": i})
         if obstacle.states:
             woken = bind(links.more_wakes, own[f"obstacles.{i}"] | {"wake": obstacle.wake, "before": woken})
@@ -57,7 +54,6 @@ def _obstacles(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, An
     return {
         "bodies": bodies,
         "perceived": seen,
-        "samples": samples,
         "centres": centres,
         "woken_obstacles": woken,
         "moved": moved,
@@ -125,3 +121,37 @@ def _environment(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, 
             woken = bind(links.more_wakes, at | {"wake": part.wake, "before": woken})
         offset += part.states
     return {"surroundings": surroundings, "woken_environment": woken}
+
+
+def _criteria(parts: Parts, own: dict[str, dict[str, Any]], places: Mapping[str, Place]) -> dict[str, Any]:
+    """The channels of all criteria side by side, and their costs; the costs begin with the one that decides."""
+    stand = channels(parts).of
+    readings: Any = None
+    for prefix in stand:
+        reading = _reading(parts, parts.criteria[prefix], own[prefix], places)
+        readings = bind(links.more_readings, {"before": readings, "reading": reading}) if readings else reading
+    costs: Any = None
+    for prefix, criterion in parts.criteria.items():
+        link = own[prefix] | {"value": criterion.value, "Y0": stand[prefix][0], "Y1": stand[prefix][1]}
+        sign = {"SIGN": -1.0 if criterion.worse == "high" else 1.0}
+        costs = bind(links.more_costs, link | sign | {"before": costs}) if costs else bind(links.first_cost, link)
+    return {"readings": readings, "costs_of": costs}
+
+
+def _reading(parts: Parts, criterion: Criterion, own: dict[str, Any], places: Mapping[str, Place]) -> Any:
+    """The channels of one criterion at one instant."""
+    dimension = parts.vehicle.dimension
+    sample = {"sample": criterion.sample[dimension]}
+    if criterion.of == "goal":
+        goal = places["goal"]
+        there = {"Goal": goal.fields, "G0": goal.first, "G1": goal.last}
+        place = bind(views.place3 if dimension == 3 else views.place2, {})
+        return bind(links.of_goal, own | sample | there | {"place": place})
+    if criterion.of == "flight":
+        vehicle = places["vehicle"]
+        there = {"Vehicle": vehicle.fields, "V0": vehicle.first, "V1": vehicle.last}
+        return bind(links.of_flight, own | sample | there | {"pose": parts.vehicle.pose})
+    samples = bind(links.first_sample, sample)
+    for i in range(1, len(parts.obstacles)):
+        samples = bind(links.more_samples, sample | {"before": samples, "INDEX": i})
+    return bind(links.of_obstacles, own | {"samples": samples})

@@ -1,79 +1,41 @@
 """What a component is: typed parameters with unit, limits and text, and the kernels that fill the loop's slots.
 
 One file declares one component as its module attribute `component`; the file's docstring is its documentation.
-Start reading at `Parameter` and `Vehicle`; CONTRIBUTING in the README shows a whole file.
+Start reading at `Vehicle`; parameters are in `parameters`; CONTRIBUTING in the README shows a whole file.
 """
 
 from __future__ import annotations
 
-import typing
-from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from worker.kernels.parameters import Declared, Parameter, declared, extended
+
+__all__ = [
+    "Avoider",
+    "Component",
+    "Controller",
+    "Criterion",
+    "Declared",
+    "Derived",
+    "Environment",
+    "Fault",
+    "Limit",
+    "NoTrim",
+    "Obstacle",
+    "Parameter",
+    "Signal",
+    "Switches",
+    "Trim",
+    "Vehicle",
+    "declared",
+    "extended",
+]
+
 Kernel = Callable[..., Any]
 Switches = Callable[[Any, float], list[float]]
 """switches(parameters or derived constants, horizon [s]) -> instants [s] at which it jumps, in plain Python."""
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One number of a component: unit, one line of text, the limits within which it has a meaning.
-
-    `name` is how a campaign names it where that is not the field's own name, as `position.x` for `position_x`.
-    """
-
-    unit: str
-    text: str
-    low: float = -1e9
-    high: float = 1e9
-    symbol: str = ""
-    name: str = ""
-
-
-@dataclass(frozen=True)
-class Declared:
-    """A parameter as its component declares it: field of the NamedTuple, name in a campaign; default None: required."""
-
-    field: str
-    name: str
-    symbol: str
-    unit: str
-    text: str
-    low: float
-    high: float
-    default: float | None
-
-
-def declared(fields: type) -> tuple[Declared, ...]:
-    """The parameters of a NamedTuple whose fields are `Annotated[float, Parameter(...)]`, in order."""
-    hints = typing.get_type_hints(fields, include_extras=True)
-    defaults = getattr(fields, "_field_defaults", {})
-    found = []
-    for field, hint in hints.items():
-        meta = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Parameter)), None)
-        if meta is None:
-            raise TypeError(f"{fields.__name__}.{field} is declared without Parameter(unit, text, ...)")
-        default = defaults.get(field)
-        if not meta.low < meta.high or (default is not None and not meta.low <= default <= meta.high):
-            raise TypeError(f"{fields.__name__}.{field}: limits {meta.low} to {meta.high}, default {default}")
-        found.append(
-            Declared(
-                field, meta.name or field, meta.symbol or field, meta.unit, meta.text, meta.low, meta.high, default
-            )
-        )
-    return tuple(found)
-
-
-def extended(name: str, *parts: type) -> Any:
-    """A NamedTuple of the fields of several, in order, with their declarations; defaults where every field has one."""
-    fields = [field for part in parts for field in part._fields]  # type: ignore[attr-defined]
-    defaults = [v for part in parts for v in part._field_defaults.values()]  # type: ignore[attr-defined]
-    made: Any = namedtuple(name, fields, defaults=defaults if len(defaults) == len(fields) else ())  # type: ignore[misc]
-    hints = [typing.get_type_hints(part, include_extras=True) for part in parts]
-    made.__annotations__ = {field: hint for part in hints for field, hint in part.items()}
-    return made
 
 
 @dataclass(frozen=True)
@@ -276,11 +238,16 @@ class Fault:
 
 @dataclass(frozen=True)
 class Criterion:
-    """What must stay above a threshold. Its kernels:
+    """What a flight is judged by. Its kernels, `sample` one per dimension it has a meaning in:
 
-    sample(t, position, velocity, x, u, body, p) -> (channel,) for one obstacle; the lowest values over the flight,
-    refined between steps, of all channels give value(lowest, p); excluded(first, p) tells whether the first reading
-    bars the flight. `sample` holds one kernel per dimension. The first parameter is always `threshold`.
+    sample(t, position, velocity, x, u, to, p) -> (channel,) at one instant, with the true state x and the inputs u that
+    arrive. `to` is what it is `of`: each obstacle as views.Body or Body3, a channel for each; the goal's place; or the
+    vehicle's pose. value(reading, p) -> its value in its own sign, from what `over` makes of each channel: the lowest
+    over the flight, refined between steps by a parabola (a smooth channel) or at the steps (one that may jump), or the
+    first instant [s] at which it is not above 0, the horizon where there is none.
+
+    `worse`: which end is sought. One that is worse when low may decide: its first parameter is `threshold`, its value
+    must stay above it, and excluded(first, p) tells whether the first reading bars the flight.
     """
 
     name: str
@@ -290,7 +257,11 @@ class Criterion:
     parameters: type
     sample: dict[int, Kernel]
     value: Kernel
-    excluded: Kernel
+    excluded: Kernel | None = None
+    worse: Literal["low", "high"] = "low"
+    of: Literal["obstacles", "goal", "flight"] = "obstacles"
+    over: Literal["refined", "steps", "crossing"] = "refined"
+    derived: Derived | None = None
     role: Literal["criterion"] = "criterion"
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 N_V = N_X = 0
-V0 = V1 = C0 = C1 = A0 = A1 = S0 = S1 = G0 = G1 = K0 = K1 = 0
+V0 = V1 = C0 = C1 = A0 = A1 = S0 = S1 = G0 = G1 = K0 = K1 = Y0 = Y1 = 0
 XC0 = XC1 = XA0 = XA1 = XE0 = XE1 = XO0 = XO1 = 0
 DIMENSION = 2
 M1 = 0
@@ -31,7 +31,7 @@ def _slot(*_: Any) -> Any:
 begin = derivative = position = velocity = outside = pose = measured = settle = felt = _slot
 prepare = command = references = on_sample = on_use = demand = kept = _slot
 steer = remember = _slot
-bodies = perceived = samples = centres = moved = woken_obstacles = _slot
+bodies = perceived = readings = centres = moved = woken_obstacles = _slot
 errors = actuated = rested = surroundings = woken_environment = _slot
 value = excluded = _slot
 
@@ -83,7 +83,7 @@ def initial(p: Any) -> Any:
 
 
 def closed_loop(t: float, x: Any, g: Any, p: Any) -> Any:
-    """Derivative of the whole state, and the criterion's channels, at one instant."""
+    """Derivative of the whole state, and the criteria's channels, at one instant."""
     vp = Vehicle(*p[V0:V1])
     xm, q, v, seen = aware(t, x, p)
     want = demand(t, q, v, seen, g, p)
@@ -97,7 +97,7 @@ def closed_loop(t: float, x: Any, g: Any, p: Any) -> Any:
     dxv = derivative(t, xv, u, env, vp)
     dxo = moved(t, x[XO0:XO1], q, v, p)
     around = bodies(t, x[XO0:XO1], q, p)
-    return dxv + dxc + dxa + dxe + dxo, samples(t, q, v, xv, u, around, Criterion(*p[K0:K1]))
+    return dxv + dxc + dxa + dxe + dxo, readings(t, q, v, xv, u, around, p)
 
 
 def settled(x: Any, p: Any) -> Any:
@@ -111,13 +111,13 @@ def envelope(x: Any, p: Any) -> float:
 
 
 def cost(lowest: Any, p: Any) -> float:
-    """The criterion's value from the lowest value of every channel."""
-    return value(lowest, Criterion(*p[K0:K1]))  # type: ignore[no-any-return]
+    """The value of the criterion that decides, from the lowest value of every channel."""
+    return value(lowest[Y0:Y1], Criterion(*p[K0:K1]))  # type: ignore[no-any-return]
 
 
 def barred(first: Any, p: Any) -> bool:
     """Whether the scenario's precondition fails: the first reading of the channels excludes the flight."""
-    return excluded(first, Criterion(*p[K0:K1]))  # type: ignore[no-any-return]
+    return excluded(first[Y0:Y1], Criterion(*p[K0:K1]))  # type: ignore[no-any-return]
 
 
 def observation(t: float, x: Any, g: Any, p: Any) -> Any:
@@ -135,5 +135,5 @@ def observation(t: float, x: Any, g: Any, p: Any) -> Any:
     u, _ = command(t, xm, x[XC0:XC1], want, cp)
     u, _ = actuated(t, u, x[XA0:XA1], p)
     around = bodies(t, x[XO0:XO1], q, p)
-    seen_channels = samples(t, q, v, xv, u, around, Criterion(*p[K0:K1]))
+    seen_channels = readings(t, q, v, xv, u, around, p)
     return pose(xv, vp) + u + references(xm, want, cp) + centres(around) + seen_channels

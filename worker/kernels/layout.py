@@ -1,8 +1,8 @@
 """Where everything stands: the flat vector of parameters, and the state of the whole loop.
 
-Parameters: vehicle, controller, avoider, start, goal, criterion, then obstacles, environment and faults as the
-campaign lists them; then the vehicle's trim; constants that components derive stand behind. State: vehicle, controller,
-actuators, environment, obstacles. Start reading at `Parts`.
+Parameters: vehicle, controller, avoider, start, goal, criterion, then obstacles, environment, faults and further
+criteria as the campaign lists them; then the vehicle's trim; constants that components derive stand behind. State:
+vehicle, controller, actuators, environment, obstacles. Start reading at `Parts`.
 """
 
 from __future__ import annotations
@@ -45,6 +45,13 @@ class Parts:
     environment: tuple[Environment, ...] = ()
     faults: tuple[Placed, ...] = ()
     sampled: bool = False
+    objectives: tuple[Criterion, ...] = ()
+    """Further criteria, beside the one that decides."""
+
+    @property
+    def criteria(self) -> dict[str, Criterion]:
+        """All criteria by the prefix of their parameters, the one that decides first."""
+        return {"criterion": self.criterion} | {f"objectives.{i}": c for i, c in enumerate(self.objectives)}
 
     @property
     def late(self) -> bool:
@@ -87,6 +94,7 @@ def sections(parts: Parts) -> tuple[Section, ...]:
         *((f"obstacles.{i}", o.parameters) for i, o in enumerate(parts.obstacles)),
         *((f"environment.{i}", e.parameters) for i, e in enumerate(parts.environment)),
         *((f"faults.{i}", f.fault.parameters) for i, f in enumerate(parts.faults)),
+        *((f"objectives.{i}", c.parameters) for i, c in enumerate(parts.objectives)),
     ]
     found: list[Section] = []
     for prefix, fields in named:
@@ -96,13 +104,14 @@ def sections(parts: Parts) -> tuple[Section, ...]:
 
 def derivations(parts: Parts, flat: Sequence[Section]) -> Iterator[tuple[Section, Derived]]:
     """The sections whose components derive constants from them, in order."""
-    known: dict[str, Vehicle | Controller | Avoider | Obstacle | Environment | Fault] = {
+    known: dict[str, Vehicle | Controller | Avoider | Obstacle | Environment | Fault | Criterion] = {
         "vehicle": parts.vehicle,
         "controller": parts.controller,
         "avoider": parts.avoider,
         **{f"obstacles.{i}": o for i, o in enumerate(parts.obstacles)},
         **{f"environment.{i}": e for i, e in enumerate(parts.environment)},
         **{f"faults.{i}": f.fault for i, f in enumerate(parts.faults)},
+        **parts.criteria,
     }
     for section in flat:
         part = known.get(section.prefix)
@@ -158,3 +167,32 @@ def states(parts: Parts) -> States:
         sum(e.states for e in parts.environment),
         sum(o.states for o in parts.obstacles),
     )
+
+
+@dataclass(frozen=True)
+class Channels:
+    """The channels of all criteria, those read alike side by side: how many of each, and which are whose."""
+
+    refined: int
+    steps: int
+    crossing: int
+    of: dict[str, tuple[int, int]]
+    """First and last of each criterion, by its prefix, in the order in which they stand."""
+
+    @property
+    def total(self) -> int:
+        return self.refined + self.steps + self.crossing
+
+
+def channels(parts: Parts) -> Channels:
+    """Which channels each criterion has: one, or one for each obstacle."""
+    of: dict[str, tuple[int, int]] = {}
+    ends = [0]
+    for over in ("refined", "steps", "crossing"):
+        end = ends[-1]
+        for prefix, criterion in parts.criteria.items():
+            if criterion.over == over:
+                of[prefix] = end, end + (len(parts.obstacles) if criterion.of == "obstacles" else 1)
+                end = of[prefix][1]
+        ends.append(end)
+    return Channels(ends[1], ends[2] - ends[1], ends[3] - ends[2], of)

@@ -11,7 +11,10 @@ from typing import Any
 from worker.kernels.views import Errors, Seen, Sight, Surroundings, moved_by
 
 N_U = 0
-T0 = T1 = P0 = P1 = X0 = X1 = E0 = E1 = INDEX = NEXT = 0
+T0 = T1 = P0 = P1 = X0 = X1 = E0 = E1 = V0 = V1 = G0 = G1 = Y0 = Y1 = INDEX = NEXT = 0
+SIGN = 1.0
+Vehicle: Any = None
+Goal: Any = None
 Given: Any = None
 Trimmed: Any = None
 Own: Any = None
@@ -22,8 +25,9 @@ def _slot(*_: Any) -> Any:
     raise NotImplementedError("a slot that bind did not fill")
 
 
-before = body = carried = centre = point = seen_at = shifted = shown = sight = solid = _slot
-see = delay = mistake = move = wake = sample = act = rest = blow = weigh = first = derive = balance = _slot
+before = body = carried = centre = point = pose = seen_at = shifted = shown = sight = solid = _slot
+see = delay = mistake = move = wake = act = rest = blow = weigh = first = derive = balance = _slot
+sample = samples = place = reading = value = _slot
 
 
 # What components derive from their parameters.
@@ -150,7 +154,7 @@ def more_error(t: float, p: Any) -> Errors:
     return Errors(a.x + b.x, a.y + b.y, a.z + b.z, a.heading + b.heading, a.speed + b.speed)
 
 
-# Obstacles with states of their own, and the criterion's channels.
+# Obstacles with states of their own.
 
 
 def no_move(t: float, x: Any, q: Any, v: Any, p: Any) -> tuple[()]:
@@ -171,16 +175,6 @@ def no_wake(p: Any) -> tuple[()]:
 def more_wakes(p: Any) -> Any:
     """The states of a chain at the start before, and of one more component."""
     return before(p) + wake(Own(*p[P0:P1]))
-
-
-def first_sample(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
-    """The criterion's channels for the first obstacle."""
-    return sample(t, q, v, x, u, around[0], p)
-
-
-def more_samples(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
-    """The channels for the obstacles before, and for one more."""
-    return before(t, q, v, x, u, around, p) + sample(t, q, v, x, u, around[INDEX], p)
 
 
 # Actuators and environment.
@@ -239,3 +233,46 @@ def unweighed(t: float, q: Any, v: Any, goal: Any, around: Any, m: Any, p: Any) 
 def more_weighed(t: float, q: Any, v: Any, goal: Any, around: Any, m: Any, p: Any) -> Any:
     """The obstacles weighed before, and one more."""
     return weigh(before(t, q, v, goal, around, m, p), float(INDEX), around[INDEX], t, q, v, goal, m, p)
+
+
+# Criteria: their channels at one instant, and their costs.
+
+
+def first_sample(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
+    """A criterion's channels for the first obstacle."""
+    return sample(t, q, v, x, u, around[0], p)
+
+
+def more_samples(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
+    """The channels for the obstacles before, and for one more."""
+    return before(t, q, v, x, u, around, p) + sample(t, q, v, x, u, around[INDEX], p)
+
+
+def of_obstacles(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
+    """The channels of a criterion that reads every obstacle."""
+    return samples(t, q, v, x, u, around, Own(*p[P0:P1]))
+
+
+def of_goal(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
+    """The channel of a criterion that reads the way to the goal."""
+    return sample(t, q, v, x, u, place(Goal(*p[G0:G1])), Own(*p[P0:P1]))
+
+
+def of_flight(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
+    """The channel of a criterion that reads the vehicle alone."""
+    return sample(t, q, v, x, u, pose(x, Vehicle(*p[V0:V1])), Own(*p[P0:P1]))
+
+
+def more_readings(t: float, q: Any, v: Any, x: Any, u: Any, around: Any, p: Any) -> Any:
+    """The channels of the criteria before, and of one more."""
+    return before(t, q, v, x, u, around, p) + reading(t, q, v, x, u, around, p)
+
+
+def first_cost(lowest: Any, p: Any) -> Any:
+    """The cost of the criterion that decides: its value, which is worse when low."""
+    return (value(lowest[Y0:Y1], Own(*p[P0:P1])),)
+
+
+def more_costs(lowest: Any, p: Any) -> Any:
+    """The costs before, and of one more criterion; where high is worse its sign is turned."""
+    return before(lowest, p) + (SIGN * value(lowest[Y0:Y1], Own(*p[P0:P1])),)

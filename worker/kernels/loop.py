@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-N_X = N_P = N_E = N_G = N_Y = N_W = LANES = 0
-X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = STATUS = WHEN = SIZE = 0
+N_X = N_P = N_E = N_G = N_Y = N_R = N_S = N_K = LANES = 0
+X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = K = STATUS = WHEN = SIZE = 0
 SETTLES = False
 
 BEFORE = 1.0 - 1e-8
@@ -36,15 +36,15 @@ def _slot(*_: Any) -> Any:
 
 load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
 magnitude_x = magnitude_y = _slot
-extend = initial = blank = guide = closed_loop = settled = envelope = cost = barred = observation = _slot
+extend = initial = blank = guide = closed_loop = settled = envelope = costs_of = barred = observation = store_k = _slot
 
 
 def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[no-untyped-def]
     """Fly n simulations.
 
     params (n, N_P); dt [s]; steps; every: steps per guidance sample (sampled guidance only).
-    Out: costs (n,), NaN unless ok; status (n,) as OK, NOT_FINITE, EXCLUDED, OUTSIDE + k; when (n,) the time a flight
-    ended [s]; trace (m, steps + 1, N_X + N_G): the states and held guidance of the first m flights.
+    Out: costs (n, N_K), NaN unless ok; status (n,) as OK, NOT_FINITE, EXCLUDED, OUTSIDE + k; when (n,) the time a
+    flight ended [s]; trace (m, steps + 1, N_X + N_G): the states and held guidance of the first m flights.
     """
     n = params.shape[0]
     b = np.empty(SIZE)
@@ -68,6 +68,8 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             b[LOW + k] = np.inf
             b[Y1 + k] = np.inf
             b[Y2 + k] = np.inf
+        for k in range((N_R + N_S) * LANES, N_Y * LANES):
+            b[LOW + k] = steps * dt
         for i in range(steps + 1):
             t = i * dt
             if i % every == 0:
@@ -90,7 +92,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                     bar = barred(load_y(b, Y0, l), load_p(b, P, l))
                     b[STATUS + l] = EXCLUDED if (b[STATUS + l] == OK) & bar else b[STATUS + l]
             # The minimum between steps: the vertex of the parabola through three samples.
-            for k in range(N_Y * LANES):
+            for k in range(N_R * LANES):
                 left = b[Y2 + k]
                 mid = b[Y1 + k]
                 right = b[Y0 + k]
@@ -102,6 +104,23 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 b[LOW + k] = low if low < b[LOW + k] else b[LOW + k]
                 b[Y2 + k] = mid
                 b[Y1 + k] = right
+            # The minimum at the steps.
+            for k in range(N_R * LANES, (N_R + N_S) * LANES):
+                right = b[Y0 + k]
+                b[LOW + k] = right if right < b[LOW + k] else b[LOW + k]
+            # The first instant at which a channel is no longer above 0, on the line through two samples.
+            falling = 0
+            for k in range((N_R + N_S) * LANES, N_Y * LANES):
+                falling += (b[Y1 + k] > 0.0) & (b[Y0 + k] <= 0.0)
+            if falling > 0:
+                for k in range((N_R + N_S) * LANES, N_Y * LANES):
+                    mid = b[Y1 + k]
+                    right = b[Y0 + k]
+                    crossed = t - dt + dt * (mid / (mid - right)) if i > 0 else 0.0
+                    falls = (mid > 0.0) & (right <= 0.0) & (crossed < b[LOW + k])
+                    b[LOW + k] = crossed if falls else b[LOW + k]
+            for k in range((N_R + N_S) * LANES, N_Y * LANES):
+                b[Y1 + k] = b[Y0 + k]
             if trace.shape[0] > first:
                 for l in range(min(LANES, trace.shape[0] - first)):
                     for k in range(N_X):
@@ -131,8 +150,9 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                     store_x(b, X, l, settled(load_x(b, X, l), load_p(b, P, l)))
         for l in range(LANES):
             if first + l < n:
-                result = cost(load_y(b, LOW, l), load_p(b, P, l))
-                costs[first + l] = result if b[STATUS + l] == OK else np.nan
+                store_k(b, K, l, costs_of(load_y(b, LOW, l), load_p(b, P, l)))
+                for k in range(N_K):
+                    costs[first + l, k] = b[K + k * LANES + l] if b[STATUS + l] == OK else np.nan
                 status[first + l] = b[STATUS + l]
                 when[first + l] = b[WHEN + l]
 

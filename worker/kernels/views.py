@@ -124,6 +124,16 @@ def centre3(b: Any) -> tuple[float, float, float]:
     return b.x, b.y, b.z
 
 
+def place2(goal: Any) -> tuple[float, float]:
+    """Where a goal in the plane is."""
+    return goal.x, goal.y
+
+
+def place3(goal: Any) -> tuple[float, float, float]:
+    """Where a goal in space is."""
+    return goal.x, goal.y, goal.z
+
+
 FAR = 1e7
 """Where an obstacle that is not seen is shown: beyond the reach of any avoider [m]."""
 

@@ -1,0 +1,56 @@
+"""Goal miss: the smallest distance to the goal over the flight.
+
+    miss = min over t <= T of |q(t) - g|,   0 where the flight passes through the goal g; more is worse
+
+The least over the flight, not what is left at its end: an aircraft cannot stop at its goal, and whether it got there
+does not depend on how long it is flown on. A flight that is still under way at the horizon T misses by what is left.
+Between steps the minimum is refined by a parabola through three samples of the squared distance, as for the separation:
+smooth in the parameters but near 0, where a distance has a corner; half the step changes it by the step's own error.
+Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is the miss distance of guidance.
+Limits: needs a goal that is a place; an avoider that holds a course has none.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from worker.kernels.component import Criterion
+from worker.kernels.maths import kernel
+
+
+class GoalMiss(NamedTuple):
+    """It has nothing to set."""
+
+
+@kernel
+def in_plane(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: GoalMiss) -> tuple[float]:
+    dx = q[0] - goal[0]
+    dy = q[1] - goal[1]
+    return (dx * dx + dy * dy,)
+
+
+@kernel
+def in_space(t: float, q: Any, v: Any, x: Any, u: Any, goal: Any, p: GoalMiss) -> tuple[float]:
+    dx = q[0] - goal[0]
+    dy = q[1] - goal[1]
+    dz = q[2] - goal[2]
+    return (dx * dx + dy * dy + dz * dz,)
+
+
+@kernel
+def value(lowest: Any, p: GoalMiss) -> float:
+    return math.sqrt(lowest[0] if lowest[0] > 0.0 else 0.0)
+
+
+component = Criterion(
+    name="goal_miss",
+    title="Goal miss",
+    quantity="goal miss",
+    unit="m",
+    parameters=GoalMiss,
+    sample={2: in_plane, 3: in_space},
+    value=value,
+    worse="high",
+    of="goal",
+)

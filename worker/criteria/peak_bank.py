@@ -1,0 +1,44 @@
+"""Peak bank: the largest bank angle of an aircraft over the flight, to either side.
+
+    max over t <= T of |phi(t)|,   phi the roll angle of the Euler angles; more is worse
+
+Between steps the maximum is refined by a parabola through three samples: the roll angle is the integral of a rate, so
+its peaks are smooth, and so is the value in the parameters, but where two peaks are equally high. Half the step changes
+it by the step's own error.
+Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is the usual one.
+Limits: of vehicles in space; the aircraft's own envelope ends a flight at 2 rad.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from worker.kernels.component import Criterion
+from worker.kernels.maths import kernel
+
+
+class PeakBank(NamedTuple):
+    """It has nothing to set."""
+
+
+@kernel
+def sample(t: float, q: Any, v: Any, x: Any, u: Any, pose: Any, p: PeakBank) -> tuple[float]:
+    return (-abs(pose[3]),)
+
+
+@kernel
+def value(lowest: Any, p: PeakBank) -> float:
+    return -lowest[0]  # type: ignore[no-any-return]
+
+
+component = Criterion(
+    name="peak_bank",
+    title="Peak bank",
+    quantity="peak bank",
+    unit="rad",
+    parameters=PeakBank,
+    sample={3: sample},
+    value=value,
+    worse="high",
+    of="flight",
+)

@@ -1,0 +1,70 @@
+"""Typed parameters of a component: unit, limits, text, declared as the fields of a NamedTuple.
+
+Start reading at `Parameter`; `declared` reads them back.
+"""
+
+from __future__ import annotations
+
+import typing
+from collections import namedtuple
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a component: unit, one line of text, the limits within which it has a meaning.
+
+    `name` is how a campaign names it where that is not the field's own name, as `position.x` for `position_x`.
+    """
+
+    unit: str
+    text: str
+    low: float = -1e9
+    high: float = 1e9
+    symbol: str = ""
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A parameter as its component declares it: field of the NamedTuple, name in a campaign; default None: required."""
+
+    field: str
+    name: str
+    symbol: str
+    unit: str
+    text: str
+    low: float
+    high: float
+    default: float | None
+
+
+def declared(fields: type) -> tuple[Declared, ...]:
+    """The parameters of a NamedTuple whose fields are `Annotated[float, Parameter(...)]`, in order."""
+    hints = typing.get_type_hints(fields, include_extras=True)
+    defaults = getattr(fields, "_field_defaults", {})
+    found = []
+    for field, hint in hints.items():
+        meta = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Parameter)), None)
+        if meta is None:
+            raise TypeError(f"{fields.__name__}.{field} is declared without Parameter(unit, text, ...)")
+        default = defaults.get(field)
+        if not meta.low < meta.high or (default is not None and not meta.low <= default <= meta.high):
+            raise TypeError(f"{fields.__name__}.{field}: limits {meta.low} to {meta.high}, default {default}")
+        found.append(
+            Declared(
+                field, meta.name or field, meta.symbol or field, meta.unit, meta.text, meta.low, meta.high, default
+            )
+        )
+    return tuple(found)
+
+
+def extended(name: str, *parts: type) -> Any:
+    """A NamedTuple of the fields of several, in order, with their declarations; defaults where every field has one."""
+    fields = [field for part in parts for field in part._fields]  # type: ignore[attr-defined]
+    defaults = [v for part in parts for v in part._field_defaults.values()]  # type: ignore[attr-defined]
+    made: Any = namedtuple(name, fields, defaults=defaults if len(defaults) == len(fields) else ())  # type: ignore[misc]
+    hints = [typing.get_type_hints(part, include_extras=True) for part in parts]
+    made.__annotations__ = {field: hint for part in hints for field, hint in part.items()}
+    return made

@@ -15,6 +15,7 @@ from worker.problem import Floats
 from worker.search.base import OK, Search, Space
 from worker.search.basins import Basin, Rules, distinct, promising
 from worker.stages.base import Context, all_columns
+from worker.stages.boundary import after
 from worker.store import Columns
 
 EACH, ALL = 12, 60
@@ -36,12 +37,13 @@ class Candidate:
 
 @dataclass
 class Found:
-    """What is known so far: candidates, basins (the lowest first), and by how much neighbours lowered each."""
+    """What is known so far: candidates and basins; of each basin what its neighbours gave, slices, the boundary."""
 
     candidates: list[Candidate] = field(default_factory=list)
     basins: list[Basin] = field(default_factory=list)
     left_out: int = 0
     neighbours: list[dict[str, Any]] = field(default_factory=list)
+    after: list[dict[str, Any]] = field(default_factory=list)
 
 
 def search(context: Context, position: int, found: Found) -> Search:
@@ -55,6 +57,8 @@ def search(context: Context, position: int, found: Found) -> Search:
     yield from distinct(points, costs, rules, _space(context), found.basins)
     _keep_the_worst(context, found)
     yield from _neighbours(context, found)
+    for basin in found.basins:
+        found.after.append((yield from after(context.problem, basin.point, basin.cost)))
     return "polished every distinct worst case and flew its neighbours"
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from worker import integrator
 from worker.problem import Floats
 from worker.search.base import OK
-from worker.stages import findings
+from worker.stages import boundary, findings
 from worker.stages.base import Context, Driven, all_columns, drive
 from worker.stages.comparison import compare
 from worker.store import Finding, Trace
@@ -27,17 +27,23 @@ def run(context: Context, position: int) -> tuple[dict[str, Any], list[Finding],
     found = findings.Found()
     driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
     told = [_finding(context, i, found) for i in range(len(found.basins))]
-    told.sort(key=lambda f: f.cost)
-    told = [replace(f, label=f"F{i}", validation=f.validation | {"name": f"F{i}"}) for i, f in enumerate(told, 1)]
+    order = sorted(range(len(told)), key=lambda i: told[i].cost)
+    beyond = {f"F{label}": found.after[i] for label, i in enumerate(order, 1) if i < len(found.after)}
+    told = [_labelled(told[i], f"F{label}") for label, i in enumerate(order, 1)]
     cases += [f.validation for f in told]
     traces = [trace(context.problem, f.label, f.parameters) for f in told]
-    return _result(context, cases) | _told(context, driven, found, told), told, traces
+    return _result(context, cases) | _told(context, driven, found, told) | {"after": beyond}, told, traces
+
+
+def _labelled(finding: Finding, label: str) -> Finding:
+    return replace(finding, label=label, validation=finding.validation | {"name": label})
 
 
 def _budget(context: Context) -> int:
-    """At most: telling the worst cases apart, and the neighbours of all that are kept."""
+    """At most: telling the worst cases apart, and of all that are kept the neighbours, slices and the boundary."""
     stages = context.campaign.stages
-    return stages.findings.evaluations + stages.findings.at_most * stages.validate_.neighbours
+    each = stages.validate_.neighbours + boundary.most(context.problem.dimension)
+    return stages.findings.evaluations + stages.findings.at_most * each
 
 
 def _told(context: Context, driven: Driven, found: findings.Found, told: list[Finding]) -> dict[str, Any]:

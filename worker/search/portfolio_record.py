@@ -1,0 +1,66 @@
+"""What the members of a portfolio know of each other: how costs are spread, and the lowest points found.
+
+Start reading at `Record.start`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worker.search.base import Floats
+
+APART = 0.05
+"""Starts lie at least this far (largest difference of a parameter) from earlier ones and from where those ended."""
+KEPT = 256
+
+
+class Record:
+    """The lowest points that lie apart from every start so far, and the first costs seen."""
+
+    def __init__(self, dimension: int) -> None:
+        self.dimension = dimension
+        self.points: Floats = np.empty((0, dimension))
+        self.values: Floats = np.empty(0)
+        self.taken: Floats = np.empty((0, dimension))
+        self.lowest = np.inf
+        self.first: list[float] = []
+
+    def see(self, points: Floats, values: Floats) -> None:
+        """Points (m, n) and their values (m,), infinity where there is none."""
+        known = np.isfinite(values)
+        if not known.any():
+            return
+        self.lowest = min(self.lowest, float(values.min()))
+        if len(self.first) < 100 * self.dimension:
+            self.first.extend(values[known].tolist())
+        worst = self.values[-1] if len(self.values) == KEPT else np.inf
+        some = np.flatnonzero(known & (values < worst))
+        some = some[self._free(points[some])]
+        if len(some):
+            points, values = np.concatenate([self.points, points[some]]), np.concatenate([self.values, values[some]])
+            order = np.argsort(values, kind="stable")[:KEPT]
+            self.points, self.values = points[order], values[order]
+
+    def spread(self) -> float:
+        """The median of the first costs less the lowest of all; 0 before there are any."""
+        return float(np.median(self.first)) - self.lowest if self.first else 0.0
+
+    def start(self) -> Floats | None:
+        """The lowest point (n,) apart from all starts before it; None where there is none. It is a start now."""
+        if len(self.points) == 0:
+            return None
+        chosen: Floats = self.points[0].copy()
+        self.take(chosen)
+        return chosen
+
+    def take(self, point: Floats) -> None:
+        """No start is to lie near this point any more."""
+        self.taken = np.concatenate([self.taken, point[None, :]])
+        free = np.abs(self.points - point).max(axis=1) >= APART
+        self.points, self.values = self.points[free], self.values[free]
+
+    def _free(self, points: Floats) -> np.ndarray:
+        if len(self.taken) == 0 or len(points) == 0:
+            return np.ones(len(points), dtype=np.bool_)
+        distance = np.abs(points[:, None, :] - self.taken[None, :, :]).max(axis=2)
+        return np.asarray((distance >= APART).all(axis=1))

@@ -15,6 +15,7 @@ from backend.catalog import endpoints as catalog
 from backend.db.engine import connect
 from backend.events import endpoints as events
 from backend.events.hub import Hub
+from backend.exports import endpoints as exports
 from backend.frame import Frame
 from backend.health import endpoints as health
 from backend.results import endpoints as results
@@ -56,7 +57,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.viewers = scenes.Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
-    for feature in (health, sessions, catalog, runs, results, events):
+    for feature in (health, sessions, catalog, runs, results, exports, events):
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

@@ -48,6 +48,7 @@ TAGS = [
     {"name": "catalog", "description": "Components, methods, the library of campaigns"},
     {"name": "runs", "description": "Submitting, listing, watching, cancelling"},
     {"name": "results", "description": "Evaluations, findings, traces"},
+    {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
     {"name": "events", "description": "Progress as it happens"},
 ]
 SECURITY = {

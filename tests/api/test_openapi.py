@@ -96,7 +96,7 @@ def test_answers_are_as_described(service: Service, client: httpx.Client) -> Non
     submit(client, seed=2)
     seen = 0
     for path, method, operation in OPERATIONS:
-        if method != "get" or path.endswith("/events"):
+        if method != "get" or path.endswith("/events") or "/exports/" in path:  # files are held in test_exports
             continue
         address = path.replace("{run}", "R-0001").replace("{name}", "F1" if "traces" in path else "unicycle_static")
         answer = client.get(address)

@@ -1,0 +1,90 @@
+"""A run's files: what there are, and each of them. Start reading at `list_exports`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import sqlalchemy as sa
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import StreamingResponse
+
+from backend.db.engine import read
+from backend.deps import Engine, Reader
+from backend.exports import service
+from backend.exports.schemas import ExportFile
+from backend.runs.service import number, summary
+
+router = APIRouter(tags=["exports"])
+_KINDS = {kind.file: kind for kind in service.FILES}
+
+
+def _described(file: str) -> dict[int | str, dict[str, Any]]:
+    media = _KINDS[file].media_type
+    schema = {} if media == "application/json" else {"type": "string"}
+    if media == "application/x-matlab-data":
+        schema["format"] = "binary"
+    unchanged = {"description": "The file is the one that `If-None-Match` names."}
+    return {200: {"description": _KINDS[file].text, "content": {media: {"schema": schema}}}, 304: unchanged}
+
+
+@router.get("/runs/{run}/exports")
+def list_exports(run: str, reader: Reader) -> list[ExportFile]:
+    """The files that a run can be taken away as."""
+    return service.files(reader, number(run))
+
+
+@router.get("/runs/{run}/exports/run.json", response_class=Response, responses=_described("run.json"))
+def export_run(run: str, request: Request, engine: Engine) -> Response:
+    """Everything that the run holds as one JSON document, streamed; `columns` are those of each stage's `rows`."""
+    run_id = number(run)
+    return _answer(request, engine, run_id, "run.json", lambda: service.run_json(engine, run_id))
+
+
+@router.get("/runs/{run}/exports/evaluations.csv", response_class=Response, responses=_described("evaluations.csv"))
+def export_evaluations(run: str, request: Request, engine: Engine) -> Response:
+    """Every evaluation of every stage as CSV (RFC 4180), streamed; units stand in the heads of the columns."""
+    run_id = number(run)
+    return _answer(request, engine, run_id, "evaluations.csv", lambda: service.evaluations_csv(engine, run_id))
+
+
+@router.get("/runs/{run}/exports/traces.csv", response_class=Response, responses=_described("traces.csv"))
+def export_traces(run: str, request: Request, engine: Engine) -> Response:
+    """The stored flights as CSV, every row of them; `flight` says which one a row is of."""
+    run_id = number(run)
+    return _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id))
+
+
+@router.get("/runs/{run}/exports/traces.mat", response_class=Response, responses=_described("traces.mat"))
+def export_mat(run: str, request: Request, engine: Engine) -> Response:
+    """The stored flights as a MAT-file of version 5, a structure for each."""
+    run_id = number(run)
+
+    def made() -> bytes:
+        with read(engine) as reader:
+            return service.traces_mat(reader, run_id)
+
+    return _answer(request, engine, run_id, "traces.mat", made)
+
+
+def _whole(engine: sa.Engine, run_id: int) -> bytes:
+    with read(engine) as reader:
+        return b"".join(service.traces_csv(reader, run_id))
+
+
+def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: Any) -> Response:
+    """The file with its name and entity tag; 304 where the visitor has it already."""
+    with read(engine) as reader:
+        name = summary(reader, run_id).name
+        tag = service.tag(reader, run_id)
+    saved = service.named(request.path_params["run"], name, file)
+    headers = {"Content-Disposition": f'attachment; filename="{saved}"'}
+    if tag is not None:
+        headers |= {"ETag": tag, "Cache-Control": "private, no-cache"}
+        if tag in request.headers.get("if-none-match", ""):
+            return Response(status_code=304, headers=headers)
+    content: Iterator[bytes] | bytes = made()
+    media = _KINDS[file].media_type
+    if isinstance(content, bytes):
+        return Response(content, headers=headers, media_type=media)
+    return StreamingResponse(content, headers=headers, media_type=media)

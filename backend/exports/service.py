@@ -1,0 +1,198 @@
+"""A run as files, each as an iterator of bytes: JSON and CSV piece by piece, the MAT-file at once.
+
+Numbers are written with all their digits (`repr`), so that what is read back is what was stored. CSV: RFC 4180.
+Start reading at `FILES`.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.engine import read
+from backend.db.tables import Trace
+from backend.exports.schemas import ExportFile
+from backend.exports.sheet import Flown, Sheet, sheet
+from backend.results import service as results
+from backend.results.digest import results_digest
+from backend.runs import service as runs
+
+FORMAT = "clearance-run/1"
+ENDED = ("done", "failed", "cancelled")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of file."""
+
+    file: str
+    title: str
+    text: str
+    media_type: str
+    flights: bool = False
+
+
+FILES = (
+    Kind(
+        "run.json",
+        "Everything, JSON",
+        "Campaign, stages with every evaluation, findings, flights, verdict, versions",
+        "application/json",
+    ),
+    Kind(
+        "evaluations.csv",
+        "Evaluations, CSV",
+        "One row for each evaluation of every stage, parameters in their units",
+        "text/csv",
+    ),
+    Kind("traces.csv", "Flights, CSV", "Nominal flight and every finding over time", "text/csv", flights=True),
+    Kind(
+        "traces.mat",
+        "Flights, MAT-file",
+        "The same for MATLAB, Octave and SciPy (version 5)",
+        "application/x-matlab-data",
+        flights=True,
+    ),
+)
+
+
+def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
+    """What the run can be taken away as; 404 for no run."""
+    run = runs.summary(reader, run_id)
+    flights = reader.scalar(sa.select(sa.func.count()).select_from(Trace).where(Trace.run_id == run_id))
+    return [
+        ExportFile(
+            name=named(run.id, run.name, kind.file),
+            title=kind.title,
+            text=kind.text,
+            media_type=kind.media_type,
+            href=f"/api/v1/runs/{run.id}/exports/{kind.file}",
+            unavailable="no flight of this run is stored" if kind.flights and not flights else None,
+        )
+        for kind in FILES
+    ]
+
+
+def named(run: str, name: str, file: str) -> str:
+    """R-0001-unicycle-past-a-pillar-run.json: letters, digits and dashes only, whatever the run is called."""
+    slug = re.sub(r"[^a-z0-9]+", "-", name.lower())[:48].strip("-")
+    return "-".join(part for part in (run, slug, file) if part)
+
+
+def tag(reader: sa.Connection, run_id: int) -> str | None:
+    """The entity tag of the run's files (RFC 9110, 8.8.3); None while the run works on."""
+    ended = runs.summary(reader, run_id).state in ENDED
+    return f'W/"{results_digest(reader, run_id)}"' if ended else None
+
+
+def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
+    """One row for each evaluation of every stage."""
+    with read(engine) as reader:
+        found = sheet(reader, run_id, runs.campaign(reader, run_id))
+    return _evaluations_csv(engine, found)
+
+
+def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
+    yield _lines([["stage", "kind", "method", *found.columns]])
+    for stage in found.stages:
+        told = [stage.position, stage.kind, stage.method]
+        for block in found.rows(engine, stage):
+            yield _lines([told + row for row in block])
+
+
+def traces_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
+    """The flights one after another; a column that a flight does not have is empty in it."""
+    flights = results.traces(reader, run_id)
+    heads = {c.name: f"{c.name} [{c.unit}]" if c.unit else c.name for flight in flights for c in flight.columns}
+    yield _lines([["flight", *heads.values()]])
+    for flight in flights:
+        row = results.stored(reader, run_id, flight.name)
+        data = results.table(row)
+        place = {column["name"]: k for k, column in enumerate(row.columns)}
+        chosen = [data[:, place[name]].tolist() if name in place else [None] * len(data) for name in heads]
+        yield _lines([[flight.name, *map(_finite, values)] for values in zip(*chosen, strict=True)])
+
+
+def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
+    """Everything that the run holds, as one JSON document; evaluations as rows under their columns' names."""
+    with read(engine) as reader:
+        found = sheet(reader, run_id, runs.campaign(reader, run_id))
+        told = {
+            "format": FORMAT,
+            "results_digest": results_digest(reader, run_id),
+            "run": runs.detail(reader, run_id).model_dump(mode="json"),
+            "findings": [f.model_dump(mode="json") for f in results.findings(reader, run_id)],
+        }
+        stages = [s.model_dump(mode="json") for s in runs.stages(reader, run_id)]
+        flights = [flight.name for flight in results.traces(reader, run_id)]
+    return _run_json(engine, found, told, stages, flights)
+
+
+def _run_json(
+    engine: sa.Engine, found: Sheet, told: dict[str, Any], stages: list[dict[str, Any]], flights: list[str]
+) -> Iterator[bytes]:
+    yield (_text(told)[:-1] + f',"columns":{_text(found.columns)},"stages":[').encode()
+    flown = {stage.position: stage for stage in found.stages}
+    for i, stage in enumerate(stages):
+        yield ((",\n" if i else "\n") + _text(stage)[:-1] + ',"rows":[').encode()
+        if stage["position"] in flown:
+            yield from _json_rows(engine, found, flown[stage["position"]])
+        yield b"]}"
+    yield b'],"traces":['
+    for i, name in enumerate(flights):
+        with read(engine) as reader:
+            flight = results.trace(reader, found.run_id, name, 10**9)
+        yield ((",\n" if i else "\n") + flight.model_dump_json()).encode()
+    yield b"]}\n"
+
+
+def _json_rows(engine: sa.Engine, found: Sheet, stage: Flown) -> Iterator[bytes]:
+    first = True
+    for block in found.rows(engine, stage):
+        yield (("\n" if first else ",\n") + ",\n".join(map(_text, block))).encode()
+        first = False
+
+
+def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
+    """The flights as structures of columns: `nominal.x`, `F1.separation`; `run`, `units` and `meta` beside them."""
+    from scipy.io import savemat  # a third of a second: only where it is asked for
+
+    detail = runs.summary(reader, run_id)
+    told: dict[str, Any] = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
+    for flight in results.traces(reader, run_id):
+        row = results.stored(reader, run_id, flight.name)
+        data = results.table(row)
+        fields: dict[str, Any] = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
+        fields["units"] = {_field(c["name"]): c["unit"] for c in row.columns}
+        fields["meta"] = _text(row.meta)
+        told[_field(flight.name)] = fields
+    buffer: Any = io.BytesIO()  # the stubs of SciPy know file names only
+    savemat(buffer, told, long_field_names=True, do_compression=True)
+    return bytes(buffer.getvalue())
+
+
+def _field(name: str) -> str:
+    """A name that MATLAB takes: obstacle.0.x is obstacle_0_x."""
+    clean = re.sub(r"\W", "_", name, flags=re.ASCII)[:63]
+    return clean if clean[:1].isalpha() else f"c_{clean}"[:63]
+
+
+def _lines(rows: list[list[Any]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text).writerows(rows)
+    return text.getvalue().encode()
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and abs(value) != float("inf") and value == value else None
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))

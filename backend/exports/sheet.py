@@ -1,0 +1,132 @@
+"""Evaluations as rows: which columns there are, and their values chunk by chunk, so that no run is held in memory.
+
+Each block of chunks is read in a transaction of its own: a slow download keeps no snapshot open. Start reading at
+`Sheet`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.catalog.service import bounds, published
+from backend.db.engine import read
+from backend.db.store import as_columns
+from backend.db.tables import EvaluationChunk, Stage
+from backend.results.evaluations import STATUS, Bounds, in_units
+from campaigns import Campaign, Catalogue
+from campaigns.check import parameters
+
+BLOCK = 16
+"""Chunks read at a time."""
+
+SHARE = "share of range"
+"""The unit of a parameter whose bounds this catalogue does not know (any more)."""
+
+
+@dataclass(frozen=True)
+class Flown:
+    """A stage that has evaluations; those that come later are left out."""
+
+    position: int
+    kind: str
+    method: str | None
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The columns of a run's evaluations: criteria and parameters with their units."""
+
+    run_id: int
+    stages: list[Flown]
+    criteria: list[tuple[str, str]]
+    """Name and unit, the one that decides first."""
+    parameters: list[tuple[str, str]]
+    """Path and unit."""
+    limits: Bounds
+
+    @property
+    def columns(self) -> list[str]:
+        """The heads of `rows`; `index` counts from 0 within the stage."""
+        return ["index", "status", "reason", "seconds [s]", *map(_headed, [*self.criteria, *self.parameters])]
+
+    def rows(self, engine: sa.Engine, stage: Flown) -> Iterator[list[list[Any]]]:
+        """The evaluations of one stage as blocks of rows; what has no value is None."""
+        done = 0
+        while done < stage.evaluations:
+            with read(engine) as reader:
+                chunks = _chunks(reader, self.run_id, stage.position, done)
+            if not chunks:
+                return
+            for chunk in chunks:
+                if chunk.first < stage.evaluations:
+                    yield self._block(chunk)
+            done = chunks[-1].first + chunks[-1].count
+
+    def _block(self, chunk: Any) -> list[list[Any]]:
+        columns = as_columns(chunk)
+        ok = columns.status == 0
+        units = in_units(columns.points, [path for path, _ in self.parameters], self.limits)
+        shares = {path: columns.points[:, k].tolist() for k, (path, _) in enumerate(self.parameters)}
+        values = [units.get(path, shares[path]) for path, _ in self.parameters]
+        costs = [_known(columns.costs[:, k].tolist(), ok.tolist()) for k in range(len(self.criteria))]
+        index = range(chunk.first, chunk.first + chunk.count)
+        status = [STATUS[code] for code in columns.status.tolist()]
+        reasons = [columns.reasons.get(i) for i in index]
+        return [
+            list(row) for row in zip(index, status, reasons, columns.seconds.tolist(), *costs, *values, strict=True)
+        ]
+
+
+def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
+    """The sheet of a run as it stands now."""
+    catalogue = published(reader)
+    limits = bounds(asked, catalogue)
+    units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}
+    query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations)
+    rows = reader.execute(query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position))
+    return Sheet(
+        run_id=run_id,
+        stages=[Flown(*row) for row in rows],
+        criteria=_criteria(asked, catalogue, _width(reader, run_id)),
+        parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in asked.uncertain],
+        limits=limits,
+    )
+
+
+def _criteria(asked: Campaign, catalogue: Catalogue | None, width: int) -> list[tuple[str, str]]:
+    """Quantity and unit of every criterion that has values, each name once."""
+    named: list[tuple[str, str]] = []
+    for component in [asked.criterion.component, *(o.component for o in asked.objectives)][:width]:
+        entry = None if catalogue is None else catalogue.component("criterion", component)
+        quantity, unit = ("", "") if entry is None else (entry.quantity, entry.unit)
+        name = quantity or component
+        again = sum(known.partition(" ")[0] == name for known, _ in named)
+        named.append((f"{name} {again + 1}" if again else name, unit))
+    return named
+
+
+def _width(reader: sa.Connection, run_id: int) -> int:
+    """How many criteria the stored evaluations have."""
+    sizes = sa.select(EvaluationChunk.count.label("flown"), sa.func.length(EvaluationChunk.costs).label("bytes"))
+    row = reader.execute(sizes.where(EvaluationChunk.run_id == run_id).limit(1)).one_or_none()
+    return 1 if row is None else max(1, int(row.bytes) // (8 * int(row.flown)))
+
+
+def _chunks(reader: sa.Connection, run_id: int, position: int, done: int) -> list[Any]:
+    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position, EvaluationChunk.first >= done)
+    return list(reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first).limit(BLOCK)))
+
+
+def _known(values: list[float], ok: list[bool]) -> list[float | None]:
+    return [v if fine and math.isfinite(v) else None for v, fine in zip(values, ok, strict=True)]
+
+
+def _headed(column: tuple[str, str]) -> str:
+    name, unit = column
+    return f"{name} [{unit}]" if unit else name

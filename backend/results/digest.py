@@ -1,0 +1,42 @@
+"""The digest of a run's results: what a reviewer signs, and what tells whether a file of it is still the same.
+
+SHA-256 over canonical JSON of campaign digest, state, verdict with its parts, findings, stages with their results, and
+over the bytes of the stored flights. Names, tags, notes and times are no results. Start reading at `results_digest`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.tables import Finding, Run, Stage, Trace
+
+_RUN = ("campaign_digest", "state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
+_STAGE = ("position", "kind", "method", "state", "planned", "evaluations", "failed", "excluded", "best", "best_index")
+_FINDING = ("label", "cost", "margin", "parameters", "point", "methods", "found", "at_bounds", "validation")
+
+
+def results_digest(reader: sa.Connection, run_id: int) -> str:
+    """64 hexadecimal digits; any later change of a result changes them."""
+    parts = {
+        "run": _rows(reader, Run, _RUN, Run.id == run_id, Run.id),
+        "stages": _rows(reader, Stage, (*_STAGE, "result"), Stage.run_id == run_id, Stage.position),
+        "findings": _rows(reader, Finding, _FINDING, Finding.run_id == run_id, Finding.label),
+        "traces": _traces(reader, run_id),
+    }
+    canonical = json.dumps(parts, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def _rows(reader: sa.Connection, table: Any, names: tuple[str, ...], of: Any, order: Any) -> list[list[Any]]:
+    query = sa.select(*(getattr(table, name) for name in names)).where(of).order_by(order)
+    return [list(row) for row in reader.execute(query)]
+
+
+def _traces(reader: sa.Connection, run_id: int) -> list[list[Any]]:
+    columns = (Trace.name, Trace.columns, Trace.rows, Trace.meta, Trace.data)
+    rows = reader.execute(sa.select(*columns).where(Trace.run_id == run_id).order_by(Trace.name))
+    return [[*row[:-1], hashlib.sha256(row.data).hexdigest()] for row in rows]

@@ -14,6 +14,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const decimals = decimalsApart(bests, 4, 6)
   const best = Math.min(...bests.filter((value): value is number => value !== null))
   const over = searches.every(({ stage }) => stage.state === 'done')
+  const failed = !over || searches.some(({ stage }) => stage.failed > 0)
   const compared = resultOf(stageOf(data, 'validate'), 'validate')?.comparison
   return (
     <Card
@@ -28,7 +29,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
         <thead>
           <tr>
             <th>Method</th>
-            <th>Budget used</th>
+            {!over && <th>Budget used</th>}
             <th className="num">Evaluations</th>
             <th className="num">
               Best <Sign text={run.quantity || 'value'} />
@@ -64,7 +65,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
                 </th>
               </>
             )}
-            <th className="num">Failed</th>
+            {failed && <th className="num">Failed</th>}
             <th className="num">Time</th>
           </tr>
         </thead>
@@ -74,13 +75,15 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <td>
                 <MethodName method={stage.method} title={title} />
               </td>
-              <td style={{ width: 110 }}>
-                <Progress
-                  share={stage.evaluations / Math.max(1, stage.planned)}
-                  colour={`var(${methodLook(stage.method).colour})`}
-                  label={`${title}, share of its budget`}
-                />
-              </td>
+              {!over && (
+                <td style={{ width: 110 }}>
+                  <Progress
+                    share={stage.evaluations / Math.max(1, stage.planned)}
+                    colour={`var(${methodLook(stage.method).colour})`}
+                    label={`${title}, share of its budget`}
+                  />
+                </td>
+              )}
               <td className="num sec">{count(stage.evaluations)}</td>
               <td className={stage.best === best ? 'num b' : 'num'}>{fixed(stage.best, decimals)}</td>
               <td className="num sec">
@@ -91,7 +94,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               </td>
               <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
               {compared && <Reached row={compared.find((c) => c.position === stage.position)} />}
-              <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>
+              {failed && <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>}
               <td className="num sec">{stage.state === 'waiting' ? NONE : duration(stage.seconds)}</td>
             </tr>
           ))}

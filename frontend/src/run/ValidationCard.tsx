@@ -90,7 +90,7 @@ export function ValidationCard({
 const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`
 
 function Rows({ item, decimals, other }: { item: ValidationCase; decimals: number; other: string }) {
-  const name = item.name === 'nominal' ? 'Nominal' : `Worst, ${item.name}`
+  const name = item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
   const rows = [
     { key: 'run', text: 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
     {

@@ -7,7 +7,7 @@ evaluated as one batch. Deterministic; converges to the global minimum of a cont
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Annotated
 
@@ -22,6 +22,9 @@ Ints = NDArray[np.int64]
 DEEPEST = 30
 """Sides are divided at most this often: 3^-30 is 5e-15, where centres stop being distinct."""
 
+MOST = 10_000_000
+"""Iterations: each makes two evaluations or more."""
+
 TIE = 1e-12
 """Values this close, relatively, are ties: rounding alone would tell mirrored rectangles apart."""
 
@@ -30,7 +33,7 @@ TIE = 1e-12
 class Options:
     """Stops at the first of: iterations, smallest size, budget."""
 
-    iterations: Annotated[int, Field(ge=1, le=1_000_000, description="Iterations at most")] = 10_000
+    iterations: Annotated[int, Field(ge=1, le=MOST, description="Iterations at most")] = 10_000
     epsilon: Annotated[float, Field(ge=0, le=1, description="Jones' eps: least improvement worth a division")] = 1e-4
     smallest: Annotated[
         float, Field(ge=0, lt=1, description="Stop when the best rectangle's half diagonal is below this")
@@ -74,18 +77,22 @@ def sizes(levels: Ints, dimension: int) -> Floats:
     return 0.5 * np.sqrt((dimension - extra) * 9.0**-whole + extra * 9.0 ** -(whole + 1.0))
 
 
-def promising(boxes: Boxes, epsilon: float) -> Ints:
-    """Indices of the potentially optimal rectangles (definition 4.1), the smallest first, every tie included."""
+def promising(boxes: Boxes, epsilon: float, biased: bool = False) -> Ints:
+    """Indices of the potentially optimal rectangles (definition 4.1), the smallest first, every tie included.
+
+    biased: their longest side is their size, and the oldest stands for all ties (Gablonsky, Kelley 2001).
+    """
     n = boxes.count
     dimension = boxes.centre.shape[1]
-    level, value = boxes.level[:n], boxes.value[:n]
+    level, value = boxes.level[:n] // (dimension if biased else 1), boxes.value[:n]
     lowest = np.full(int(level.max()) + 1, np.inf)
     np.minimum.at(lowest, level, value)
     present = np.flatnonzero(np.isfinite(lowest))[::-1]
-    present = present[present < DEEPEST * dimension]
-    chosen = [present[i] for i in _hull(sizes(present, dimension), lowest[present], epsilon)]
+    present = present[present < DEEPEST * (1 if biased else dimension)]
+    size = 3.0 ** -present.astype(np.float64) if biased else sizes(present, dimension)
+    chosen = [present[i] for i in _hull(size, lowest[present], epsilon)]
     found = [np.flatnonzero((level == c) & (value <= lowest[c] + TIE * abs(lowest[c]))) for c in chosen]
-    return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+    return np.concatenate([f[: 1 if biased else None] for f in found]) if found else np.empty(0, dtype=np.int64)
 
 
 def _hull(size: Floats, lowest: Floats, epsilon: float) -> list[int]:
@@ -112,16 +119,16 @@ def search(space: Space, options: Options) -> Search:
     return divided(Boxes(space.dimension), options)
 
 
-def divided(boxes: Boxes, options: Options) -> Search:
+def divided(boxes: Boxes, options: Options, biased: bool = False) -> Search:
     """One iteration is one request: the new centres of every potentially optimal rectangle. `boxes` are still empty;
-    whoever keeps them sees how the box was divided."""
+    whoever keeps them sees how the box was divided. biased: as in `promising`."""
     n = boxes.centre.shape[1]
     centre = np.full((1, n), 0.5)
     batch = yield centre
     boxes.add(centre, np.zeros((1, n), dtype=np.int64), batch.ranked())
     _rescue(boxes, np.empty(0, dtype=np.int64), 0)
     for done in range(1, options.iterations + 1):
-        parents = promising(boxes, options.epsilon)
+        parents = promising(boxes, options.epsilon, biased)
         if len(parents) == 0:
             return f"every rectangle is as small as numbers allow after {done - 1} iterations"
         points, owners, sides = _new_centres(boxes, parents)
@@ -206,6 +213,11 @@ def _lowest_near(boxes: Boxes, rows: Ints, feasible: Ints) -> Floats:
     return found
 
 
+def extend(options: Options, more: int) -> Options:
+    """Iterations enough for so many evaluations more, and no rectangle too small."""
+    return replace(options, iterations=min(options.iterations + more, MOST), smallest=0.0)
+
+
 method = Method(
     name="direct",
     title="DIRECT",
@@ -215,4 +227,5 @@ method = Method(
     evaluations=2000,
     options=Options,
     search=search,
+    extend=extend,
 )

@@ -16,7 +16,7 @@ export interface Uncertain {
   high?: Raw | null
   plus_minus?: Raw | null
   unit?: string | null
-  distribution?: { kind: string; mean?: Raw; deviation?: Raw; mode?: Raw }
+  distribution?: { kind: string; mean?: Raw; deviation?: Raw; mode?: Raw; alpha?: Raw; beta?: Raw }
 }
 
 export interface SearchStage {
@@ -53,10 +53,16 @@ export interface Campaign {
     step: Raw
   }
   uncertain: Record<string, Uncertain>
+  correlations?: { between: string[]; value: Raw }[]
   criterion: { component: string; parameters?: Record<string, Raw>; threshold: Raw }
   stages: {
-    sensitivity?: { points: Raw } | null
+    sensitivity?: {
+      points: Raw
+      morris?: { trajectories?: Raw; levels?: Raw } | null
+      sobol?: { samples?: Raw } | null
+    } | null
     search: SearchStage[]
+    certify?: { samples?: Raw; quantile?: Raw; grid?: { points: Raw } | null } | null
     validate?: { tolerance?: Raw; neighbours?: Raw; reach?: Raw }
   }
   agreement?: Raw

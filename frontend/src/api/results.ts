@@ -19,9 +19,39 @@ export interface SensitivityCurve {
   status: string[]
 }
 
+/** An index study over the whole box; `indices` is null where it was not computed, and `text` says why. */
+export interface IndexStudy<Row> {
+  evaluations: number
+  failed: number
+  excluded: number
+  confidence: number
+  indices: Row[] | null
+  text: string
+}
+
+/** Per whole range, in the criterion's unit. */
+export interface MorrisRow {
+  path: string
+  mu: number | null
+  mu_star: number | null
+  mu_star_confidence: number | null
+  sigma: number | null
+}
+
+/** Shares of the variance, with the half width of their interval. */
+export interface SobolRow {
+  path: string
+  first: number | null
+  first_confidence: number | null
+  total: number | null
+  total_confidence: number | null
+}
+
 export interface SensitivityResult {
   points: number
   curves: SensitivityCurve[]
+  morris?: (IndexStudy<MorrisRow> & { trajectories: number; levels: number }) | null
+  sobol?: (IndexStudy<SobolRow> & { samples: number }) | null
 }
 
 export interface Minimum {
@@ -38,11 +68,40 @@ export interface Sample {
   /** Counted among the violations. */
   failed?: number
   confidence: number
-  upper_bound: number
+  /** Null for points that are no independent sample. */
+  upper_bound: number | null
   lowest: number | null
   mean: number | null
   deviation: number | null
   histogram: { edges: number[]; counts: number[] } | null
+  text: string
+  /** Of the certify stage: the lower bound on the quantile at `share`; null where the sample allows none. */
+  quantile?: { share: number; order: number | null; bound: number | null; needed: number | null; text: string }
+  /** Of the certify stage: the share of the sample at or below each value, and half the width of its band. */
+  distribution?: { values: number[]; shares: number[]; band: number }
+}
+
+export interface GridResult {
+  points: number
+  total: number
+  spacing: Values
+  lowest: { cost: number; margin: number; parameters: Values } | null
+  violations: number
+  failed: number
+  excluded: number
+  text: string
+}
+
+export interface CertifyResult {
+  sample: Sample
+  grid: GridResult | null
+  text: string
+}
+
+/** An estimate, from the slopes that DIRECT saw. */
+export interface Gap {
+  lower_bound: number
+  gap: number
   text: string
 }
 
@@ -58,6 +117,7 @@ export interface SearchResult {
   stop: { kind: 'rule' | 'budget'; text: string } | null
   minima: Minimum[]
   sample: Sample | null
+  gap?: Gap | null
 }
 
 export interface ValidationCase {
@@ -112,6 +172,7 @@ interface ResultByKind {
   nominal: NominalResult
   sensitivity: SensitivityResult
   search: SearchResult
+  certify: CertifyResult
   validate: ValidateResult
 }
 

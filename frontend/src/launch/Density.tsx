@@ -31,9 +31,17 @@ function densityOf(given: Uncertain['distribution'], low: number, high: number):
   const mean = numberOf(given?.mean)
   const deviation = numberOf(given?.deviation)
   const mode = numberOf(given?.mode)
-  if (given?.kind === 'truncated_normal' && mean !== null && deviation)
+  if ((given?.kind === 'truncated_normal' || given?.kind === 'normal') && mean !== null && deviation)
     return (v) => Math.exp(-0.5 * ((v - mean) / deviation) ** 2)
   if (given?.kind === 'triangular' && mode !== null)
     return (v) => (v < mode ? (v - low) / (mode - low || 1) : (high - v) / (high - mode || 1))
+  const [alpha, beta] = [numberOf(given?.alpha), numberOf(given?.beta)]
+  if (given?.kind === 'beta' && alpha && beta) {
+    // Shapes below one go up without end at a bound: the outline stops a little before it.
+    const inside = (v: number) => Math.min(0.99, Math.max(0.01, (v - low) / (high - low)))
+    const log = (u: number) => (alpha - 1) * Math.log(u) + (beta - 1) * Math.log(1 - u)
+    const mode = alpha > 1 && beta > 1 ? (alpha - 1) / (alpha + beta - 2) : 0.5
+    return (v) => Math.exp(log(inside(v)) - log(Math.min(0.99, Math.max(0.01, mode))))
+  }
   return () => 1
 }

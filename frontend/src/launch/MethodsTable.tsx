@@ -39,7 +39,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       title="Methods and budgets"
       note="Each search ends by its own rule or at its budget."
       flush
-      footer="Cleared needs global methods that agree on the worst case, and a random sample where a target for P(violation) is set."
+      footer="Cleared needs global methods that agree on the worst case, and a certify stage where a target for P(violation) is set."
     >
       <table className="ptable">
         <thead>

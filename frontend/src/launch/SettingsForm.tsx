@@ -38,6 +38,29 @@ const GROUPS: { title: string; settings: Setting[] }[] = [
         empty: 'left out',
       },
       {
+        at: ['stages', 'sensitivity', 'morris', 'trajectories'],
+        label: 'Morris trajectories',
+        text: 'Elementary effects over the whole box',
+        empty: 'left out',
+      },
+      {
+        at: ['stages', 'sensitivity', 'sobol', 'samples'],
+        label: 'Sobol samples',
+        text: 'Shares of the variance; a power of two',
+        empty: 'left out',
+      },
+      {
+        at: ['stages', 'certify', 'samples'],
+        label: 'Certify samples',
+        text: 'Independent flights that probabilities are claimed from; empty leaves the stage out',
+        empty: 'left out',
+      },
+      {
+        at: ['stages', 'certify', 'quantile'],
+        label: 'Certify quantile',
+        text: 'Share of the flights whose value is bounded from below',
+      },
+      {
         at: ['stages', 'validate', 'tolerance'],
         label: 'Validation tolerance',
         text: 'Share of the value, against half the step and the other integrator',
@@ -57,7 +80,7 @@ const GROUPS: { title: string; settings: Setting[] }[] = [
       {
         at: ['target_probability'],
         label: 'Target for P(violation)',
-        text: 'The upper bound from the random sample must meet it',
+        text: 'The upper bound from the certify stage must meet it',
         empty: 'none',
       },
       { at: ['confidence'], label: 'Confidence', text: 'Of the statistical bound' },
@@ -73,8 +96,8 @@ interface SettingsFormProps {
 
 export function SettingsForm({ campaign, set }: SettingsFormProps) {
   const change = ({ at, empty }: Setting, value: Raw | null) => {
-    if (value === null && at[1] === 'sensitivity') set(['stages', 'sensitivity'], null)
-    else if (at[1] === 'sensitivity') set(['stages', 'sensitivity'], { points: value })
+    // A stage or a study that loses its first number is left out; the others of it go with it.
+    if (value === null && at[0] === 'stages' && empty !== undefined) set(at.slice(0, -1), null)
     else set(at, value === null && empty !== undefined ? null : (value ?? ''))
   }
   return (

@@ -1,7 +1,7 @@
 // Beside the form: name, tags and criterion of the run, what it will take, and the button that starts it.
 import { TagsInput } from '@mantine/core'
 import { IconPlayerPlay } from '@tabler/icons-react'
-import type { Campaign } from '../api/campaign'
+import type { Campaign, Raw } from '../api/campaign'
 import type { Checked, ComponentEntry } from '../client'
 import { count, duration, percent } from '../format/numbers'
 import { unitText } from '../format/units'
@@ -75,8 +75,7 @@ interface EstimateProps {
 }
 
 export function Estimate({ checked, campaign }: EstimateProps) {
-  const sample = campaign.stages.search.find((stage) => stage.method === 'monte_carlo')
-  const samples = numberOf(sample?.evaluations)
+  const samples = samplesOf(campaign)
   const confidence = numberOf(campaign.confidence) ?? 0.95
   const target = numberOf(campaign.target_probability)
   // With no violation among n independent samples, the Clopper-Pearson bound is 1 - (1 - confidence)^(1/n).
@@ -108,6 +107,16 @@ export function Estimate({ checked, campaign }: EstimateProps) {
       </p>
     </Card>
   )
+}
+
+/** The size of the sample that a probability is claimed from: the certify stage's, else that of plain Monte Carlo. */
+function samplesOf({ stages }: Campaign): number | null {
+  if (stages.certify) return numberOf(stages.certify.samples ?? 3000)
+  const plain = stages.search.find(
+    ({ method, options }) =>
+      method === 'monte_carlo' && (options?.sampling ?? 'plain') === 'plain' && !numberOf(options?.interval as Raw),
+  )
+  return numberOf(plain?.evaluations)
 }
 
 interface StartProps {

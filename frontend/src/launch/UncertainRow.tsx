@@ -10,9 +10,18 @@ import { idOf, Message, useProblems } from './problems'
 
 const KINDS = [
   { value: 'uniform', label: 'Uniform' },
+  { value: 'normal', label: 'Normal' },
   { value: 'truncated_normal', label: 'Truncated normal' },
   { value: 'triangular', label: 'Triangular' },
+  { value: 'beta', label: 'Beta' },
 ]
+
+const NUMBERS = {
+  normal: ['mean', 'deviation'],
+  truncated_normal: ['mean', 'deviation'],
+  triangular: ['mode'],
+  beta: ['alpha', 'beta'],
+} as const
 
 interface UncertainRowProps {
   path: string
@@ -146,7 +155,7 @@ interface DistributionFieldsProps {
 }
 
 function DistributionFields({ field, path, name, distribution, set }: DistributionFieldsProps) {
-  const keys = distribution.kind === 'triangular' ? (['mode'] as const) : (['mean', 'deviation'] as const)
+  const keys = NUMBERS[distribution.kind as keyof typeof NUMBERS] ?? []
   return (
     <span className="row">
       {keys.map((key) => (
@@ -177,5 +186,6 @@ function distributionOf(kind: string, { low, high, nominal }: Numbers): NonNulla
   if (kind === 'uniform') return { kind }
   const middle: Raw = nominal ?? ''
   if (kind === 'triangular') return { kind, mode: middle }
+  if (kind === 'beta') return { kind, alpha: 2, beta: 2 }
   return { kind, mean: middle, deviation: low !== null && high !== null ? (high - low) / 6 : '' }
 }

@@ -30,6 +30,8 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
     }
   }
   const vary = Object.keys(uncertain).length
+  const pairs = campaign.correlations?.length ?? 0
+  const correlated = pairs ? `${pairs} ${pairs === 1 ? 'pair is' : 'pairs are'}` : ''
   const free = parameters.filter((parameter) => !rows.includes(parameter.path))
   return (
     <Card
@@ -37,7 +39,10 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
       note={`${vary} of ${rows.length} vary. Untick to hold a parameter at its nominal value.`}
       flush
       right={<AddParameter free={free} onAdd={(path) => toggle(path, true)} />}
-      footer="The search uses only the bounds. The distribution weighs the independent sample, so its statistical bound holds for that distribution."
+      footer={
+        'The search uses only the bounds. The distribution weighs the independent sample, so its statistical bound ' +
+        `holds for that distribution.${correlated ? ` ${correlated} correlated, see YAML.` : ''}`
+      }
     >
       <table className="ptable in-table">
         <thead>

@@ -8,6 +8,7 @@ import { Failures } from './Failures'
 import { FindingsCard } from './FindingsCard'
 import { FiveFigures } from './FiveFigures'
 import { Flight } from './Flight'
+import { IndicesCard } from './IndicesCard'
 import { MethodsTable } from './MethodsTable'
 import { Minima } from './Minima'
 import { NominalWorst } from './NominalWorst'
@@ -26,7 +27,9 @@ export function Finished({ data }: { data: RunData }) {
   const { finding, chosen } = data
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
-  const sample = searches.find((search) => search.sample)?.sample ?? null
+  const certified = resultOf(stageOf(data, 'certify'), 'certify')
+  const sample = certified?.sample ?? searches.find((search) => search.sample)?.sample ?? null
+  const indices = sensitivity !== null && Boolean(sensitivity.morris ?? sensitivity.sobol)
   const minima = searches.filter((search) => search.minima.length > 0)
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const failures = data.evaluations?.failures ?? []
@@ -81,6 +84,7 @@ export function Finished({ data }: { data: RunData }) {
           <SensitivityCard data={data} result={sensitivity} className={few ? 'c5' : 'c8'} height={few ? 226 : 150} />
         )}
         {sensitivity && !few && <Tornado data={data} result={sensitivity} className="c4" />}
+        {sensitivity && indices && <IndicesCard data={data} result={sensitivity} className="c12" />}
         <div className="stack c7 wide">
           {searched && <MethodsTable data={data} className="" id="methods" />}
           {!many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="" />)}
@@ -89,7 +93,7 @@ export function Finished({ data }: { data: RunData }) {
         </div>
         <div className="stack c5 wide">
           {searched && <Convergence data={data} className="" />}
-          {sample && <SampleCard data={data} sample={sample} className="" />}
+          {sample && <SampleCard data={data} sample={sample} grid={certified?.grid} className="" />}
         </div>
         {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}

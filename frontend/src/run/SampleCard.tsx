@@ -1,21 +1,30 @@
-// The independent sample: its histogram with criterion, nominal and worst, and the statement it allows.
+// The independent sample: its histogram with criterion, nominal and worst, its distribution function where the certify
+// stage drew it, and the statements it allows.
 
-import type { Sample } from '../api/results'
+import { useState } from 'react'
+import type { GridResult, Sample } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
+import { Seg } from '../ui/Card'
 import { SvgSign, symbolText } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
+import { DistributionCurve } from './DistributionCurve'
 import type { RunData } from './data'
 
 interface SampleCardProps {
   data: RunData
   sample: Sample
+  /** Flown by the certify stage beside the sample. */
+  grid?: GridResult | null
   className: string
 }
 
-export function SampleCard({ data, sample, className }: SampleCardProps) {
+export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
   const { run } = data
+  const [shape, setShape] = useState<'bars' | 'curve'>('bars')
+  const { distribution, quantile } = sample
+  const drawn = distribution && distribution.values.length > 1 ? distribution : null
   const decimals = decimalsFor([sample.mean, sample.lowest], 5)
   const edges = sample.histogram?.edges ?? []
   const table = () => ({
@@ -25,21 +34,37 @@ export function SampleCard({ data, sample, className }: SampleCardProps) {
   })
   return (
     <ChartCard
-      title="Independent sample"
+      title={sample.upper_bound === null ? 'Random sample' : 'Independent sample'}
       note={`${count(sample.samples)} flights from the stated distributions`}
       className={className}
       id="sample"
       run={run.id}
       data={table}
+      right={
+        drawn && (
+          <Seg
+            label="Shape"
+            options={[
+              { value: 'bars', label: 'Histogram' },
+              { value: 'curve', label: 'Distribution' },
+            ]}
+            value={shape}
+            onChange={setShape}
+          />
+        )
+      }
       footer={
         <>
           Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
           lowest {fixed(sample.lowest, decimals)} {run.unit}. {sample.text}.
-          {sample.failed ? ` ${count(sample.failed)} of them failed and count as violations.` : ''}
+          {quantile && ` ${sentence(quantile.text)}`}
+          {grid && ` ${sentence(grid.text)}`}
         </>
       }
     >
-      {sample.histogram && sample.histogram.counts.length > 0 ? (
+      {drawn && shape === 'curve' ? (
+        <DistributionCurve data={data} sample={{ ...sample, distribution: drawn }} height={HEIGHT} />
+      ) : sample.histogram && sample.histogram.counts.length > 0 ? (
         <Histogram data={data} edges={edges} counts={sample.histogram.counts} />
       ) : (
         <p className="sec">No flight of the sample gave a value.</p>
@@ -47,6 +72,8 @@ export function SampleCard({ data, sample, className }: SampleCardProps) {
     </ChartCard>
   )
 }
+
+const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`
 
 const [HEIGHT, TOP, LEFT, BOTTOM, RIGHT] = [250, 56, 40, 36, 12]
 

@@ -119,6 +119,7 @@ function textOf(run: RunDetail, kind: StageProgress['kind'], stages: StageProgre
     const methods = `${number} ${number === 1 ? 'method' : 'methods'}`
     return working?.method ? `${working.method.replaceAll('_', ' ')}, ${methods} in all` : methods
   }
+  if (kind === 'certify') return 'independent sample from the distributions'
   if (kind === 'validate') return 'half step, second integrator, neighbours'
   return ''
 }

@@ -6,14 +6,19 @@ iteration, which is where the paper can stop too.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from tests.unit.cases import campaign, case1
 from tests.unit.functions import on_unit_cube
-from tests.unit.searching import Searched, run, space
-from worker.search import direct
-from worker.search.base import Floats
+from tests.unit.searching import Searched, batch, run, space
+from worker.search import direct, direct_l
+from worker.search.base import Batch, Floats, Method
 from worker.search.direct import method
+from worker.stages.base import Context, Driven, drive
+from worker.store import Columns, MemoryStore, StagePlan
 
 PUBLISHED = {
     "Shekel 5": (103, 155),
@@ -141,6 +146,44 @@ def test_rules_by_which_it_stops() -> None:
     budget = run(method, bowl, 2, 100)
     assert budget.text is None
     assert sum(map(len, budget.batches[:-1])) < 100
+
+
+@pytest.mark.parametrize("end", [{"iterations": 12}, {"smallest": 0.01}, {}])
+@pytest.mark.parametrize("variant", [method, direct_l.method], ids=lambda m: m.name)
+def test_a_finished_search_goes_on_without_repeating_an_evaluation(variant: Method, end: dict[str, Any]) -> None:
+    """What it stored is answered from the store; what it flies beyond is what one long search would fly."""
+    options = direct.Options(**end)
+    assert variant.extend is not None
+    flown: list[Floats] = []
+
+    def evaluate(points: Floats) -> tuple[Batch, dict[int, str]]:
+        flown.append(points.copy())
+        return batch(bowl(points)), {}
+
+    def searched(options: direct.Options, budget: int, stored: Columns | None) -> Driven:
+        store = MemoryStore(chunks={} if stored is None else {0: [stored]})
+        store.plan([StagePlan("search", variant.name, budget)])
+        context = Context(campaign(), case1(), evaluate, store)
+        return drive(context, 0, variant.search(space(3, budget), options), budget)
+
+    first = searched(options, 1200, None)
+    assert first.stop == ("rule" if end else "budget")
+    before = first.tally.evaluations
+    longer, budget = variant.extend(options, 900), before + 900
+    flown.clear()
+    second = searched(longer, budget, first.columns)
+    assert first.columns is not None
+    assert second.columns is not None
+    assert second.tally.evaluations == budget
+    new = np.concatenate(flown)
+    assert len(new) == 900
+    assert np.array_equal(second.columns.points, np.concatenate([first.columns.points, new]))
+    assert len(np.unique(second.columns.points, axis=0)) == budget
+    long = searched(longer, budget, None)
+    assert long.columns is not None
+    assert np.array_equal(long.columns.points, second.columns.points)
+    assert np.array_equal(long.columns.costs, second.columns.costs)
+    assert long.tally.best == second.tally.best
 
 
 def test_the_half_diagonals() -> None:

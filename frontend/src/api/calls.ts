@@ -4,6 +4,7 @@ import type {
   Catalogue,
   Checked,
   Evaluations,
+  ExportFile,
   FindingDetail,
   LibraryCampaign,
   ListRunsData,
@@ -49,6 +50,8 @@ export const cancelRun = (run: string): Promise<RunSummary> => answer(sdk.cancel
 export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
 export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk.listFindings({ path: { run } }))
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))
+
+export const getExports = (run: string): Promise<ExportFile[]> => answer(sdk.listExports({ path: { run } }))
 
 export const getEvaluations = (run: string): Promise<Evaluations> =>
   answer(sdk.getEvaluations({ path: { run }, query: { max_points: 2000 } }))

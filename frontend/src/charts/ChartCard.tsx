@@ -1,10 +1,12 @@
 // A card around a chart: legend in the heading, the numbers as a table or a CSV file one click away.
-import { IconDownload, IconTable } from '@tabler/icons-react'
-import { type ReactNode, useState } from 'react'
+import { Menu } from '@mantine/core'
+import { IconDownload, IconPhoto, IconTable } from '@tabler/icons-react'
+import { type MouseEvent, type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { save } from '../ui/files'
 import { type DataTable, toCsv } from './csv'
+import { isDrawing, savePng, saveSvg } from './figure'
 
 const MOST_ROWS = 400
 
@@ -41,6 +43,7 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
         >
           <IconTable className="i s" aria-hidden />
         </button>
+        <FigureButton name={() => `${run}-${data().name}`} />
         <button type="button" className="iconbtn bd" aria-label="Download CSV" title="Download CSV" onClick={download}>
           <IconDownload className="i s" aria-hidden />
         </button>
@@ -52,6 +55,25 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
       {children}
       {table && <Rows table={table} />}
     </Card>
+  )
+}
+
+/** Saves the chart as a picture; what is drawn as SVG can be had as SVG too. */
+function FigureButton({ name }: { name: () => string }) {
+  const [card, setCard] = useState<HTMLElement | null>(null)
+  const found = (event: MouseEvent<HTMLElement>) => setCard(event.currentTarget.closest<HTMLElement>('.card'))
+  return (
+    <Menu position="bottom-end" width={150}>
+      <Menu.Target>
+        <button type="button" className="iconbtn bd" aria-label="Save figure" title="Save figure" onClick={found}>
+          <IconPhoto className="i s" aria-hidden />
+        </button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        <Menu.Item onClick={() => card && void savePng(card, name())}>PNG picture</Menu.Item>
+        {card && isDrawing(card) && <Menu.Item onClick={() => saveSvg(card, name())}>SVG drawing</Menu.Item>}
+      </Menu.Dropdown>
+    </Menu>
   )
 }
 

@@ -8,6 +8,7 @@ import { cancelRun } from '../api/calls'
 import { putRun, useStreamStatus } from '../api/events'
 import { isLive } from '../api/queries'
 import type { RunDetail } from '../client'
+import { ExportMenu } from '../exports/ExportMenu'
 import { count } from '../format/numbers'
 import { dayAndClock, moment } from '../format/time'
 import { Tags } from '../ui/Card'
@@ -41,6 +42,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
       </div>
       <div className="acts">
         {isLive(run) && <Freshness stale={stale} />}
+        <ExportMenu run={run} />
         <Link to="/launch" search={{ from: run.id }} className="btn">
           <IconRefresh className="i s" aria-hidden />
           Run again

@@ -46,7 +46,7 @@ TAGS = [
     {"name": "service", "description": "Health"},
     {"name": "session", "description": "Who is signed in"},
     {"name": "catalog", "description": "Components, methods, the library of campaigns"},
-    {"name": "runs", "description": "Submitting, listing, watching, cancelling"},
+    {"name": "runs", "description": "Submitting, listing, watching, cancelling, notes"},
     {"name": "results", "description": "Evaluations, findings, traces"},
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
     {"name": "events", "description": "Progress as it happens"},

@@ -73,7 +73,8 @@ def begin(
 
     It has the old run's name, tags and owner. In the caller's transaction.
     """
-    cited = connection.execute(sa.select(Run.name, Run.tags, Run.owner, Run.priority).where(Run.id == old)).one()
+    kept = (Run.name, Run.tags, Run.owner, Run.priority, Run.best_so_far)
+    cited = connection.execute(sa.select(*kept).where(Run.id == old)).one()
     run_id = submit(
         connection, campaign, name=cited.name, tags=cited.tags, owner=cited.owner, priority=cited.priority,
         planned=sum(stage.planned for stage in planned),
@@ -90,6 +91,7 @@ def begin(
     flown = {
         "evaluations": sum(len(c.status) for c in carried.values()),
         "failed_evaluations": sum(_failed(c) for c in carried.values()),
+        "best_so_far": cited.best_so_far,
     }
     connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **flown))
     attempts = connection.execute(sa.select(Run.max_attempts).where(Run.id == run_id)).scalar_one()

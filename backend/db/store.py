@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
+from backend.db.course import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
 from backend.db.records import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
@@ -103,6 +104,7 @@ class RunStore:
             "worst_cost": plain(conclusion.worst_cost),
             "worst_method": conclusion.worst_method,
             "summary": plain(conclusion.summary),
+            "upper_bound": plain((conclusion.summary.get("statistics") or {}).get("upper_bound")),
             "lease_until": 0.0,
             "error": None,
         }
@@ -146,6 +148,7 @@ class RunStore:
             values |= {"best": best, "best_index": first + index}
             if stage.kind == "search":
                 self._worst(connection, best, stage.method)
+                self._course(connection, count, columns)
         connection.execute(self._stage(position).values(**values))
 
     def _worst(self, connection: sa.Connection, cost: float, method: str | None) -> None:
@@ -154,6 +157,15 @@ class RunStore:
         connection.execute(
             sa.update(Run).where(Run.id == self._run, lower).values(worst_cost=cost, worst_method=method)
         )
+
+    def _course(self, connection: sa.Connection, count: int, columns: Columns) -> None:
+        """The picture of the best so far; the run's count has these evaluations in it already."""
+        mine = Run.id == self._run
+        course, flown = connection.execute(sa.select(Run.best_so_far, Run.evaluations).where(mine)).one()
+        costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)
+        longer = extended(course, flown - count, costs)
+        if longer is not None:
+            connection.execute(sa.update(Run).where(mine).values(best_so_far=longer))
 
     def _stage(self, position: int) -> sa.Update:
         return sa.update(Stage).where(Stage.run_id == self._run, Stage.position == position)

@@ -24,6 +24,13 @@ class Campaign(Base):
     name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     document: orm.Mapped[dict[str, Any]]
     created: orm.Mapped[float]
+    __table_args__ = (sa.Index("ix_campaigns_name", "name", "digest"),)
+
+
+_LISTED = (
+    "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
+    "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations", "upper_bound",
+)  # fmt: skip
 
 
 class Run(Base):
@@ -70,7 +77,20 @@ class Run(Base):
     evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
     planned: orm.Mapped[int] = orm.mapped_column(default=0)
     failed_evaluations: orm.Mapped[int] = orm.mapped_column(default=0)
-    __table_args__ = (sa.Index("ix_runs_queue", "state", "owner", "not_before", "lease_until"),)
+    upper_bound: orm.Mapped[float | None]
+    """Of P(violation), from the independent sample."""
+    best_so_far: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
+    """[[evaluations, lowest cost within them]], thinned; see `backend.db.course`."""
+    # what people write on it
+    pinned: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
+    notes: orm.Mapped[str] = orm.mapped_column(sa.Text, default="", server_default="")
+    """Markdown."""
+    __table_args__ = (
+        sa.Index("ix_runs_queue", "state", "owner", "not_before", "lease_until"),
+        # All that the run list searches, filters and sorts by, so that SQLite need not read the wide rows. PostgreSQL
+        # keeps wide values outside its rows, and cannot index JSON so.
+        sa.Index("ix_runs_list", *_LISTED).ddl_if(dialect="sqlite"),
+    )
 
 
 class Stage(Base):

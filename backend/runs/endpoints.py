@@ -10,9 +10,24 @@ from pydantic import ValidationError
 
 from backend import bodies
 from backend.auth import CurrentVisitor
+from backend.db.engine import read
 from backend.deps import Engine, Reader
-from backend.runs import listing, service
-from backend.runs.schemas import RunDetail, RunPage, RunState, RunSubmit, RunSummary, StageDetail, VerdictWord
+from backend.runs import edits, listing, service
+from backend.runs.facets import facets
+from backend.runs.filters import Filters
+from backend.runs.order import Sort
+from backend.runs.schemas import (
+    RunDetail,
+    RunEdit,
+    RunFacets,
+    RunPage,
+    RunsNamed,
+    RunState,
+    RunSubmit,
+    RunSummary,
+    StageDetail,
+    VerdictWord,
+)
 from campaigns import CampaignError, Problem
 
 router = APIRouter(tags=["runs"])
@@ -70,13 +85,41 @@ def list_runs(
     state: Annotated[list[RunState] | None, Query()] = None,
     verdict: Annotated[list[VerdictWord] | None, Query()] = None,
     tag: Annotated[list[str] | None, Query()] = None,
-    sort: listing.Sort = "-created",
+    campaign: Annotated[list[str] | None, Query(description="Names of campaigns.")] = None,
+    owner: Annotated[list[str] | None, Query()] = None,
+    method: Annotated[list[str] | None, Query(description="Which found the worst case.")] = None,
+    since: Annotated[float | None, Query(description="Submitted from then on [s since 1970].")] = None,
+    until: Annotated[float | None, Query(description="Submitted before then [s since 1970].")] = None,
+    pinned: bool | None = None,
+    sort: Sort = "-created",
     cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the page before.")] = None,
     limit: Annotated[int, Query(ge=1, le=200)] = 50,
 ) -> RunPage:
-    """The runs, a page at a time; repeated filters are alternatives."""
-    filters = listing.Filters(q, state or (), verdict or (), tag or ())
+    """The runs, a page at a time, pinned ones first; repeated filters are alternatives."""
+    filters = Filters(
+        q, state or (), verdict or (), tag or (), campaign or (), owner or (), method or (), since, until, pinned
+    )
     return listing.page(reader, filters, sort, cursor, limit)
+
+
+@router.get("/runs/facets")
+def list_facets(reader: Reader) -> RunFacets:
+    """The campaigns, tags, owners and methods that the list can be narrowed to."""
+    return facets(reader)
+
+
+@router.post("/runs/cancel")
+def cancel_runs(given: RunsNamed, engine: Engine) -> list[RunSummary]:
+    """Cancel several runs; those that have ended stay as they are."""
+    return edits.cancel(engine, [service.number(run) for run in given.runs])
+
+
+@router.patch("/runs/{run}")
+def edit_run(run: str, given: RunEdit, engine: Engine) -> RunDetail:
+    """Change a run's name, tags, notes or pin; what is left out stays."""
+    edits.edit(engine, service.number(run), given)
+    with read(engine) as reader:
+        return service.detail(reader, service.number(run))
 
 
 @router.get("/runs/{run}")

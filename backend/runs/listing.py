@@ -1,58 +1,26 @@
 """The run list: search, filter, sort, and pages that hold their place while runs come in.
 
-Pages go by key, not by offset (Winand, "Paging Through Results", use-the-index-luke.com): a cursor names the last row's
-sort value and number. Start reading at `page`.
+What narrows it is in `backend.runs.filters`, orders and cursors in `backend.runs.order`. Start reading at `page`.
 """
 
 from __future__ import annotations
 
-import base64
-import binascii
-import json
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import sqlalchemy as sa
 
 from backend.catalog.service import published
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
-from backend.errors import RefusedError
+from backend.runs.filters import Filters
+from backend.runs.order import Order, Sort
 from backend.runs.schemas import RunPage, RunState, RunSummary, StageProgress, VerdictWord
-from campaigns import Problem
 
-Sort = Literal[
-    "created", "-created", "started", "-started", "finished", "-finished", "name", "-name",
-    "state", "-state", "verdict", "-verdict", "margin", "-margin", "worst", "-worst", "evaluations", "-evaluations",
-]  # fmt: skip
-
-_SORTS: dict[str, sa.ColumnElement[Any]] = {
-    "created": sa.type_coerce(Run.id, sa.Integer),  # runs are numbered as they are created
-    "started": sa.type_coerce(Run.started, sa.Double),
-    "finished": sa.type_coerce(Run.finished, sa.Double),
-    "name": sa.type_coerce(sa.func.lower(Run.name), sa.String),
-    "state": sa.type_coerce(Run.state, sa.String),
-    "verdict": sa.type_coerce(Run.verdict, sa.String),
-    "margin": Run.worst_cost - Run.threshold,
-    "worst": sa.type_coerce(Run.worst_cost, sa.Double),
-    "evaluations": sa.type_coerce(Run.evaluations, sa.Integer),
-}
 _PLAIN = (
     "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",
     "nominal_cost", "worst_cost", "worst_method", "evaluations", "planned", "failed_evaluations", "created", "started",
-    "finished", "attempts", "worker", "continues",
+    "finished", "attempts", "worker", "continues", "pinned", "best_so_far", "upper_bound",
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Filters:
-    """What the list is narrowed to; lists are alternatives, an empty one is no condition."""
-
-    q: str = ""
-    state: Sequence[RunState] = ()
-    verdict: Sequence[VerdictWord] = ()
-    tag: Sequence[str] = ()
 
 
 def name(run_id: int) -> str:
@@ -62,21 +30,16 @@ def name(run_id: int) -> str:
 
 def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None, limit: int) -> RunPage:
     """One page of the list, the cursor of the next, and how many runs the same search and tags find in all."""
-    found = _found(filters)
-    conditions = list(found)
-    if filters.state:
-        conditions.append(Run.state.in_(filters.state))
-    if filters.verdict:
-        conditions.append(Run.verdict.in_(filters.verdict))
+    order, conditions = Order(sort), filters.conditions()
     if cursor is not None:
-        conditions.append(_after(sort, *_decode(cursor, sort)))
-    value = _SORTS[sort.lstrip("-")]
-    keys = sa.select(Run.id, value.label("value")).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-    rows = reader.execute(keys.where(*conditions).order_by(*_order(sort)).limit(limit + 1)).all()
+        conditions.append(order.after(cursor))
+    keys = sa.select(Run.id, Run.pinned, order.value.label("value")).where(*conditions)
+    rows = reader.execute(keys.order_by(*order.columns).limit(limit + 1)).all()
     ids = [row.id for row in rows[:limit]]
     by_id = {item.id: item for item in summaries(reader, Run.id.in_(ids))}
-    following = _encode(sort, rows[limit - 1].value, rows[limit - 1].id) if len(rows) > limit else None
-    return RunPage(items=[by_id[name(i)] for i in ids], next_cursor=following, counts=_counts(reader, found))
+    following = order.cursor(rows[limit - 1]) if len(rows) > limit else None
+    counts = _counts(reader, filters.found())
+    return RunPage(items=[by_id[name(i)] for i in ids], next_cursor=following, counts=counts)
 
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
@@ -121,77 +84,12 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
     }
 
 
-def _found(filters: Filters) -> list[sa.ColumnElement[bool]]:
-    """The conditions of search text and tags: every word is in a name, a tag, the owner or the number."""
-    tags = sa.cast(Run.tags, sa.Text)
-    conditions: list[sa.ColumnElement[bool]] = []
-    for word in filters.q.split()[:8]:
-        columns = [Run.name, CampaignRow.name, Run.owner, tags, _printed_id()]
-        conditions.append(sa.or_(*(column.icontains(word, autoescape=True) for column in columns)))
-    if filters.tag:
-        conditions.append(sa.or_(*(tags.contains(json.dumps(tag), autoescape=True) for tag in filters.tag)))
-    return conditions
-
-
-def _printed_id() -> sa.ColumnElement[str]:
-    digits = sa.cast(Run.id, sa.String)
-    padded = sa.func.substr("0000" + digits, sa.func.length(digits) + 1)
-    return "R-" + sa.case((Run.id < 10_000, padded), else_=digits)
-
-
 def _counts(reader: sa.Connection, found: list[sa.ColumnElement[bool]]) -> dict[str, int]:
     counts = dict.fromkeys(("total", *get_args(RunState), *get_args(VerdictWord)), 0)
-    groups = sa.select(Run.state, Run.verdict, sa.func.count()).group_by(Run.state, Run.verdict)
-    if found:
-        groups = groups.join(CampaignRow, CampaignRow.digest == Run.campaign_digest).where(*found)
+    groups = sa.select(Run.state, Run.verdict, sa.func.count()).where(*found).group_by(Run.state, Run.verdict)
     for state, verdict, count in reader.execute(groups):
         counts["total"] += count
         counts[state] += count
         if verdict is not None:
             counts[verdict] += count
     return counts
-
-
-def _order(sort: Sort) -> list[sa.ColumnElement[Any]]:
-    """By value, what has none last in either direction, newest first among equals."""
-    if sort.endswith("created"):
-        return [Run.id.desc() if sort.startswith("-") else Run.id.asc()]
-    value = _SORTS[sort.lstrip("-")]
-    return [value.is_(None), value.desc() if sort.startswith("-") else value.asc(), Run.id.desc()]
-
-
-def _after(sort: Sort, value: Any, run_id: int) -> sa.ColumnElement[bool]:
-    """The rows behind the one with this value and number, in the order of `_order`."""
-    down = sort.startswith("-")
-    if sort.endswith("created"):
-        return Run.id < run_id if down else Run.id > run_id
-    column = _SORTS[sort.lstrip("-")]
-    if value is None:
-        return sa.and_(column.is_(None), Run.id < run_id)
-    further = column < value if down else column > value
-    return sa.or_(further, sa.and_(column == value, Run.id < run_id), column.is_(None))
-
-
-def _encode(sort: Sort, value: Any, run_id: int) -> str:
-    return base64.urlsafe_b64encode(json.dumps([sort, value, run_id]).encode()).decode().rstrip("=")
-
-
-def _decode(cursor: str, sort: Sort) -> tuple[Any, int]:
-    try:
-        text = base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True)
-        of, value, run_id = json.loads(text)
-    except (binascii.Error, ValueError, TypeError):
-        raise _bad(cursor, "not one that this service gave; start again without a cursor") from None
-    fits = value is None or isinstance(
-        value, str if isinstance(_SORTS[sort.lstrip("-")].type, sa.String) else (int, float)
-    )
-    if of != sort:
-        raise _bad(cursor, f"from a list sorted by {of}, this one is sorted by {sort}; start again without a cursor")
-    if not fits or isinstance(run_id, bool) or not isinstance(run_id, int) or not 0 <= run_id < 2**62:
-        raise _bad(cursor, "not one that this service gave; start again without a cursor")
-    return value, run_id
-
-
-def _bad(cursor: str, message: str) -> RefusedError:
-    problem = Problem("cursor", cursor[:120], message)
-    return RefusedError(422, "bad-cursor", str(problem), [problem])

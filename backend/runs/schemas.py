@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
 VerdictWord = Literal["cleared", "violated", "inconclusive"]
+Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
@@ -20,8 +21,40 @@ class RunSubmit(Schema):
 
     campaign: dict[str, Any]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
-    tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] | None = None
+    tags: Tags | None = None
     priority: Annotated[int, Field(ge=-10, le=10)] = 0
+
+
+class RunEdit(Schema):
+    """What people write on a run; what is left out stays."""
+
+    name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
+    tags: Tags | None = None
+    notes: Annotated[str, Field(max_length=20_000, description="Markdown.")] | None = None
+    pinned: bool | None = None
+
+
+class RunsNamed(Schema):
+    """Several runs by their names, R-0001."""
+
+    runs: Annotated[list[Annotated[str, Field(max_length=20)]], Field(min_length=1, max_length=500)]
+
+
+class Facet(Schema):
+    """Something that runs can be found by, and how many have it."""
+
+    value: str
+    runs: int
+
+
+class RunFacets(Schema):
+    """What the runs can be narrowed to, the most frequent first."""
+
+    campaigns: list[Facet]
+    tags: list[Facet]
+    owners: list[Facet]
+    methods: list[Facet]
+    """Which found the worst cases."""
 
 
 class StageProgress(Schema):
@@ -82,11 +115,18 @@ class RunSummary(Schema):
     worker: str | None
     continues: str | None
     """The run whose searches this one goes on with, R-0001."""
+    pinned: bool
+    best_so_far: list[tuple[int, float]]
+    """Evaluations and the lowest cost within them, thinned: for a small picture."""
+    upper_bound: float | None
+    """Of P(violation), from the independent sample."""
 
 
 class RunDetail(RunSummary):
     """A run with its campaign, stages and provenance."""
 
+    notes: str
+    """In Markdown."""
     campaign: dict[str, Any]
     stages: list[StageProgress]
     summary: dict[str, Any]

@@ -128,15 +128,21 @@ def summary(reader: sa.Connection, run_id: int) -> RunSummary:
 def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     """One run with its campaign, stages and the time it may still take."""
     base = summary(reader, run_id)
-    document, parts = reader.execute(
-        sa.select(CampaignRow.document, Run.summary)
+    document, parts, notes = reader.execute(
+        sa.select(CampaignRow.document, Run.summary, Run.notes)
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id == run_id)
     ).one()
     stages = progress(reader, run_id)
     rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
     return RunDetail(
-        **base.model_dump(), campaign=document, stages=stages, summary=parts, rate=rate, remaining=remaining
+        **base.model_dump(),
+        notes=notes,
+        campaign=document,
+        stages=stages,
+        summary=parts,
+        rate=rate,
+        remaining=remaining,
     )
 
 

@@ -19,7 +19,7 @@ from tests.api.test_access import problem
 from tests.api.test_runs import submit
 
 
-def fill(service: Service, count: int) -> None:
+def fill(service: Service, count: int, pinned: tuple[int, ...] = (), **more: Any) -> None:
     """Many runs in every state, written straight into the table."""
     asked = Campaign.model_validate(campaign())
     with service.engine.begin() as connection:
@@ -39,7 +39,13 @@ def fill(service: Service, count: int) -> None:
                 "created": at + i,
                 "started": at + i if states[i % 5] != "queued" else None,
                 "threshold": 0.5,
+                "finished": at + 2 * i if verdicts[i % 5] else None,
+                "nominal_cost": 0.9,
                 "worst_cost": None if verdicts[i % 5] is None else 0.1 * (i % 11) + 0.1 + 0.2,
+                "worst_method": None if verdicts[i % 5] is None else ("direct", "sqp")[i % 2],
+                "upper_bound": None if verdicts[i % 5] is None else 0.001 * (i % 3),
+                "pinned": i in pinned,
+                **more,
             }
             for i in range(count)
         ]
@@ -65,18 +71,36 @@ def walk(client: httpx.Client, **query: Any) -> list[dict[str, Any]]:
         cursor = {"cursor": page["next_cursor"]}
 
 
-SORTS = ("created", "started", "finished", "name", "state", "verdict", "margin", "worst", "evaluations")
+COLUMNS = {
+    "created": "created", "started": "started", "finished": "finished", "name": "name", "campaign": "campaign_name",
+    "owner": "owner", "tags": "tags", "state": "state", "verdict": "verdict", "method": "worst_method",
+    "margin": "margin", "worst": "worst_cost", "nominal": "nominal_cost", "criterion": "threshold",
+    "bound": "upper_bound", "evaluations": "evaluations", "failed": "failed_evaluations",
+}  # fmt: skip
+SORTS = (*COLUMNS, "duration")
 
 
 @pytest.mark.parametrize("sort", [*SORTS, *(f"-{s}" for s in SORTS)])
 def test_pages_together_are_the_whole_list_in_order(crowd: httpx.Client, sort: str) -> None:
     runs = walk(crowd, sort=sort, limit=7)
     assert sorted(r["id"] for r in runs) == [f"R-{i:04d}" for i in range(1, 51)]
-    key = {"worst": "worst_cost", "created": "created"}.get(sort.lstrip("-"), sort.lstrip("-"))
-    values = [r[key] for r in runs]
+    if sort.endswith("duration"):
+        values = [None if r["finished"] is None else r["finished"] - r["started"] for r in runs]
+    else:
+        values = [r[COLUMNS[sort.lstrip("-")]] for r in runs]
     told = [v for v in values if v is not None]
     assert told == sorted(told, reverse=sort.startswith("-"))
     assert values == told + [None] * (len(values) - len(told))
+
+
+def test_pinned_runs_come_first_in_every_order(service: Service, client: httpx.Client) -> None:
+    fill(service, 20, pinned=(3, 8))
+    for sort, first in (("-created", ["R-0009", "R-0004"]), ("created", ["R-0004", "R-0009"]), ("-margin", ["R-0009"])):
+        runs = walk(client, sort=sort, limit=3)
+        assert len({r["id"] for r in runs}) == len(runs) == 20
+        assert [r["id"] for r in runs][: len(first)] == first
+        assert [r["pinned"] for r in runs] == [True] * 2 + [False] * 18
+    assert len(walk(client, pinned=True)) == 2
 
 
 def test_a_page_holds_its_place_while_runs_come_in(service: Service, client: httpx.Client) -> None:
@@ -95,6 +119,43 @@ def test_filters_and_counts(service: Service, client: httpx.Client) -> None:
     assert (page["counts"]["total"], page["counts"]["violated"], page["counts"]["cleared"]) == (25, 5, 5)
     several = client.get("/api/v1/runs", params={"state": ["queued", "failed"]}).json()["items"]
     assert {r["state"] for r in several} == {"queued", "failed"}
+
+
+@pytest.mark.parametrize(
+    ("query", "count"),
+    [
+        ({"owner": "bob"}, 17),
+        ({"owner": ["bob", "ada"]}, 50),
+        ({"campaign": "Unicycle past a pillar"}, 50),
+        ({"campaign": "Unicycle past a pilla"}, 0),
+        ({"method": "sqp"}, 10),
+        ({"tag": ["odd", "even"]}, 50),
+        ({"tag": "od"}, 0),
+        ({"q": "50%_", "owner": "bob", "tag": "odd"}, 8),
+        ({"pinned": True}, 0),
+    ],
+)
+def test_filters_by_campaign_owner_method_and_tag(crowd: httpx.Client, query: dict[str, Any], count: int) -> None:
+    page = crowd.get("/api/v1/runs", params={**query, "limit": 200}).json()
+    assert (len(page["items"]), page["counts"]["total"]) == (count, count)
+
+
+def test_filters_by_date(crowd: httpx.Client) -> None:
+    created = [r["created"] for r in walk(crowd, sort="created")]
+    assert [r["created"] for r in walk(crowd, sort="created", since=created[30])] == created[30:]
+    assert [r["created"] for r in walk(crowd, sort="created", since=created[10], until=created[30])] == created[10:30]
+
+
+def test_facets_say_what_the_list_can_be_narrowed_to(crowd: httpx.Client) -> None:
+    facets = crowd.get("/api/v1/runs/facets").json()
+    assert facets["campaigns"] == [{"value": "Unicycle past a pillar", "runs": 50}]
+    assert facets["owners"] == [{"value": "ada", "runs": 33}, {"value": "bob", "runs": 17}]
+    assert facets["tags"] == [
+        {"value": "50%_", "runs": 50},
+        {"value": "even", "runs": 25},
+        {"value": "odd", "runs": 25},
+    ]
+    assert facets["methods"] == [{"value": "direct", "runs": 10}, {"value": "sqp", "runs": 10}]
 
 
 @pytest.mark.parametrize(
@@ -137,10 +198,14 @@ def test_a_bad_query_is_refused(crowd: httpx.Client, query: dict[str, Any]) -> N
 
 
 def test_the_list_stays_fast_with_ten_thousand_runs(service: Service, client: httpx.Client) -> None:
-    fill(service, 10_000)
+    # As wide as a real run's, which a scan of the table would have to read.
+    wide = {"summary": {"scope": "x" * 6000}, "best_so_far": [[i + 1, 10.0 / (i + 1)] for i in range(32)]}
+    fill(service, 10_000, pinned=(5,), **wide)
     for query in (
         {},
         {"sort": "-margin"},
+        {"sort": "campaign"},
+        {"q": "pillar bob"},
         {"q": "run 3"},
         {"tag": "odd", "state": "done"},
         {"sort": "name", "limit": 200},
@@ -152,3 +217,6 @@ def test_the_list_stays_fast_with_ten_thousand_runs(service: Service, client: ht
             used.append(time.process_time() - begun)
         assert page["next_cursor"]
         assert min(used) < 0.2, query
+    begun = time.process_time()
+    assert client.get("/api/v1/runs/facets").json()["owners"][0]["runs"] == 6666
+    assert time.process_time() - begun < 0.2

@@ -1,0 +1,52 @@
+"""what people write on runs, and what the list shows and searches without reading the wide rows
+
+Revision ID: 0003
+Revises: 0002
+"""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0003"
+down_revision = "0002"
+branch_labels = None
+depends_on = None
+
+LISTED = (
+    "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
+    "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations", "upper_bound",
+)  # fmt: skip
+
+
+def upgrade() -> None:
+    with op.batch_alter_table("runs", schema=None) as batch_op:
+        batch_op.add_column(sa.Column("upper_bound", sa.Double(), nullable=True))
+        batch_op.add_column(sa.Column("best_so_far", sa.JSON(), nullable=False, server_default="[]"))
+        batch_op.add_column(sa.Column("pinned", sa.Boolean(), nullable=False, server_default=sa.false()))
+        batch_op.add_column(sa.Column("notes", sa.Text(), nullable=False, server_default=""))
+    op.create_index("ix_campaigns_name", "campaigns", ["name", "digest"])
+    if op.get_bind().dialect.name == "sqlite":
+        op.create_index("ix_runs_list", "runs", list(LISTED))
+    _bounds_of_earlier_runs()
+
+
+def _bounds_of_earlier_runs() -> None:
+    """The bound stands in the summary of a run that is over."""
+    runs = sa.table("runs", sa.column("id"), sa.column("summary", sa.JSON), sa.column("upper_bound"))
+    bind = op.get_bind()
+    for run_id, summary in bind.execute(sa.select(runs.c.id, runs.c.summary)).all():
+        statistics = (summary or {}).get("statistics") or {}
+        if statistics.get("upper_bound") is not None:
+            values = {"upper_bound": statistics["upper_bound"]}
+            bind.execute(sa.update(runs).where(runs.c.id == run_id).values(**values))
+
+
+def downgrade() -> None:
+    if op.get_bind().dialect.name == "sqlite":
+        op.drop_index("ix_runs_list", "runs")
+    op.drop_index("ix_campaigns_name", "campaigns")
+    with op.batch_alter_table("runs", schema=None) as batch_op:
+        for column in ("notes", "pinned", "best_so_far", "upper_bound"):
+            batch_op.drop_column(column)

@@ -1,0 +1,42 @@
+"""What people write on a run after it was submitted: name, tags, notes, pin; cancelling several. Start at `edit`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sqlalchemy as sa
+
+from backend.db import queue
+from backend.db.engine import read
+from backend.db.tables import Run
+from backend.errors import RefusedError, not_found
+from backend.runs import listing
+from backend.runs.schemas import RunEdit, RunSummary
+from campaigns import Problem
+
+
+def edit(engine: sa.Engine, run_id: int, given: RunEdit) -> None:
+    """Write what is given, leave the rest; 404 for no run, 422 where nothing is given."""
+    values = given.model_dump(exclude_unset=True)
+    empty = [key for key, value in values.items() if value is None]
+    if empty or not values:
+        message = "give at least one of name, tags, notes and pinned, and leave out what is to stay"
+        raise RefusedError(422, "invalid", message, [Problem(key, "null", message) for key in empty])
+    if given.tags is not None:
+        values["tags"] = list(dict.fromkeys(given.tags))
+    with engine.begin() as writer:
+        if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
+            raise not_found("run", listing.name(run_id))
+
+
+def cancel(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
+    """Cancel several runs; those that have ended stay as they are. 404 for one that is not there, and none is."""
+    with engine.begin() as writer:
+        known = set(writer.scalars(sa.select(Run.id).where(Run.id.in_(run_ids))))
+        for run_id in run_ids:
+            if run_id not in known:
+                raise not_found("run", listing.name(run_id))
+            queue.request_cancel(writer, run_id)
+    with read(engine) as reader:
+        found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
+    return [found[listing.name(run_id)] for run_id in dict.fromkeys(run_ids)]

@@ -1,0 +1,44 @@
+"""What the run list can be narrowed to: the campaigns, tags, owners and methods that runs have. Start at `facets`."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from backend.runs.schemas import Facet, RunFacets
+
+MOST = 200
+"""Of each kind, those with the most runs."""
+
+
+def facets(reader: sa.Connection) -> RunFacets:
+    """Each with how many runs have it, the most frequent first."""
+    digests = _counted(reader, Run.campaign_digest)
+    names = {row.digest: row.name for row in reader.execute(sa.select(CampaignRow.digest, CampaignRow.name))}
+    campaigns: Counter[str] = Counter()
+    for digest, number in digests.items():
+        campaigns[names[digest]] += number
+    tags: Counter[str] = Counter()
+    for text, number in _counted(reader, sa.cast(Run.tags, sa.Text)).items():
+        tags.update(dict.fromkeys(json.loads(text), number))
+    return RunFacets(
+        campaigns=_listed(campaigns),
+        tags=_listed(tags),
+        owners=_listed(_counted(reader, Run.owner)),
+        methods=_listed(_counted(reader, Run.worst_method)),
+    )
+
+
+def _counted(reader: sa.Connection, column: Any) -> Counter[str]:
+    rows = reader.execute(sa.select(column, sa.func.count()).group_by(column))
+    return Counter({value: number for value, number in rows if value})
+
+
+def _listed(found: Counter[str]) -> list[Facet]:
+    most = sorted(found.items(), key=lambda item: (-item[1], item[0].lower()))[:MOST]
+    return [Facet(value=value, runs=number) for value, number in most]

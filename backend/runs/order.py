@@ -1,0 +1,113 @@
+"""The orders of the run list, and the cursors that hold a place in them.
+
+Pages go by key, not by offset (Winand, "Paging Through Results", use-the-index-luke.com): a cursor names the last row's
+pin, sort value and number. Pinned runs come first in every order. Start reading at `Order`.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from backend.errors import RefusedError
+from campaigns import Problem
+
+Sort = Literal[
+    "created", "-created", "started", "-started", "finished", "-finished", "name", "-name", "campaign", "-campaign",
+    "state", "-state", "verdict", "-verdict", "margin", "-margin", "worst", "-worst", "nominal", "-nominal",
+    "criterion", "-criterion", "method", "-method", "bound", "-bound", "evaluations", "-evaluations", "failed",
+    "-failed", "duration", "-duration", "owner", "-owner", "tags", "-tags",
+]  # fmt: skip
+
+_CAMPAIGN = sa.select(CampaignRow.name).where(CampaignRow.digest == Run.campaign_digest).scalar_subquery()
+_VALUES: dict[str, sa.ColumnElement[Any]] = {
+    "created": sa.type_coerce(Run.id, sa.Integer),  # runs are numbered as they are created
+    "started": sa.type_coerce(Run.started, sa.Double),
+    "finished": sa.type_coerce(Run.finished, sa.Double),
+    "duration": Run.finished - Run.started,
+    "name": sa.type_coerce(sa.func.lower(Run.name), sa.String),
+    "campaign": sa.type_coerce(sa.func.lower(_CAMPAIGN), sa.String),
+    "owner": sa.type_coerce(Run.owner, sa.String),
+    "tags": sa.type_coerce(sa.func.nullif(sa.cast(Run.tags, sa.Text), "[]"), sa.String),
+    "state": sa.type_coerce(Run.state, sa.String),
+    "verdict": sa.type_coerce(Run.verdict, sa.String),
+    "method": sa.type_coerce(Run.worst_method, sa.String),
+    "margin": Run.worst_cost - Run.threshold,
+    "worst": sa.type_coerce(Run.worst_cost, sa.Double),
+    "nominal": sa.type_coerce(Run.nominal_cost, sa.Double),
+    "criterion": sa.type_coerce(Run.threshold, sa.Double),
+    "bound": sa.type_coerce(Run.upper_bound, sa.Double),
+    "evaluations": sa.type_coerce(Run.evaluations, sa.Integer),
+    "failed": sa.type_coerce(Run.failed_evaluations, sa.Integer),
+}
+
+
+@dataclass(frozen=True)
+class Order:
+    """By pin, then by value, what has none last in either direction, newest first among equals."""
+
+    sort: Sort
+
+    @property
+    def value(self) -> sa.ColumnElement[Any]:
+        """What is sorted by."""
+        return _VALUES[self.sort.lstrip("-")]
+
+    @property
+    def columns(self) -> list[sa.ColumnElement[Any]]:
+        """For ORDER BY."""
+        down = self.sort.startswith("-")
+        if self.sort.endswith("created"):
+            return [Run.pinned.desc(), Run.id.desc() if down else Run.id.asc()]
+        return [Run.pinned.desc(), self.value.is_(None), self.value.desc() if down else self.value.asc(), Run.id.desc()]
+
+    def after(self, cursor: str) -> sa.ColumnElement[bool]:
+        """The rows behind the one that the cursor names; 422 for one that this order did not give."""
+        pinned, value, run_id = self._decode(cursor)
+        behind = self._behind(value, run_id)
+        if not pinned:
+            return sa.and_(Run.pinned.is_(False), behind)
+        return sa.or_(Run.pinned.is_(False), behind)
+
+    def _behind(self, value: Any, run_id: int) -> sa.ColumnElement[bool]:
+        """Among rows that are pinned alike."""
+        down = self.sort.startswith("-")
+        if self.sort.endswith("created"):
+            return Run.id < run_id if down else Run.id > run_id
+        if value is None:
+            return sa.and_(self.value.is_(None), Run.id < run_id)
+        further = self.value < value if down else self.value > value
+        return sa.or_(further, sa.and_(self.value == value, Run.id < run_id), self.value.is_(None))
+
+    def cursor(self, row: Any) -> str:
+        """The place of a row with its `pinned`, `value` and `id`."""
+        text = json.dumps([self.sort, bool(row.pinned), row.value, row.id])
+        return base64.urlsafe_b64encode(text.encode()).decode().rstrip("=")
+
+    def _decode(self, cursor: str) -> tuple[bool, Any, int]:
+        try:
+            text = base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True)
+            of, pinned, value, run_id = json.loads(text)
+        except (binascii.Error, ValueError, TypeError):
+            raise _bad(cursor, "not one that this service gave; start again without a cursor") from None
+        if of != self.sort:
+            message = f"from a list sorted by {of}, this one is sorted by {self.sort}; start again without a cursor"
+            raise _bad(cursor, message)
+        words = isinstance(self.value.type, sa.String)
+        fits = value is None or (isinstance(value, str if words else int | float) and not isinstance(value, bool))
+        known = isinstance(run_id, int) and not isinstance(run_id, bool) and 0 <= run_id < 2**62
+        if not (fits and known and isinstance(pinned, bool)):
+            raise _bad(cursor, "not one that this service gave; start again without a cursor")
+        return pinned, value, run_id
+
+
+def _bad(cursor: str, message: str) -> RefusedError:
+    problem = Problem("cursor", cursor[:120], message)
+    return RefusedError(422, "bad-cursor", str(problem), [problem])

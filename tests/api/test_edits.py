@@ -1,0 +1,116 @@
+"""What people write on runs after they were submitted, and cancelling several at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.api.finished import Work, finish
+from tests.api.server import Service
+from tests.api.test_access import problem
+from tests.api.test_runs import submit
+
+NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>."
+
+
+def test_name_tags_notes_and_pin_are_kept(client: httpx.Client) -> None:
+    run = submit(client)
+    before = client.get(f"/api/v1/runs/{run}").json()
+    assert (before["notes"], before["pinned"]) == ("", False)
+    given = {"name": "Release 2.4", "tags": ["a", "b", "a"], "notes": NOTES, "pinned": True}
+    answer = client.patch(f"/api/v1/runs/{run}", json=given)
+    assert answer.status_code == 200
+    after = client.get(f"/api/v1/runs/{run}").json()
+    assert answer.json() == after
+    assert after == before | given | {"tags": ["a", "b"]}
+
+
+def test_what_is_left_out_stays(client: httpx.Client) -> None:
+    run = submit(client)
+    client.patch(f"/api/v1/runs/{run}", json={"notes": NOTES, "tags": ["a"]})
+    client.patch(f"/api/v1/runs/{run}", json={"pinned": True})
+    client.patch(f"/api/v1/runs/{run}", json={"tags": []})
+    after = client.get(f"/api/v1/runs/{run}").json()
+    assert (after["notes"], after["pinned"], after["tags"]) == (NOTES, True, [])
+
+
+def test_a_finished_run_can_be_written_on_but_its_campaign_stays(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    before = client.get(f"/api/v1/runs/{run}").json()
+    after = client.patch(f"/api/v1/runs/{run}", json={"name": "Another name"}).json()
+    assert after == before | {"name": "Another name"}
+    assert after["campaign_name"] != "Another name"
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"name": ""},
+        {"name": "x" * 121},
+        {"name": None},
+        {"tags": ["two words"]},
+        {"tags": ["x"] * 21},
+        {"notes": "x" * 20_001},
+        {"pinned": "perhaps"},
+        {"state": "done"},
+        {"verdict": "cleared"},
+    ],
+)
+def test_anything_else_is_refused(client: httpx.Client, given: dict[str, Any]) -> None:
+    run = submit(client)
+    before = client.get(f"/api/v1/runs/{run}").json()
+    problem(client.patch(f"/api/v1/runs/{run}", json=given), 422)
+    assert client.get(f"/api/v1/runs/{run}").json() == before
+
+
+def test_a_run_that_is_not_there_cannot_be_written_on(client: httpx.Client) -> None:
+    problem(client.patch("/api/v1/runs/R-0099", json={"pinned": True}), 404)
+
+
+def test_a_page_of_another_service_cannot_write(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    foreign = {"Origin": "https://evil.example"}
+    problem(client.patch(f"/api/v1/runs/{run}", json={"pinned": True}, headers=foreign), 403)
+    problem(client.post("/api/v1/runs/cancel", json={"runs": [run]}, headers=foreign), 403)
+    with service.visitor() as stranger:
+        problem(stranger.patch(f"/api/v1/runs/{run}", json={"pinned": True}), 401)
+    assert client.get(f"/api/v1/runs/{run}").json()["pinned"] is False
+
+
+def test_several_runs_are_cancelled_at_once(service: Service, client: httpx.Client) -> None:
+    first, second, third = (submit(client, seed=seed) for seed in (1, 2, 3))
+    finish(service)
+    Work(service).nominal()
+    answer = client.post("/api/v1/runs/cancel", json={"runs": [third, second, first, third]})
+    assert answer.status_code == 200
+    assert [(r["id"], r["state"]) for r in answer.json()] == [
+        (third, "cancelled"),
+        (second, "cancelling"),
+        (first, "done"),
+    ]
+
+
+def test_one_unknown_run_and_none_is_cancelled(client: httpx.Client) -> None:
+    run = submit(client)
+    problem(client.post("/api/v1/runs/cancel", json={"runs": [run, "R-0099"]}), 404)
+    problem(client.post("/api/v1/runs/cancel", json={"runs": []}), 422)
+    assert client.get(f"/api/v1/runs/{run}").json()["state"] == "queued"
+
+
+def test_the_list_has_the_course_of_the_search_and_the_bound(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    work = Work(service)
+    work.nominal()
+    work.search(0, 700)
+    work.search(700, 300)
+    (item,) = client.get("/api/v1/runs").json()["items"]
+    assert item["id"] == run
+    evaluations, costs = zip(*item["best_so_far"], strict=True)
+    assert list(evaluations) == sorted(set(evaluations))
+    assert list(costs) == sorted(set(costs), reverse=True)
+    assert costs[-1] == float(f"{item['worst_cost']:.6g}")
+    assert item["upper_bound"] is None

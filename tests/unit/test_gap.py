@@ -8,14 +8,16 @@ import pytest
 from tests.unit.cases import case1
 from tests.unit.sampled import asked, context, evaluate
 from tests.unit.searching import Function, batch, run
-from worker.search import direct
-from worker.search.base import Floats
+from worker.search import direct, direct_l
+from worker.search.base import Floats, Method
 from worker.stages import gap, search
 from worker.store import Columns
 
 
-def stored(function: Function, budget: int, options: dict[str, float] | None = None) -> Columns:
-    found = run(direct.method, function, 2, budget, options=options)
+def stored(
+    function: Function, budget: int, options: dict[str, float] | None = None, method: Method = direct.method
+) -> Columns:
+    found = run(method, function, 2, budget, options=options)
     points = found.points[:budget]
     given = batch(function(points))
     return Columns(points, given.costs, given.status, np.zeros(len(points)), {})
@@ -25,10 +27,11 @@ def plane(x: Floats) -> Floats:
     return np.asarray(1.0 + 2.0 * x[:, 0] - 0.5 * x[:, 1])
 
 
-def test_of_a_plane_it_is_exact() -> None:
+@pytest.mark.parametrize("method", [direct.method, direct_l.method], ids=lambda m: m.name)
+def test_of_a_plane_it_is_exact(method: Method) -> None:
     # Slopes 2 and 0.5 along the sides: the estimate is the true minimum, at the corner (0, 1).
     for budget in (5, 40, 700):
-        found = gap.estimate(case1(), "direct", direct.Options(), stored(plane, budget))
+        found = gap.estimate(case1(), method.name, direct.Options(), stored(plane, budget, method=method))
         assert found is not None
         assert found["slopes"] == {"vehicle.m": pytest.approx(2.0 / 2), "vehicle.J": pytest.approx(0.5 / 0.02)}
         assert found["lower_bound"] == pytest.approx(0.5)

@@ -7,6 +7,7 @@ known; taken are the largest slopes between neighbouring centres. Start reading 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from worker.search.base import Batch, Floats
 from worker.store import Columns
 from worker.wording import count, number
 
-DIVIDE = {"direct": direct.divided}
+DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=True)}
 """The methods that keep rectangles."""
 
 DIGITS = 12

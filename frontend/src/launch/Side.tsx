@@ -76,6 +76,7 @@ interface EstimateProps {
 
 export function Estimate({ checked, campaign }: EstimateProps) {
   const samples = samplesOf(campaign)
+  const unbounded = Object.values(campaign.uncertain).some((u) => u.distribution?.kind === 'normal')
   const confidence = numberOf(campaign.confidence) ?? 0.95
   const target = numberOf(campaign.target_probability)
   // With no violation among n independent samples, the Clopper-Pearson bound is 1 - (1 - confidence)^(1/n).
@@ -104,6 +105,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         {typeof checked?.seconds !== 'number' && 'The time is told once a run of the same components has ended. '}
         {bound !== null &&
           `The bound holds with ${percent(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
+        {bound !== null && unbounded && ' The probability beyond the bounds of normal distributions is added to it.'}
       </p>
     </Card>
   )

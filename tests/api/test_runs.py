@@ -16,6 +16,7 @@ from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from campaigns import Campaign
+from campaigns.plan import plan
 from tests.api.catalogue import campaign
 from tests.api.server import Service
 from tests.api.test_access import problem
@@ -48,7 +49,7 @@ def test_a_campaign_as_json_becomes_a_queued_run(service: Service, client: httpx
     assert answer.headers["location"] == "/api/v1/runs/R-0001"
     assert (run["id"], run["name"], run["tags"], run["state"]) == ("R-0001", "first", ["a", "b"], "queued")
     assert (run["owner"], run["quantity"], run["unit"], run["threshold"]) == ("local", "d_min", "m", 0.5)
-    assert run["planned"] == 1 + 21 * 2 + 1000 + 20_000 + 8 * 300
+    assert run["planned"] == sum(stage.planned for stage in plan(Campaign.model_validate(campaign())))
     assert run["campaign_digest"] == Campaign.model_validate(campaign()).digest
     detail = client.get("/api/v1/runs/R-0001").json()
     assert detail["campaign"] == Campaign.model_validate(campaign()).document()

@@ -119,9 +119,9 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
         one_search(options={"iteration": 5}),
         ("stages.search.0.options.iteration", "5", "no such option; did you mean 'iterations'?"),
     ),
-    "option of a method without any": (
+    "option near another one": (
         one_search(method="monte_carlo", options={"samples": 5}),
-        ("stages.search.0.options.samples", "5", "no such option; there are none"),
+        ("stages.search.0.options.samples", "5", "no such option; did you mean 'sampling'?"),
     ),
     "option of another type": (
         one_search(options={"iterations": "many"}),

@@ -1,0 +1,89 @@
+"""Every search method on every function of the table, with several criteria, and going on under more budget."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.contract.searches import BUDGET, EACH, Answer, answering, driven, rough
+from tests.unit.functions import FUNCTIONS as TABLE
+from tests.unit.functions import on_unit_cube
+from tests.unit.searching import batch
+from worker.catalog import methods
+from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats, Method, Minimum
+
+
+@EACH
+@pytest.mark.parametrize("name", TABLE)
+def test_every_function_of_the_table(method: Method, name: str) -> None:
+    """Optima off the centre; a third of the box fails in thin slices, and what the function excludes is excluded."""
+    f, budget = on_unit_cube(name, 5), 250
+    asked: list[Floats] = []
+
+    def statuses(points: Floats) -> NDArray[np.uint8]:
+        excluded, failed = np.isnan(f(points)), np.sin(300 * points[:, 0]) > 0.5
+        return np.where(excluded, EXCLUDED, np.where(failed, FAILED, OK)).astype(np.uint8)
+
+    def evaluate(points: Floats) -> Answer:
+        asked.append(points.copy())
+        status = statuses(points)
+        return Batch(np.where(status == OK, f(points), np.nan)[:, None], status), {}
+
+    minima: list[Minimum] = []
+    found = driven(method, evaluate, budget, f.dimension, minima)
+    tally, columns = found.tally, found.columns
+    assert columns is not None
+    points, status = columns.points, columns.status
+    assert sum(map(len, asked)) == len(points) == tally.evaluations <= budget
+    assert found.stop == "rule" or tally.evaluations == budget
+    assert np.array_equal(points, np.concatenate(asked))
+    assert points.min() >= 0.0
+    assert points.max() <= 1.0
+    assert np.array_equal(status, statuses(points))
+    assert (tally.failed, tally.excluded) == ((status == FAILED).sum(), (status == EXCLUDED).sum())
+    assert np.isnan(columns.costs[status != OK]).all()
+    assert tally.best is not None
+    assert tally.best_point is not None
+    assert statuses(tally.best_point[None, :])[0] == OK
+    assert tally.best == columns.costs[status == OK].min() >= f.minimum - 1e-9 * max(abs(f.minimum), 1.0)
+    flown = {p.tobytes() for p in points[status == OK]}
+    for minimum in minima:
+        assert minimum.point.tobytes() in flown
+        assert minimum.cost == f(minimum.point[None, :])[0]
+
+
+@EACH
+def test_further_criteria_are_left_to_methods_for_several(method: Method) -> None:
+    """One that looks at a single cost looks at the first, whatever stands beside it."""
+
+    def asked(criteria: int) -> Floats:
+        def evaluate(points: Floats) -> Answer:
+            one = batch(rough(points))
+            more = [points[:, k : k + 1] for k in range(criteria - 1)]
+            return Batch(np.hstack([one.costs, *more]), one.status), {}
+
+        columns = driven(method, evaluate, BUDGET).columns
+        assert columns is not None
+        assert columns.costs.shape == (len(columns.points), criteria)
+        return columns.points
+
+    one, two = asked(1), asked(2)
+    assert np.array_equal(one, two) or method.kind == "multi"
+
+
+@pytest.mark.parametrize("method", [m for m in methods().values() if m.extend is not None], ids=lambda m: m.name)
+@pytest.mark.parametrize("name", ["Branin", "Hartman 6", "excluded region"])
+@pytest.mark.parametrize("budget", [150, 1000])
+def test_one_that_can_go_on_begins_with_the_same_points(method: Method, name: str, budget: int) -> None:
+    f, more = on_unit_cube(name, 5), 700
+    assert method.extend is not None
+    answer = answering(f, EXCLUDED)
+    before = driven(method, answer, budget, f.dimension).columns
+    assert before is not None
+    longer = method.extend(method.options(), more)
+    count = len(before.points)
+    after = driven(method, answer, count + more, f.dimension, options=longer).columns
+    assert after is not None
+    assert len(after.points) == count + more
+    assert np.array_equal(after.points[:count], before.points)

@@ -46,6 +46,8 @@ class Sheet:
     stages: list[Flown]
     criteria: list[tuple[str, str]]
     """Name and unit, the one that decides first."""
+    turned: list[bool]
+    """Which criteria are worse when high: their sign is turned in the costs, and turned back here."""
     parameters: list[tuple[str, str]]
     """Path and unit."""
     limits: Bounds
@@ -74,7 +76,8 @@ class Sheet:
         units = in_units(columns.points, [path for path, _ in self.parameters], self.limits)
         shares = {path: columns.points[:, k].tolist() for k, (path, _) in enumerate(self.parameters)}
         values = [units.get(path, shares[path]) for path, _ in self.parameters]
-        costs = [_known(columns.costs[:, k].tolist(), ok.tolist()) for k in range(len(self.criteria))]
+        told = [0.0 - c if turn else c for c, turn in zip(columns.costs.T, self.turned, strict=False)]
+        costs = [_known(column.tolist(), ok.tolist()) for column in told]
         index = range(chunk.first, chunk.first + chunk.count)
         status = [STATUS[code] for code in columns.status.tolist()]
         reasons = [columns.reasons.get(i) for i in index]
@@ -90,10 +93,12 @@ def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
     units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations)
     rows = reader.execute(query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position))
+    criteria = _criteria(asked, catalogue, _width(reader, run_id))
     return Sheet(
         run_id=run_id,
         stages=[Flown(*row) for row in rows],
-        criteria=_criteria(asked, catalogue, _width(reader, run_id)),
+        criteria=criteria,
+        turned=[_turned(name, catalogue) for name in _components(asked)[: len(criteria)]],
         parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in asked.uncertain],
         limits=limits,
     )
@@ -102,13 +107,22 @@ def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
 def _criteria(asked: Campaign, catalogue: Catalogue | None, width: int) -> list[tuple[str, str]]:
     """Quantity and unit of every criterion that has values, each name once."""
     named: list[tuple[str, str]] = []
-    for component in [asked.criterion.component, *(o.component for o in asked.objectives)][:width]:
+    for component in _components(asked)[:width]:
         entry = None if catalogue is None else catalogue.component("criterion", component)
         quantity, unit = ("", "") if entry is None else (entry.quantity, entry.unit)
         name = quantity or component
         again = sum(known.partition(" ")[0] == name for known, _ in named)
         named.append((f"{name} {again + 1}" if again else name, unit))
     return named
+
+
+def _components(asked: Campaign) -> list[str]:
+    return [asked.criterion.component, *(o.component for o in asked.objectives)]
+
+
+def _turned(component: str, catalogue: Catalogue | None) -> bool:
+    entry = None if catalogue is None else catalogue.component("criterion", component)
+    return entry is not None and entry.worse == "high"
 
 
 def _width(reader: sa.Connection, run_id: int) -> int:

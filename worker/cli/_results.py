@@ -19,6 +19,7 @@ from campaigns.plan import plan
 from worker.continuation import CannotContinue
 from worker.problem import Problem
 from worker.search.base import STATUS
+from worker.stages import front
 from worker.store import Columns, MemoryStore, StagePlan, StageRecord, Trace
 
 ARRAYS = "evaluations.npz"
@@ -76,16 +77,19 @@ def _read_bits(path: Path, stages: int) -> dict[int, Columns]:
 def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["stage", "kind", "method", "index", "status", "cost", *(r.path for r in problem.ranges)])
+        beside = [f"{c['name']} [{c['unit']}]" if c["unit"] else c["name"] for c in front.criteria(problem)[1:]]
+        paths = [r.path for r in problem.ranges]
+        writer.writerow(["stage", "kind", "method", "index", "status", "cost", *beside, *paths])
         for position, record in enumerate(store.stages):
             columns = store.evaluations(position)
             if columns is None:
                 continue
             plan = record.plan
             values = problem.values(columns.points)
-            for i, (status, costs) in enumerate(zip(columns.status.tolist(), columns.costs, strict=True)):
-                cost = repr(float(costs[0])) if status == 0 else ""
-                row = [position, plan.kind, plan.method or "", i, STATUS[status], cost]
+            told = front.values(problem, columns.costs)
+            for i, (status, value) in enumerate(zip(columns.status.tolist(), told.tolist(), strict=True)):
+                costs = [repr(v) if status == 0 else "" for v in value]
+                row = [position, plan.kind, plan.method or "", i, STATUS[status], *costs]
                 writer.writerow([*row, *map(repr, values[i].tolist())])
 
 

@@ -1,6 +1,6 @@
 """Goal miss: the smallest distance to the goal over the flight.
 
-    miss = min over t <= T of |q(t) - g|,   0 where the flight passes through the goal g; more is worse
+    d_goal = min over t <= T of |q(t) - g|,   0 where the flight passes through the goal g; more is worse
 
 The least over the flight, not what is left at its end: an aircraft cannot stop at its goal, and whether it got there
 does not depend on how long it is flown on. A flight that is still under way at the horizon T misses by what is left.
@@ -46,7 +46,7 @@ def value(lowest: Any, p: GoalMiss) -> float:
 component = Criterion(
     name="goal_miss",
     title="Goal miss",
-    quantity="goal miss",
+    quantity="d_goal",
     unit="m",
     parameters=GoalMiss,
     sample={2: in_plane, 3: in_space},

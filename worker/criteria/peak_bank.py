@@ -1,6 +1,6 @@
 """Peak bank: the largest bank angle of an aircraft over the flight, to either side.
 
-    max over t <= T of |phi(t)|,   phi the roll angle of the Euler angles; more is worse
+    phi_peak = max over t <= T of |phi(t)|,   phi the roll angle of the Euler angles; more is worse
 
 Between steps the maximum is refined by a parabola through three samples: the roll angle is the integral of a rate, so
 its peaks are smooth, and so is the value in the parameters, but where two peaks are equally high. Half the step changes
@@ -34,7 +34,7 @@ def value(lowest: Any, p: PeakBank) -> float:
 component = Criterion(
     name="peak_bank",
     title="Peak bank",
-    quantity="peak bank",
+    quantity="φ_peak",
     unit="rad",
     parameters=PeakBank,
     sample={3: sample},

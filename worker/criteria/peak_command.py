@@ -1,6 +1,6 @@
 """Peak command: the largest share of its full deflection that any input reaches over the flight.
 
-    max over t <= T and inputs i of |u_i(t)| / s_i,   s_i > 0; an input with s_i = 0 does not count; more is worse
+    u_peak = max over t <= T and inputs i of |u_i(t)| / s_i;   s_i = 0: it does not count; more is worse
 
 u_i are the inputs as they arrive at the vehicle, behind all faults of actuators and before its own stops, in the order
 in which the vehicle lists them; s_i is the full deflection of each, such as its stop or its rated value, in its unit.
@@ -73,7 +73,7 @@ def value(lowest: Any, p: Weights) -> float:
 component = Criterion(
     name="peak_command",
     title="Peak command",
-    quantity="peak command",
+    quantity="u_peak",
     unit="",
     parameters=PeakCommand,
     sample={2: sample, 3: sample},

@@ -1,8 +1,8 @@
 """Time to goal: the first instant within a radius of the goal; the horizon where there is none.
 
-    t_g = min {t <= T : |q(t) - g| <= R},   T where the set is empty; more is worse
+    t_goal = min {t <= T : |q(t) - g| <= R},   T where the set is empty; more is worse
 
-The crossing is found on the straight line through the distances at the two steps around it, so t_g is smooth in the
+The crossing is found on the straight line through the distances at the two steps around it, so t_goal is smooth in the
 parameters while the flight gets there, of second order in the step, and exact for straight flight at the goal. It jumps
 to T where a flight only just misses the circle or sphere of radius R: no gradient leads across.
 Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is ours.

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter
 from campaigns.stages import Search as Asked
 from worker.catalog import methods
 from worker.search.base import Floats, Method, Minimum, Space
-from worker.stages import gap, sample
+from worker.stages import front, gap, sample
 from worker.stages.base import Context, Driven, drive
 
 
@@ -88,4 +88,4 @@ def _result(context: Context, method: Method, options: Any, driven: Driven, mini
         ],
         "sample": sample.of_search(context, options, columns) if method.kind == "random" and columns else None,
         "gap": gap.estimate(problem, method.name, options, columns) if columns else None,
-    }
+    } | front.told(problem, columns)

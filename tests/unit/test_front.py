@@ -1,0 +1,122 @@
+"""The front of several criteria: what dominates what, equal rows, and what a stage's result and file tell of it."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from campaigns.load import load_document
+from tests.unit.cases import CASE1, campaign
+from worker.cli._results import write_results
+from worker.problem import Problem
+from worker.runner import execute
+from worker.search.base import FAILED, OK
+from worker.stages import front
+from worker.store import Columns, MemoryStore
+
+TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))
+
+
+@given(TABLES)
+def test_it_is_what_the_definition_says(costs: Any) -> None:
+    found = front.undominated(costs)
+    kept = costs[found]
+    for i, row in enumerate(costs):
+        bettered = ((costs <= row).all(axis=1) & (costs < row).any(axis=1)).any()
+        assert (kept == row).all(axis=1).any() != bettered
+        assert (i in found) == (not bettered and not (costs[:i] == row).all(axis=1).any())
+    assert (np.diff(kept[:, 0]) >= 0).all()
+
+
+def several(*objectives: str) -> Problem:
+    document = campaign().document()
+    document["objectives"] = [{"component": name} for name in objectives]
+    return Problem(load_document(document))
+
+
+def columns(costs: list[list[float]], status: list[int]) -> Columns:
+    m = len(costs)
+    points = np.column_stack([np.linspace(0, 1, m), np.linspace(1, 0, m)])
+    return Columns(points, np.array(costs), np.array(status, dtype=np.uint8), np.arange(m, dtype=float), {})
+
+
+def test_one_criterion_has_no_front() -> None:
+    told = front.told(several(), columns([[1.0]], [OK]))
+    assert told["front"] is None
+    assert [c["name"] for c in told["criteria"]] == ["separation"]
+
+
+def test_values_are_told_in_their_own_sign_and_failures_left_out() -> None:
+    problem = several("goal_miss")
+    nan = float("nan")
+    made = columns([[1.0, -3.0], [2.0, -4.0], [2.0, -3.0], [nan, nan], [0.5, 0.0]], [OK, OK, OK, FAILED, OK])
+    told = front.told(problem, made)
+    assert told["front_size"] == 3
+    assert [p["index"] for p in told["front"]] == [4, 0, 1]
+    assert [p["values"] for p in told["front"]] == [
+        {"separation": 0.5, "goal_miss": 0.0},
+        {"separation": 1.0, "goal_miss": 3.0},
+        {"separation": 2.0, "goal_miss": 4.0},
+    ]
+    assert str(told["front"][0]["values"]["goal_miss"]) == "0.0", "no negative zero"
+    assert told["front"][1]["parameters"] == problem.named(made.points[0])
+    assert [(c["unit"], c["worse"]) for c in told["criteria"]] == [("m", "low"), ("m", "high")]
+
+
+def test_nothing_flown_has_an_empty_front() -> None:
+    problem = several("goal_miss")
+    assert front.told(problem, None)["front"] is None
+    assert front.told(problem, columns([[float("nan")] * 2], [FAILED]))["front"] == []
+
+
+def test_the_same_component_twice_has_two_names() -> None:
+    document = campaign().document()
+    radii = [{"component": "time_to_goal", "parameters": {"radius": r}} for r in (0.5, 1.0, 2.0)]
+    document["objectives"] = radii
+    names = [c["name"] for c in front.criteria(Problem(load_document(document)))]
+    assert names == ["separation", "time_to_goal", "time_to_goal#2", "time_to_goal#3"]
+
+
+def test_a_large_front_is_thinned_and_says_how_large_it_is() -> None:
+    m = 3 * front.MOST
+    line = np.linspace(1.0, 2.0, m)
+    told = front.told(several("goal_miss"), columns(np.column_stack([line, -line]).tolist(), [OK] * m))
+    assert told["front_size"] == m
+    assert len(told["front"]) == front.MOST
+    assert [told["front"][k]["index"] for k in (0, -1)] == [0, m - 1]
+
+
+@pytest.mark.parametrize("method", ["nsga2", "monte_carlo"])
+def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path: Path) -> None:
+    asked = campaign(
+        stages={
+            "sensitivity": {"points": 3},
+            "search": [{"method": method, "evaluations": 120}],
+            "validate": {"neighbours": 5},
+        },
+        objectives=[{"component": "goal_miss"}, {"component": "time_to_goal", "parameters": {"radius": 0.5}}],
+        scenario=CASE1["scenario"] | {"horizon": 8.0},
+    )
+    store = MemoryStore()
+    execute(asked, store, threads=1)
+    result = next(s.result for s in store.stages if s.plan.method == method)
+    assert result is not None
+    assert result["front_size"] == len(result["front"]) > 1
+    write_results(tmp_path, asked, store, {})
+    rows = list(csv.DictReader((tmp_path / "evaluations.csv").read_text(encoding="utf-8").splitlines()))
+    assert {"cost", "goal_miss [m]", "time_to_goal [s]"} <= rows[0].keys()
+    flown = {int(r["index"]): r for r in rows if r["method"] == method}
+    assert len(flown) == 120
+    for point in result["front"]:
+        row = flown[point["index"]]
+        assert float(row["cost"]) == point["values"]["separation"]
+        assert float(row["goal_miss [m]"]) == point["values"]["goal_miss"] >= 0.0
+        assert float(row["time_to_goal [s]"]) == point["values"]["time_to_goal"]
+        assert float(row["vehicle.m"]) == point["parameters"]["vehicle.m"]

@@ -71,7 +71,10 @@ def _raised(search: Search, budget: Budget) -> dict[str, Any] | None:
     if evaluations > MAX_EVALUATIONS:
         raise CannotContinue(f"{count(evaluations)} evaluations are more than the {count(MAX_EVALUATIONS)} allowed")
     known: TypeAdapter[Any] = TypeAdapter(method.options)
-    options = method.extend(known.validate_python(search.options), evaluations - search.evaluations)
+    try:
+        options = method.extend(known.validate_python(search.options), evaluations - search.evaluations)
+    except ValueError:
+        return None
     usual = method.options()
     changed = {f.name: getattr(options, f.name) for f in fields(options)}
     told = {name: v for name, v in changed.items() if name in search.options or v != getattr(usual, name)}

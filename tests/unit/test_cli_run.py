@@ -88,7 +88,7 @@ def test_the_name_of_a_shipped_campaign_will_do(capsys: pytest.CaptureFixture[st
     assert invoke(["validate", "unicycle_static"]) == 0
     out = capsys.readouterr().out
     assert out.startswith(f"Unicycle, static obstacle: can be run here. Digest {campaign().digest[:16]}\n")
-    assert "2 uncertain parameters, at most 9543 evaluations:" in out
+    assert "2 uncertain parameters, at most 13543 evaluations:" in out
     assert "  search by direct: 3000\n" in out
 
 
@@ -147,7 +147,8 @@ def test_a_failure_of_clearance_itself_is_4(
 
 
 KEYS = {
-    "verdict", "reason", "nominal", "worst", "stages", "checks", "statistics", "findings", "digest", "seed", "versions",
+    "verdict", "reason", "nominal", "worst", "stages", "comparison", "checks", "statistics", "findings",
+    "digest", "seed", "versions",
 }  # fmt: skip
 
 
@@ -206,7 +207,7 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
     asked, folder = searching(DIRECT, SQP, SAMPLE, **SHORT), tmp_path / "deep" / "out"
     _, printed = result(capsys, file(asked), "--out", str(folder))
     assert {p.name for p in folder.iterdir()} == {
-        "result.json", "campaign.json", "evaluations.csv", "trace-nominal.csv", "trace-F1.csv",
+        "result.json", "campaign.json", "evaluations.csv", "evaluations.npz", "trace-nominal.csv", "trace-F1.csv",
     }  # fmt: skip
     assert json.loads((folder / "result.json").read_text()) == printed
     assert load_file(folder / "campaign.json").digest == asked.digest
@@ -251,8 +252,8 @@ def test_the_threads_change_no_number(file: Write, capsys: pytest.CaptureFixture
     name = file(searching(DIRECT, SQP, SAMPLE, scenario__horizon=1.0))
     found = [result(capsys, name, "--threads", n)[1] for n in ("1", "2")]
     for one in found:
-        for stage in one["stages"]:
-            del stage["seconds"]
+        for row in one["stages"] + one["comparison"]:
+            del row["seconds"]
     assert found[0] == found[1]
 
 

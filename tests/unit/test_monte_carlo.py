@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,7 @@ def test_a_longer_sample_begins_as_the_shorter_one_whatever_the_looks(sampling: 
 def test_how_a_sample_goes_on() -> None:
     for sampling in ("plain", "sobol"):
         options = monte_carlo.Options(sampling=sampling)  # type: ignore[arg-type]
-        assert monte_carlo.extend(options, 500) is options
+        assert monte_carlo.extend(options, 500) == replace(options, continued=True)
     with pytest.raises(ValueError, match="a Latin hypercube is laid out for its number of samples and cannot go on"):
         monte_carlo.extend(monte_carlo.Options(sampling="latin_hypercube"), 500)
     with pytest.raises(ValueError, match="run it anew with a narrower interval"):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -37,6 +37,9 @@ class Options:
     interval: Annotated[
         float, Field(ge=0, lt=1, description="Stop when the interval of P(violation) is narrower; 0: never")
     ] = 0.0
+    continued: Annotated[
+        bool, Field(description="Goes on with a sample whose result was seen: no bound follows from it")
+    ] = False
 
 
 def search(space: Space, options: Options) -> Search:
@@ -74,7 +77,7 @@ def interval(violations: int, samples: int, confidence: float) -> tuple[float, f
 
 
 def extend(options: Options, more: int) -> Options:
-    """Goes on with the next numbers of the stream; raises `ValueError` where that would be another sample."""
+    """Goes on with the next numbers of the stream, as a sample that is known to be continued; raises `ValueError` where that would be another sample."""
     if options.sampling == "latin_hypercube":
         raise ValueError(
             "a Latin hypercube is laid out for its number of samples and cannot go on; run it anew with the larger "
@@ -85,7 +88,7 @@ def extend(options: Options, more: int) -> Options:
             "this sample was to stop once its interval is narrow enough; to know it better, run it anew with a "
             "narrower interval"
         )
-    return options
+    return replace(options, continued=True)
 
 
 def _sizes() -> Iterator[int]:

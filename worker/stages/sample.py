@@ -22,6 +22,11 @@ from worker.wording import count, number
 STEPS = 400
 """Values of the distribution function that a chart is given."""
 
+NO_SAMPLE = "they are no independent sample, so no bound on P(violation) follows from them"
+WENT_ON = (
+    "the sample went on after its first result had been seen, so no bound on P(violation) follows from it; the certify "
+    "stage draws a sample of its own"
+)
 POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol points"}
 
 
@@ -74,12 +79,12 @@ class Sample:
             f"{100 * upper:.3g} % with {100 * self.confidence:g} % confidence{self._beyond()}",
         }
 
-    def unclaimed(self, points: str) -> dict[str, Any]:
-        """The same without a bound, of points that are no independent sample."""
+    def unclaimed(self, points: str, why: str) -> dict[str, Any]:
+        """The same without a bound, and why there is none."""
         share = f" (an estimate of {100 * self.violations / self.size:.3g} %)" if self.size else ""
         text = (
             f"{count(self.violations)} of {count(self.size)} {points} violate the criterion{self.failures()}{share}: "
-            "they are no independent sample, so no bound on P(violation) follows from them"
+            f"{why}"
         )
         return self.told() | {"upper_bound": None, "text": text}
 
@@ -141,7 +146,9 @@ def of_search(context: Context, options: Any, columns: Columns) -> dict[str, Any
     confidence = context.campaign.confidence
     sample = Sample.of(columns, context.problem, confidence)
     if isinstance(options, monte_carlo.Options) and options.sampling != "plain":
-        return sample.unclaimed(POINTS[options.sampling])
+        return sample.unclaimed(POINTS[options.sampling], NO_SAMPLE)
+    if isinstance(options, monte_carlo.Options) and options.continued:
+        return sample.unclaimed("flights drawn from the stated distributions", WENT_ON)
     if not isinstance(options, monte_carlo.Options) or options.interval == 0.0:
         return sample.told()
     looks, level = monte_carlo.looked(len(columns.status), confidence)

@@ -16,6 +16,7 @@ from worker.catalog import methods
 from worker.search.base import Floats, Method, Minimum, Space
 from worker.stages import front, gap, sample
 from worker.stages.base import Context, Driven, drive
+from worker.stages.members import Members
 
 
 def run(context: Context, position: int, index: int) -> dict[str, Any]:
@@ -23,6 +24,7 @@ def run(context: Context, position: int, index: int) -> dict[str, Any]:
     asked = context.campaign.stages.search[index]
     method = methods()[asked.method]
     minima: list[Minimum] = []
+    members = Members()
     space = Space(
         dimension=context.problem.dimension,
         budget=asked.evaluations,
@@ -30,13 +32,16 @@ def run(context: Context, position: int, index: int) -> dict[str, Any]:
         starts=_starts(context, asked),
         quantile=context.problem.quantile,
         report=minima.append,
+        attribute=members.attribute,
         threshold=context.problem.threshold,
         confidence=context.campaign.confidence,
     )
     options: Any = TypeAdapter(method.options).validate_python(asked.options)
-    driven = drive(context, position, method.search(space, options), asked.evaluations, method.repeats)
+    search = members.listening(method.search(space, options))
+    driven = drive(context, position, search, asked.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
-    return _result(context, method, options, driven, minima)
+    told = _result(context, method, options, driven, minima)
+    return told | {"members": members.told(driven.columns) if driven.columns else []}
 
 
 def stream(seed: int, index: int) -> np.random.Generator:

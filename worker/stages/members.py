@@ -1,0 +1,63 @@
+"""Which member of a method asked for which evaluation: a portfolio's record, told apart. Start reading at `Members`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from worker.catalog import methods
+from worker.search.base import OK, Search
+from worker.store import Columns
+
+
+@dataclass
+class Members:
+    """Listens to what a method says of its members; an evaluation belongs to the first that asked for its point."""
+
+    announced: list[tuple[str, int]] = field(default_factory=list)
+    owner: dict[bytes, str] = field(default_factory=dict)
+
+    def attribute(self, member: str, points: int) -> None:
+        """The next so many points of the coming request are this member's."""
+        self.announced.append((member, points))
+
+    def listening(self, search: Search) -> Search:
+        """The same search, heard."""
+        batch = None
+        try:
+            while True:
+                points = next(search) if batch is None else search.send(batch)
+                said, self.announced = self.announced, []
+                names = [member for member, count in said for _ in range(count)]
+                for name, point in zip(names, points, strict=False):
+                    self.owner.setdefault(point.tobytes(), name)
+                batch = yield points
+        except StopIteration as end:
+            return str(end.value)
+        finally:
+            search.close()
+
+    def told(self, columns: Columns) -> list[dict[str, Any]]:
+        """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
+        if not self.owner:
+            return []
+        names = [self.owner.get(point.tobytes(), "") for point in columns.points]
+        ranked = np.where(columns.status == OK, columns.costs[:, 0], np.inf)
+        before = np.r_[np.inf, np.minimum.accumulate(ranked)[:-1]]
+        rows = []
+        for member in dict.fromkeys(names):
+            mine = np.array([name == member for name in names])
+            best = float(ranked[mine].min())
+            known = methods().get(member)
+            rows.append(
+                {
+                    "member": member,
+                    "title": known.title if known else member,
+                    "evaluations": int(mine.sum()),
+                    "best": best if np.isfinite(best) else None,
+                    "improvements": int(np.count_nonzero(mine & (ranked < before))),
+                }
+            )
+        return rows

@@ -105,10 +105,26 @@ export interface Gap {
   text: string
 }
 
+export interface FrontCriterion {
+  /** Told apart where a component is named twice. */
+  name: string
+  title: string
+  quantity: string
+  unit: string
+  worse: 'low' | 'high'
+}
+
+/** A flight of the front; values by the criterion's name, in their own sign. */
+export interface FrontPoint {
+  index: number
+  parameters: Values
+  values: Values
+}
+
 export interface SearchResult {
   method: string
   title: string
-  kind: 'global' | 'local' | 'random'
+  kind: 'global' | 'local' | 'random' | 'multi'
   best: { cost: number; margin: number; parameters: Values; index: number } | null
   evaluations: number
   failed: number
@@ -118,6 +134,11 @@ export interface SearchResult {
   minima: Minimum[]
   sample: Sample | null
   gap?: Gap | null
+  criteria?: FrontCriterion[]
+  /** Null with one criterion. */
+  front?: FrontPoint[] | null
+  /** How many flights the front has; `front` may hold fewer. */
+  front_size?: number | null
 }
 
 export interface ValidationCase {

@@ -48,8 +48,8 @@ export function optionsFor(
         stroke: () => colour(line.colour),
         width: line.width ?? 1.6,
         show: !hidden().has(line.key),
-        paths: line.stepped ? stepped : undefined,
-        points: { show: false },
+        paths: line.dots ? () => null : line.stepped ? stepped : undefined,
+        points: line.dots ? { show: true, size: 5, fill: () => colour(line.colour), width: 0 } : { show: false },
         // Slanted lines drawn on whole pixels look like stairs.
         pxAlign: line.stepped ? 1 : 0,
       })),

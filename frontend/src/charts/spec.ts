@@ -10,6 +10,8 @@ export interface Line {
   colour: string
   y: readonly (number | null)[]
   stepped?: boolean
+  /** Its points alone, no line between them. */
+  dots?: boolean
   width?: number
   /** Drawn at the last point. */
   end?: Shape

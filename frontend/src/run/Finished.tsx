@@ -8,6 +8,7 @@ import { Failures } from './Failures'
 import { FindingsCard } from './FindingsCard'
 import { FiveFigures } from './FiveFigures'
 import { Flight } from './Flight'
+import { FrontCard } from './FrontCard'
 import { IndicesCard } from './IndicesCard'
 import { MethodsTable } from './MethodsTable'
 import { Minima } from './Minima'
@@ -30,6 +31,7 @@ export function Finished({ data }: { data: RunData }) {
   const certified = resultOf(stageOf(data, 'certify'), 'certify')
   const sample = certified?.sample ?? searches.find((search) => search.sample)?.sample ?? null
   const indices = sensitivity !== null && Boolean(sensitivity.morris ?? sensitivity.sobol)
+  const front = searches.some((search) => search.front?.length)
   const minima = searches.filter((search) => search.minima.length > 0)
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const failures = data.evaluations?.failures ?? []
@@ -48,6 +50,7 @@ export function Finished({ data }: { data: RunData }) {
     ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
     ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
+    ...(front ? [{ id: 'front', name: 'Front' }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
     ...(failures.length ? [{ id: 'failures', name: 'Failed evaluations', count: failures.length }] : []),
@@ -95,6 +98,7 @@ export function Finished({ data }: { data: RunData }) {
           {searched && <Convergence data={data} className="" />}
           {sample && <SampleCard data={data} sample={sample} grid={certified?.grid} className="" />}
         </div>
+        {front && <FrontCard data={data} className="c12" />}
         {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />

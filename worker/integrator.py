@@ -1,8 +1,8 @@
 """The other integrator: the same components, undecorated, under SciPy's DOP853 with dense output.
 
 Dormand and Prince, order 8(5,3) (Hairer, Norsett, Wanner, Solving ODEs I, 1993, section II.10). It shares neither the
-step, the order, the refinement nor the compiler with the flights of a search. It reads the criterion that decides and
-no other. Start reading at `fly`.
+step, the order, the refinement, the compiler nor the elementary functions with the flights of a search. It reads the
+criterion that decides and no other. Start reading at `fly`.
 """
 
 from __future__ import annotations
@@ -99,9 +99,9 @@ class _Headway:
 
 def _fly(problem: Problem, p: tuple[float, ...]) -> Flight:
     loop, horizon = problem.loop, problem.campaign.scenario.horizon
-    guide, closed_loop, cost = (loop.part(n) for n in ("guide", "closed_loop", "cost"))
-    g = loop.part("blank")(p)
-    x = loop.part("initial")(p)
+    guide, closed_loop, cost = (loop.part(n, library=True) for n in ("guide", "closed_loop", "cost"))
+    g = loop.part("blank", library=True)(p)
+    x = loop.part("initial", library=True)(p)
     lowest = np.full(loop.channels.total, np.inf)
     deciding = slice(*loop.channels.of["criterion"])
     ticks = _ticks(problem, horizon)

@@ -5,13 +5,14 @@ Start reading at `assemble`; `Loop` is what the rest of the worker flies.
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.kernels import glue, guidance, links, loop
+from worker.kernels import glue, guidance, links, loop, maths
 from worker.kernels.bind import Function, bind, compile_loop, digest, filled, plain
 from worker.kernels.chains import chains
 from worker.kernels.component import Signal
@@ -23,6 +24,9 @@ Floats = NDArray[np.float64]
 LANES = 16
 """The one width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single flight 1.5 times slower; searches
 fly batches (DECISIONS.md)."""
+
+LIBRARY = {maths.sincos: lambda x: (math.sin(x), math.cos(x)), maths.atan2: math.atan2}
+"""What the platform has in place of the elementary functions of `maths`."""
 
 FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "settled", "envelope", "costs_of", "barred")
 
@@ -53,7 +57,7 @@ class Loop:
         self.n_held = parts.vehicle.dimension * (1 + guidance.KEPT * parts.late) + parts.avoider.memory
         self.channels = channels(parts)
         self._glue = _glue(self)
-        self._plain: dict[str, Any] = {}
+        self._plain: dict[tuple[str, bool], Any] = {}
 
     @cached_property
     def _fly(self) -> Any:
@@ -104,14 +108,15 @@ class Loop:
             self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, seen)
         return seen
 
-    def part(self, name: str) -> Function:
+    def part(self, name: str, library: bool = False) -> Function:
         """A part of the glue in plain Python: bodies, initial, blank, guide, closed_loop, envelope, cost, costs_of, ...
 
-        All take the extended vector of parameters, which `extend` makes.
+        All take the extended vector of parameters, which `extend` makes. With `library` they call the platform's
+        elementary functions, in place of those of `maths`.
         """
-        if name not in self._plain:
-            self._plain[name] = plain(self._glue[name])
-        return self._plain[name]  # type: ignore[no-any-return]
+        if (name, library) not in self._plain:
+            self._plain[name, library] = plain(self._glue[name], LIBRARY if library else None)
+        return self._plain[name, library]  # type: ignore[no-any-return]
 
     @property
     def digest(self) -> str:

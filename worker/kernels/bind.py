@@ -11,7 +11,7 @@ import hashlib
 import os
 import sys
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -68,9 +68,12 @@ def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:
     return copy
 
 
-def plain(function: Function) -> Any:
-    """The same function in plain Python, and every kernel it reaches too: for debuggers, coverage and DOP853."""
-    return _plain(function, {})
+def plain(function: Function, instead: Mapping[Any, Any] | None = None) -> Any:
+    """The same function in plain Python, and every kernel it reaches too: for debuggers, coverage and DOP853.
+
+    `instead` names functions to call in place of kernels.
+    """
+    return _plain(function, {id(_python(kernel)): other for kernel, other in (instead or {}).items()})
 
 
 def digest(function: Function) -> str:

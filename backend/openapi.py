@@ -30,7 +30,7 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
 )
-_PARTIAL = frozenset({"RunSubmit", "CampaignBody", "ProblemDocument"})
+_PARTIAL = frozenset({"RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument"})
 """All others are answers, and answers have every field."""
 _CAMPAIGN_BODY = {
     "type": "object",
@@ -49,6 +49,7 @@ TAGS = [
     {"name": "runs", "description": "Submitting, listing, watching, cancelling, notes"},
     {"name": "results", "description": "Evaluations, findings, traces"},
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
+    {"name": "reports", "description": "The report for a safety case"},
     {"name": "events", "description": "Progress as it happens"},
 ]
 SECURITY = {

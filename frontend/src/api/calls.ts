@@ -9,6 +9,8 @@ import type {
   LibraryCampaign,
   ListRunsData,
   RunDetail,
+  RunEdit,
+  RunFacets,
   RunPage,
   RunSummary,
   SessionInfo,
@@ -35,18 +37,22 @@ async function answer<T>(request: Promise<Answer<T>>): Promise<T> {
   return data as T
 }
 
-export type RunFilter = Pick<NonNullable<ListRunsData['query']>, 'q' | 'state' | 'verdict' | 'tag' | 'sort'>
+export type RunFilter = Omit<NonNullable<ListRunsData['query']>, 'cursor' | 'limit'>
 
 export const getSession = (): Promise<SessionInfo> => answer(sdk.getSession())
 export const endSession = (): Promise<unknown> => answer(sdk.endSession())
 export const getCatalogue = (): Promise<Catalogue> => answer(sdk.listComponents())
 export const getLibrary = (): Promise<LibraryCampaign[]> => answer(sdk.listCampaigns())
 
-export const listRuns = (filter: RunFilter, cursor: string | null, limit = 50): Promise<RunPage> =>
+export const listRuns = (filter: RunFilter, cursor: string | null, limit = 100): Promise<RunPage> =>
   answer(sdk.listRuns({ query: { ...filter, limit, ...(cursor ? { cursor } : {}) } }))
 
 export const getRun = (run: string): Promise<RunDetail> => answer(sdk.getRun({ path: { run } }))
 export const cancelRun = (run: string): Promise<RunSummary> => answer(sdk.cancelRun({ path: { run } }))
+export const getFacets = (): Promise<RunFacets> => answer(sdk.listFacets())
+export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
+  answer(sdk.editRun({ path: { run }, body: change }))
+export const cancelRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk.cancelRuns({ body: { runs } }))
 export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
 export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk.listFindings({ path: { run } }))
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))

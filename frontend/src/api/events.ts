@@ -4,6 +4,7 @@ import type { InfiniteData, QueryClient } from '@tanstack/react-query'
 import { useQueryClient } from '@tanstack/react-query'
 import { useEffect, useSyncExternalStore } from 'react'
 import type { EvaluationSeries, Evaluations, RunDetail, RunPage, RunSummary, StageProgress } from '../client'
+import { refreshRuns } from './lists'
 import { isLive } from './queries'
 
 const FLUSH = 250
@@ -69,7 +70,8 @@ export function useStream(run: string | null, on = true): void {
       if (document.hidden) close()
       else if (!source) {
         open()
-        void cache.invalidateQueries({ queryKey: run ? ['run', run] : ['runs'] })
+        if (run) void cache.invalidateQueries({ queryKey: ['run', run] })
+        else refreshRuns(cache)
       }
     }
     document.addEventListener('visibilitychange', visible)
@@ -93,7 +95,7 @@ export function putRun(cache: QueryClient, run: RunSummary): void {
   })
   const before = cache.getQueryData<RunDetail>(['run', run.id])
   if (before) cache.setQueryData<RunDetail>(['run', run.id], { ...before, ...run })
-  if (!listed || !isLive(run)) void cache.invalidateQueries({ queryKey: ['runs'] })
+  if (!listed || !isLive(run)) refreshRuns(cache)
   if (before && isLive(before) && !isLive(run))
     for (const key of ['run', 'stages', 'evaluations', 'findings', 'traces', 'trace'])
       void cache.invalidateQueries({ queryKey: [key, run.id] })

@@ -47,6 +47,9 @@ export const runsQuery = (filter: calls.RunFilter) =>
     placeholderData: (before) => before,
   })
 
+/** What the list can be narrowed to. */
+export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: calls.getFacets })
+
 export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], queryFn: () => calls.getRun(id) })
 
 export const stagesQuery = (id: string) =>

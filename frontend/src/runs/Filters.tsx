@@ -1,10 +1,16 @@
-// Outcome chips with their counts, and the search box; all of it in the address.
-import { IconSearch, IconX } from '@tabler/icons-react'
-import { useEffect, useRef, useState } from 'react'
+// What narrows the list: outcome chips with their counts, search, campaign, tag, method, user, date; all in the address.
+import { IconPinned, IconSearch } from '@tabler/icons-react'
+import { useQuery } from '@tanstack/react-query'
+import { type ReactNode, useEffect, useRef, useState } from 'react'
+import { facetsQuery } from '../api/queries'
 import { count } from '../format/numbers'
+import { MethodName } from '../ui/MethodMark'
 import { useHotkeys } from '../ui/useHotkeys'
 import { lookOf, OutcomeIcon } from '../ui/VerdictBadge'
-import { type RunsSearch, SHOWS, type Show } from './search'
+import { ColumnsMenu } from './ColumnsMenu'
+import { DateMenu } from './DateMenu'
+import { FilterMenu } from './FilterMenu'
+import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
 
 const TONE: Record<string, string> = {
   ok: 'var(--ok-solid)',
@@ -17,9 +23,53 @@ interface FiltersProps {
   search: RunsSearch
   counts: Record<string, number>
   onChange: (change: Partial<RunsSearch>) => void
+  /** At the right: the selection. */
+  children?: ReactNode
 }
 
-export function Filters({ search, counts, onChange }: FiltersProps) {
+export function Filters({ search, counts, onChange, children }: FiltersProps) {
+  const { data: facets } = useQuery(facetsQuery)
+  return (
+    <>
+      <Outcomes search={search} counts={counts} onChange={onChange} />
+      <div className="filters">
+        <SearchBox value={search.q ?? ''} onChange={(q) => onChange({ q: q || undefined })} />
+        <FilterMenu
+          name="Campaign"
+          options={facets?.campaigns ?? []}
+          value={search.campaign}
+          onChange={(campaign) => onChange({ campaign })}
+        />
+        <FilterMenu name="Tag" options={facets?.tags ?? []} value={search.tag} onChange={(tag) => onChange({ tag })} />
+        <FilterMenu
+          name="Found by"
+          options={facets?.methods ?? []}
+          value={search.method}
+          onChange={(method) => onChange({ method })}
+          label={(method) => <MethodName method={method} />}
+        />
+        <FilterMenu
+          name="User"
+          options={facets?.owners ?? []}
+          value={search.owner}
+          onChange={(owner) => onChange({ owner })}
+        />
+        <DateMenu search={search} onChange={onChange} />
+        {isNarrowed(search) && (
+          <button type="button" className="linkbtn small" onClick={() => onChange(CLEARED)}>
+            Clear all
+          </button>
+        )}
+        <span className="row atend">
+          {children}
+          <ColumnsMenu cols={search.cols} onChange={(cols) => onChange({ cols })} />
+        </span>
+      </div>
+    </>
+  )
+}
+
+function Outcomes({ search, counts, onChange }: FiltersProps) {
   const numberOf = (show: Show) => (counts[show] ?? 0) + (show === 'running' ? (counts.cancelling ?? 0) : 0)
   const shown = SHOWS.filter((show) => numberOf(show) > 0 || search.show === show)
   return (
@@ -41,12 +91,14 @@ export function Filters({ search, counts, onChange }: FiltersProps) {
           {lookOf(show).word} <span className="n">{count(numberOf(show))}</span>
         </button>
       ))}
-      {search.tag && (
-        <button type="button" className="chip" aria-pressed onClick={() => onChange({ tag: undefined })}>
-          Tag {search.tag} <IconX className="i" aria-label="Remove" />
-        </button>
-      )}
-      <SearchBox value={search.q ?? ''} onChange={(q) => onChange({ q: q || undefined })} />
+      <button
+        type="button"
+        className="chip"
+        aria-pressed={search.pinned === true}
+        onClick={() => onChange({ pinned: search.pinned ? undefined : true })}
+      >
+        <IconPinned className="i" aria-hidden /> Pinned
+      </button>
     </div>
   )
 }
@@ -81,7 +133,7 @@ function SearchBox({ value, onChange }: { value: string; onChange: (value: strin
         ref={input}
         type="search"
         value={text}
-        placeholder="Name, number, tag or campaign"
+        placeholder="Name, number, tag, user"
         aria-label="Search runs"
         onChange={(event) => setText(event.target.value)}
         onKeyDown={(event) => event.key === 'Escape' && event.currentTarget.blur()}

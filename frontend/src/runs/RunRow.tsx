@@ -1,95 +1,63 @@
 // One run in the list. What it shows depends on how far the run has come.
-import { Link, useNavigate } from '@tanstack/react-router'
-import { type MouseEvent, useEffect, useRef } from 'react'
+import { useNavigate } from '@tanstack/react-router'
+import { memo, type MouseEvent } from 'react'
 import type { RunSummary } from '../client'
-import { count, decimalsFor, duration, fixed, NONE, signed } from '../format/numbers'
-import { moment, when } from '../format/time'
-import { MarginBar } from '../ui/bars'
+import { count, decimalsFor, duration, fixed } from '../format/numbers'
 import { Progress } from '../ui/Card'
-import { MethodName } from '../ui/MethodMark'
-import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { type CellContext, type Column, RunName } from './columns'
 
-interface RunRowProps {
+interface RunRowProps extends CellContext {
   run: RunSummary
+  columns: readonly Column[]
+  /** Counted from 1, heads included. */
+  number: number
   chosen: boolean
-  /** Units stand in the cells because the rows differ. */
-  units: boolean
-  now: number
-  onTag: (tag: string) => void
+  marked: boolean
+  onMark: (id: string, on: boolean) => void
 }
 
-export function RunRow({ run, chosen, units, now, onTag }: RunRowProps) {
-  const row = useRef<HTMLTableRowElement>(null)
+export const RunRow = memo(function RunRow(props: RunRowProps) {
+  const { run, columns, number, chosen, marked, onMark } = props
   const navigate = useNavigate()
-  const outcome = outcomeOf(run)
-  useEffect(() => {
-    if (chosen) row.current?.scrollIntoView({ block: 'nearest' })
-  }, [chosen])
   const open = (event: MouseEvent) => {
     const target = event.target as HTMLElement
-    if (!target.closest('a, button') && !getSelection()?.toString())
+    if (!target.closest('a, button, input, label') && !getSelection()?.toString())
       void navigate({ to: '/runs/$id', params: { id: run.id } })
   }
+  const results = columns.filter((column) => column.result)
   return (
-    <tr ref={row} className={chosen ? 'sel' : undefined} aria-selected={chosen} onClick={open} data-run={run.id}>
-      <td>
-        <span className="rn">
-          <Link to="/runs/$id" params={{ id: run.id }}>
-            {run.name}
-          </Link>
-          <small className="nw">
-            {run.id}
-            {run.campaign_name !== run.name && ` · ${run.campaign_name}`}
-          </small>
-        </span>
+    <tr
+      className={chosen ? 'at' : marked ? 'sel' : undefined}
+      aria-selected={chosen || marked}
+      aria-rowindex={number}
+      onClick={open}
+      data-run={run.id}
+    >
+      <td className="mark">
+        <label>
+          <input
+            type="checkbox"
+            checked={marked}
+            aria-label={`Select ${run.id}`}
+            onChange={(event) => onMark(run.id, event.target.checked)}
+          />
+        </label>
       </td>
       <td>
-        <VerdictBadge outcome={outcome} />
+        <RunName run={run} campaign={!columns.some((column) => column.key === 'campaign')} />
       </td>
-      {run.verdict ? <Result run={run} units={units} /> : <Standing run={run} now={now} />}
-      <td>
-        {run.tags.map((tag) => (
-          <button key={tag} type="button" className="tag" onClick={() => onTag(tag)} title={`Show runs tagged ${tag}`}>
-            {tag}
-          </button>
-        ))}
-      </td>
-      <td className="num sec hide-n">{run.started ? duration((run.finished ?? now) - run.started) : NONE}</td>
-      <td className="nw sec">
-        <time dateTime={new Date(run.created * 1000).toISOString()} title={moment(run.created)}>
-          {when(run.created, now)}
-        </time>
-      </td>
+      {columns.map((column) => {
+        if (!run.verdict && column.result)
+          return column === results[0] ? <Standing key={column.key} run={run} now={props.now} span={results.length} /> : null
+        return (
+          <td key={column.key} className={column.num ? 'num' : undefined}>
+            {column.cell(run, props)}
+          </td>
+        )
+      })}
     </tr>
   )
-}
-
-function Result({ run, units }: { run: RunSummary; units: boolean }) {
-  const decimals = decimalsFor([run.worst_cost, run.threshold])
-  const unit = units && run.unit ? ` ${run.unit}` : ''
-  const violated = run.margin !== null && run.margin <= 0
-  return (
-    <>
-      <td className="num m">
-        {fixed(run.worst_cost, decimals)}
-        {unit}
-      </td>
-      <td className="num sec">
-        {run.threshold ?? NONE}
-        {unit}
-      </td>
-      <td className={violated ? 'num b bad-t' : 'num m'}>
-        {signed(run.margin, decimals)}
-        {unit}
-      </td>
-      <td className="bar">
-        {run.margin !== null && run.threshold ? <MarginBar margin={run.margin} threshold={run.threshold} /> : null}
-      </td>
-      <td>{run.worst_method ? <MethodName method={run.worst_method} short /> : <span className="mut">{NONE}</span>}</td>
-      <td className="num sec">{count(run.evaluations)}</td>
-    </>
-  )
-}
+})
 
 const STAGE: Record<string, string> = {
   nominal: 'Nominal',
@@ -100,40 +68,48 @@ const STAGE: Record<string, string> = {
 }
 
 /** A run without a verdict: how far it is, or why it ended. */
-function Standing({ run, now }: { run: RunSummary; now: number }) {
+function Standing({ run, now, span }: { run: RunSummary; now: number; span: number }) {
   if (run.state === 'queued')
     return (
-      <td colSpan={6} className="sec">
+      <td colSpan={span} className="sec">
         Waiting for a worker
       </td>
     )
-  if (run.state === 'failed' || run.state === 'cancelled' || run.state === 'done')
+  if (run.state === 'failed' || run.state === 'cancelled' || run.state === 'done') {
+    const cancelled = run.state === 'cancelled' ? `Cancelled after ${count(run.evaluations)} evaluations` : ''
+    const why = run.error ?? run.reason ?? cancelled
     return (
-      <td colSpan={6} className="sec reason" title={run.error ?? run.reason ?? ''}>
-        {run.error ??
-          run.reason ??
-          (run.state === 'cancelled' ? `Cancelled after ${count(run.evaluations)} evaluations` : '')}
+      <td colSpan={span} className="sec cut" title={why}>
+        {why}
       </td>
     )
-  const share = run.planned > 0 ? run.evaluations / run.planned : 0
-  const elapsed = run.started ? now - run.started : 0
-  const left = share > 0.02 && run.state === 'running' ? (elapsed * (1 - share)) / share : null
-  const stage = run.stage ? (STAGE[run.stage.kind] ?? run.stage.kind) : 'Starting'
+  }
   return (
-    <td colSpan={6}>
-      <span className="standing">
-        <span style={{ width: 140 }}>
-          <Progress share={share} label={`Progress of ${run.id}`} />
-        </span>
-        <span className="b">
-          {stage}, {Math.round(100 * share)} %
-        </span>
-        <span className="mut">
-          {left !== null && left > 1 && `about ${duration(left)} left`}
-          {run.worst_cost !== null &&
-            `${left !== null && left > 1 ? ' · ' : ''}best so far ${fixed(run.worst_cost, decimalsFor([run.worst_cost]))} ${run.unit}`}
-        </span>
-      </span>
+    <td colSpan={span}>
+      <Working run={run} now={now} />
     </td>
+  )
+}
+
+/** Progress of the stage in work: budgets of later stages are seldom used up, so the run's own share would mislead. */
+function Working({ run, now }: { run: RunSummary; now: number }) {
+  const { stage } = run
+  const share = stage && stage.planned > 0 ? Math.min(1, stage.evaluations / stage.planned) : 0
+  const name = stage ? (STAGE[stage.kind] ?? stage.kind) : 'Starting'
+  const best = run.worst_cost
+  return (
+    <span className="standing">
+      <span style={{ width: 120 }}>
+        <Progress share={share} label={`Progress of ${run.id}`} />
+      </span>
+      <span className="b">
+        {name}
+        {stage && stage.planned > 1 ? `, ${Math.round(100 * share)} %` : ''}
+      </span>
+      <span className="mut cut">
+        {run.started !== null && `${duration(Math.max(0, now - run.started))} so far`}
+        {best !== null && ` · best so far ${fixed(best, decimalsFor([best]))} ${run.unit}`}
+      </span>
+    </span>
   )
 }

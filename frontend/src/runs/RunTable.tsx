@@ -1,132 +1,214 @@
-// The table of runs with its sorting, its keys (j, k, Enter) and the loading of further pages.
+// The table of runs with its orders, its keys (j, k, x, Enter), the rows near the window, and further pages as it scrolls.
 import { useNavigate } from '@tanstack/react-router'
-import { type ReactNode, useEffect, useRef, useState } from 'react'
+import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react'
 import type { RunSummary } from '../client'
-import { Sign } from '../ui/Sign'
 import { useHotkeys } from '../ui/useHotkeys'
 import { useNow } from '../ui/useNow'
+import { useWidth } from '../ui/useWidth'
+import { type Column, COLUMNS, type Common } from './columns'
+import { type ColumnKey, USUAL, WIDE_ONLY } from './columnKeys'
 import { RunRow } from './RunRow'
 import type { Sort, SortKey } from './search'
+import { useWindowed } from './windowed'
+
+const ROW = 46
+const [MARK, NAME] = [42, 190]
+/** [px] Between this width and the next, the usual columns leave some out. */
+const NARROW = 1300
 
 interface RunTableProps {
   runs: RunSummary[]
+  /** Runs there are in all, loaded or not. */
+  total: number
+  cols: ColumnKey[] | undefined
   sort: Sort
   onSort: (sort: Sort) => void
   onTag: (tag: string) => void
+  marked: ReadonlySet<string>
+  onMark: (ids: readonly string[], on: boolean) => void
   more: (() => void) | null
   loading: boolean
 }
 
-export function RunTable({ runs, sort, onSort, onTag, more, loading }: RunTableProps) {
+export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMark, more, loading }: RunTableProps) {
   const now = useNow(10_000)
-  const navigate = useNavigate()
-  const [chosen, setChosen] = useState(-1)
-  const move = (by: number) => setChosen((at) => Math.min(runs.length - 1, Math.max(0, at + by)))
-  const open = () => {
-    const run = runs[chosen]
-    if (run) void navigate({ to: '/runs/$id', params: { id: run.id } })
-  }
-  useHotkeys({ j: () => move(1), k: () => move(-1), Enter: open })
-  const units = new Set(runs.map((run) => `${run.quantity} ${run.unit}`))
-  const one = units.size === 1 ? runs[0] : undefined
-  const head = { sort, onSort }
+  const [holder, width] = useWidth(1392)
+  const body = useRef<HTMLTableSectionElement>(null)
+  const { first, end, reveal } = useWindowed(body, ROW, runs.length)
+  const [chosen, setChosen] = useKeys(runs, reveal, marked, onMark)
+  const columns = useMemo(() => columnsOf(cols, width), [cols, width])
+  const common = commonOf(runs)
+  const least = columns.reduce((sum, column) => sum + column.width, MARK + NAME)
+
+  useEffect(() => {
+    if (more && !loading && end > runs.length - 30) more()
+  }, [more, loading, end, runs.length])
+
+  const mark = useRef((id: string, on: boolean) => onMark([id], on))
+  const tag = useRef(onTag)
+  useEffect(() => {
+    mark.current = (id, on) => onMark([id], on)
+    tag.current = onTag
+  })
+  const stable = useMemo(
+    () => ({ onMark: (id: string, on: boolean) => mark.current(id, on), onTag: (name: string) => tag.current(name) }),
+    [],
+  )
   return (
-    <>
-      <div className="card scrollx">
-        <table className="runs">
+    <div ref={holder}>
+      <div className={least > width ? 'card scrollx' : 'card clip'}>
+        <table className="runs" aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
+          <colgroup>
+            <col style={{ width: MARK }} />
+            <col />
+            {columns.map((column) => (
+              <col key={column.key} style={{ width: column.width }} />
+            ))}
+          </colgroup>
           <thead>
-            <tr>
-              <Head {...head} by="name">
+            <tr aria-rowindex={1}>
+              <th className="mark">
+                <MarkAll runs={runs} marked={marked} onMark={onMark} />
+              </th>
+              <Head sort={sort} onSort={onSort} by="name">
                 Run
               </Head>
-              <Head {...head} by="verdict">
-                Verdict
-              </Head>
-              <Head {...head} by="worst" num unit={one?.unit}>
-                Worst {one?.quantity ? <Sign text={one.quantity} /> : 'value'}
-              </Head>
-              <th className="num">
-                Criterion
-                {one && <Unit text={one.unit} />}
-              </th>
-              <Head {...head} by="margin" num unit={one?.unit}>
-                Margin
-              </Head>
-              <th aria-label="Margin bar" />
-              <th>Found by</th>
-              <Head {...head} by="evaluations" num>
-                Evaluations
-              </Head>
-              <th>Tags</th>
-              <th className="num hide-n">Duration</th>
-              <Head {...head} by="created" first="-">
-                Submitted
-              </Head>
+              {columns.map((column) => (
+                <Head
+                  key={column.key}
+                  sort={sort}
+                  onSort={onSort}
+                  by={column.sort}
+                  down={column.down}
+                  num={column.num}
+                  under={column.under?.(common)}
+                >
+                  {column.head(common)}
+                </Head>
+              ))}
             </tr>
           </thead>
-          <tbody>
-            {runs.map((run, i) => (
-              <RunRow key={run.id} run={run} chosen={i === chosen} units={!one} now={now} onTag={onTag} />
+          <tbody ref={body}>
+            <Space rows={first} />
+            {runs.slice(first, end).map((run, i) => (
+              <RunRow
+                key={run.id}
+                run={run}
+                columns={columns}
+                number={first + i + 2}
+                chosen={first + i === chosen}
+                marked={marked.has(run.id)}
+                units={common.unit === undefined}
+                now={now}
+                {...stable}
+              />
             ))}
+            <Space rows={runs.length - Math.min(end, runs.length)} />
           </tbody>
         </table>
       </div>
-      <p className="small mut" style={{ marginTop: 10 }}>
+      <p className="small mut" style={{ marginTop: 10 }} role="status">
+        {loading ? 'Loading further runs … ' : ''}
         Margin bars span ±30 % of the criterion. A search can miss a worse case: open a run for what its verdict rests
         on.
       </p>
-      {more && <More load={more} loading={loading} />}
-    </>
+    </div>
   )
 }
 
-const Unit = ({ text }: { text: string }) => (
-  <>
-    <br />
-    <span className="u">{text}</span>
-  </>
-)
+/** The row that the keys are on, and what they do. */
+function useKeys(
+  runs: RunSummary[],
+  reveal: (index: number) => void,
+  marked: ReadonlySet<string>,
+  onMark: (ids: readonly string[], on: boolean) => void,
+): [number, (index: number) => void] {
+  const navigate = useNavigate()
+  const [chosen, setChosen] = useState(-1)
+  const move = (by: number) => {
+    const next = Math.min(runs.length - 1, Math.max(0, chosen + by))
+    setChosen(next)
+    reveal(next)
+  }
+  const run = runs[chosen]
+  useHotkeys({
+    j: () => move(1),
+    k: () => move(-1),
+    x: () => run && onMark([run.id], !marked.has(run.id)),
+    Enter: () => run && void navigate({ to: '/runs/$id', params: { id: run.id } }),
+  })
+  return [chosen, setChosen]
+}
+
+function columnsOf(cols: ColumnKey[] | undefined, width: number): readonly Column[] {
+  const keys = cols ?? USUAL.filter((key) => width >= NARROW || !WIDE_ONLY.includes(key))
+  return COLUMNS.filter((column) => keys.includes(column.key))
+}
+
+function commonOf(runs: RunSummary[]): Common {
+  const quantities = new Set(runs.map((run) => run.quantity))
+  const units = new Set(runs.map((run) => run.unit))
+  return { quantity: quantities.size === 1 ? (runs[0]?.quantity ?? '') : '', unit: units.size === 1 ? runs[0]?.unit : undefined }
+}
+
+const Space = ({ rows }: { rows: number }) =>
+  rows > 0 ? (
+    <tr aria-hidden="true" className="space">
+      <td style={{ height: rows * ROW }} />
+    </tr>
+  ) : null
+
+function MarkAll({ runs, marked, onMark }: Pick<RunTableProps, 'runs' | 'marked' | 'onMark'>) {
+  const all = runs.length > 0 && runs.every((run) => marked.has(run.id))
+  return (
+    <label>
+      <input
+        type="checkbox"
+        checked={all}
+        aria-label="Select all loaded runs"
+        onChange={() =>
+          onMark(
+            runs.map((run) => run.id),
+            !all,
+          )
+        }
+      />
+    </label>
+  )
+}
 
 interface HeadProps {
-  by: SortKey
+  by: SortKey | undefined
   sort: Sort
   onSort: (sort: Sort) => void
   num?: boolean
-  unit?: string
-  first?: '-' | ''
+  down?: boolean
+  under?: ReactNode
   children: ReactNode
 }
 
-function Head({ by, sort, onSort, num, unit, first = '', children }: HeadProps) {
+function Head({ by, sort, onSort, num, down: first, under, children }: HeadProps) {
+  const lines = (
+    <>
+      {children}
+      {under ? (
+        <>
+          <br />
+          <span className="u">{under}</span>
+        </>
+      ) : null}
+    </>
+  )
+  if (!by) return <th className={num ? 'num' : undefined}>{lines}</th>
   const active = sort === by || sort === `-${by}`
   const down = sort === `-${by}`
-  const next: Sort = active ? (down ? by : `-${by}`) : `${first}${by}`
+  const next: Sort = active ? (down ? by : `-${by}`) : first ? `-${by}` : by
   return (
     <th className={num ? 'num' : undefined} aria-sort={active ? (down ? 'descending' : 'ascending') : undefined}>
       <button type="button" className={active ? 'sorter on' : 'sorter'} onClick={() => onSort(next)}>
-        {children}
-        {unit !== undefined ? <Unit text={unit} /> : null}
+        {lines}
         {active && <span aria-hidden> {down ? '↓' : '↑'}</span>}
       </button>
     </th>
-  )
-}
-
-/** Loads the next page when it comes into view; a button does the same. */
-function More({ load, loading }: { load: () => void; loading: boolean }) {
-  const button = useRef<HTMLButtonElement>(null)
-  useEffect(() => {
-    const element = button.current
-    if (!element || loading) return
-    const observer = new IntersectionObserver(([entry]) => entry?.isIntersecting && load(), { rootMargin: '300px' })
-    observer.observe(element)
-    return () => observer.disconnect()
-  }, [load, loading])
-  return (
-    <div style={{ textAlign: 'center', marginTop: 8 }}>
-      <button ref={button} type="button" className="btn" onClick={load} disabled={loading}>
-        {loading ? 'Loading …' : 'Load more'}
-      </button>
-    </div>
   )
 }

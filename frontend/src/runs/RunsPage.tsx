@@ -2,15 +2,16 @@
 import { IconPlus } from '@tabler/icons-react'
 import { useInfiniteQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
+import { useMemo, useState } from 'react'
 import { useStream } from '../api/events'
 import { runsQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
-import { useHotkeys } from '../ui/useHotkeys'
 import { Filters } from './Filters'
+import { Marked } from './Marked'
 import { NoRuns } from './NoRuns'
 import { RunTable } from './RunTable'
-import { filterOf, type RunsSearch } from './search'
+import { CLEARED, filterOf, isNarrowed, type RunsSearch, written } from './search'
 
 export function RunsPage() {
   useTitle('Runs')
@@ -19,15 +20,24 @@ export function RunsPage() {
   const navigate = useNavigate()
   const query = useInfiniteQuery(runsQuery(filterOf(search)))
   const set = (change: Partial<RunsSearch>) =>
-    void navigate({ to: '/runs', search: { ...search, ...change }, replace: true })
-  useHotkeys({ n: () => void navigate({ to: '/launch' }) })
+    void navigate({ to: '/runs', search: written({ ...search, ...change }), replace: true })
+
+  const [marked, setMarked] = useState<ReadonlySet<string>>(new Set())
+  const runs = useMemo(() => query.data?.pages.flatMap((page) => page.items) ?? [], [query.data])
+  const mark = (ids: readonly string[], on: boolean) =>
+    setMarked((before) => {
+      const after = new Set(before)
+      for (const id of ids)
+        if (on) after.add(id)
+        else after.delete(id)
+      return after
+    })
 
   if (query.isPending) return <Loading what="runs" />
-  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
-  const runs = query.data.pages.flatMap((page) => page.items)
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   const counts = query.data.pages[0]?.counts ?? {}
-  const narrowed = Boolean(search.q || search.show || search.tag)
-  const none = runs.length === 0 && !narrowed
+  const none = runs.length === 0 && !isNarrowed(search)
+  const selected = runs.filter((run) => marked.has(run.id))
   return (
     <>
       <div className="ph">
@@ -45,15 +55,21 @@ export function RunsPage() {
         <NoRuns />
       ) : (
         <>
-          <Filters search={search} counts={counts} onChange={set} />
+          <Filters search={search} counts={counts} onChange={set}>
+            {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
+          </Filters>
           {runs.length === 0 ? (
-            <NothingFound onClear={() => set({ q: undefined, show: undefined, tag: undefined })} />
+            <NothingFound onClear={() => set(CLEARED)} />
           ) : (
             <RunTable
               runs={runs}
+              total={(search.show ? counts[search.show] : counts.total) ?? runs.length}
+              cols={search.cols}
               sort={search.sort ?? '-created'}
               onSort={(sort) => set({ sort: sort === '-created' ? undefined : sort })}
-              onTag={(tag) => set({ tag })}
+              onTag={(tag) => set({ tag: [tag] })}
+              marked={marked}
+              onMark={mark}
               more={query.hasNextPage ? () => void query.fetchNextPage() : null}
               loading={query.isFetchingNextPage}
             />

@@ -1,37 +1,130 @@
-// What the run list can be set to, as it stands in the address.
+// What the run list can be set to, as it stands in the address. Start reading at `readSearch`.
 import type { RunFilter } from '../api/calls'
+import { COLUMN_KEYS, type ColumnKey } from './columnKeys'
 
 export const SHOWS = ['cleared', 'violated', 'inconclusive', 'running', 'queued', 'failed', 'cancelled'] as const
 export type Show = (typeof SHOWS)[number]
 
-const SORTS = ['created', 'started', 'name', 'verdict', 'worst', 'margin', 'evaluations'] as const
+const SORTS = [
+  'created',
+  'started',
+  'finished',
+  'name',
+  'campaign',
+  'verdict',
+  'worst',
+  'nominal',
+  'criterion',
+  'margin',
+  'method',
+  'bound',
+  'evaluations',
+  'failed',
+  'duration',
+  'owner',
+  'tags',
+] as const
 export type SortKey = (typeof SORTS)[number]
 export type Sort = SortKey | `-${SortKey}`
+
+export const DAYS = [1, 7, 30] as const
+export type Days = (typeof DAYS)[number]
 
 export interface RunsSearch {
   q?: string
   show?: Show
-  tag?: string
+  campaign?: string[]
+  tag?: string[]
+  owner?: string[]
+  method?: string[]
+  /** Submitted today, or in so many days up to now. */
+  days?: Days
+  /** Days as 2026-11-20, both included. */
+  since?: string
+  until?: string
+  pinned?: true
   sort?: Sort
+  cols?: ColumnKey[]
 }
+
+/** What narrows the list; a cleared search keeps its order and columns. */
+export const NARROWING = ['q', 'show', 'campaign', 'tag', 'owner', 'method', 'days', 'since', 'until', 'pinned'] as const
+export const CLEARED = Object.fromEntries(NARROWING.map((key) => [key, undefined])) as Partial<RunsSearch>
+
+export const isNarrowed = (search: RunsSearch): boolean => NARROWING.some((key) => search[key] !== undefined)
 
 const text = (value: unknown): string | undefined =>
   typeof value === 'string' || typeof value === 'number' ? String(value) || undefined : undefined
 
+/** One word or several; none is no condition. */
+function words(value: unknown): string[] | undefined {
+  const found = (Array.isArray(value) ? value : [value]).flatMap((item) => text(item) ?? [])
+  return found.length ? [...new Set(found)] : undefined
+}
+
 const isSort = (value: string | undefined): value is Sort =>
   value !== undefined && SORTS.some((sort) => value === sort || value === `-${sort}`)
 
-export function readSearch(search: Record<string, unknown>): RunsSearch {
-  const show = SHOWS.find((word) => word === search.show)
-  const sort = text(search.sort)
-  return { q: text(search.q), show, tag: text(search.tag), sort: isSort(sort) ? sort : undefined }
+function date(value: unknown): string | undefined {
+  const found = text(value)
+  return found && /^\d{4}-\d\d-\d\d$/.test(found) && !Number.isNaN(Date.parse(found)) ? found : undefined
 }
 
-export function filterOf({ q, show, tag, sort }: RunsSearch): RunFilter {
+/** The columns in their fixed order, whatever order they were asked for in. */
+function columns(value: unknown): ColumnKey[] | undefined {
+  if (typeof value !== 'string') return undefined
+  const asked = value.split(',')
+  return COLUMN_KEYS.filter((key) => asked.includes(key))
+}
+
+/** The address as a search; what it does not know is left out. Columns stand in it as `cols=worst,margin`. */
+export function readSearch(search: Record<string, unknown>): RunsSearch {
+  const sort = text(search.sort)
+  const found: RunsSearch = {
+    q: text(search.q),
+    show: SHOWS.find((word) => word === search.show),
+    campaign: words(search.campaign),
+    tag: words(search.tag),
+    owner: words(search.owner),
+    method: words(search.method),
+    days: DAYS.find((days) => days === Number(search.days)),
+    since: date(search.since),
+    until: date(search.until),
+    pinned: search.pinned === true || undefined,
+    sort: isSort(sort) ? sort : undefined,
+    cols: Array.isArray(search.cols) ? columns(search.cols.join()) : columns(search.cols),
+  }
+  return Object.fromEntries(Object.entries(found).filter(([, value]) => value !== undefined))
+}
+
+/** The search as it stands in the address: short, without brackets where one word or a list of columns will do. */
+export function written(search: RunsSearch): RunsSearch {
+  const short = (value: unknown): unknown => (Array.isArray(value) && value.length === 1 ? value[0] : value)
+  const entries = Object.entries(search).filter(([, value]) => value !== undefined)
+  const { cols, ...rest } = Object.fromEntries(entries.map(([key, value]) => [key, key === 'cols' ? value : short(value)]))
+  return { ...rest, ...(Array.isArray(cols) && { cols: cols.join() }) } as RunsSearch
+}
+
+const DAY = 86_400_000
+
+/** Midnight in the browser's time zone [s since 1970], so that the same day always asks the same. */
+function midnight(day: string | Date, later = 0): number {
+  const at = typeof day === 'string' ? new Date(`${day}T00:00:00`) : new Date(day)
+  at.setHours(0, 0, 0, 0)
+  at.setDate(at.getDate() + later)
+  return at.getTime() / 1000
+}
+
+export function filterOf(search: RunsSearch, now = Date.now()): RunFilter {
+  const { q, show, campaign, tag, owner, method, days, since, until, pinned, sort } = search
   const filter: RunFilter = {}
   if (q) filter.q = q
-  if (tag) filter.tag = [tag]
   if (sort) filter.sort = sort
+  Object.assign(filter, campaign && { campaign }, tag && { tag }, owner && { owner }, method && { method })
+  if (pinned) filter.pinned = true
+  if (days) filter.since = midnight(new Date(now - (days - 1) * DAY))
+  if (since) filter.since = midnight(since)
+  if (until) filter.until = midnight(until, 1)
   if (show === 'cleared' || show === 'violated' || show === 'inconclusive') filter.verdict = [show]
   else if (show === 'running') filter.state = ['running', 'cancelling']
   else if (show) filter.state = [show]

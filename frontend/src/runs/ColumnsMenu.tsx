@@ -1,0 +1,37 @@
+// Which columns the list has. They keep their order; the run itself is always there.
+import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
+import { COLUMNS } from './columns'
+import { type ColumnKey, USUAL } from './columnKeys'
+import { Menu } from './FilterMenu'
+
+interface ColumnsMenuProps {
+  cols: ColumnKey[] | undefined
+  onChange: (cols: ColumnKey[] | undefined) => void
+}
+
+export function ColumnsMenu({ cols, onChange }: ColumnsMenuProps) {
+  const shown = cols ?? USUAL
+  const toggle = (key: ColumnKey, on: boolean) =>
+    onChange(COLUMNS.map((column) => column.key).filter((k) => (k === key ? on : shown.includes(k))))
+  return (
+    <Menu name="Columns" said={null} on={cols !== undefined} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
+      <div className="picks" role="group" aria-label="Columns">
+        {COLUMNS.map((column) => (
+          <label key={column.key} className="pickrow">
+            <input
+              type="checkbox"
+              checked={shown.includes(column.key)}
+              onChange={(event) => toggle(column.key, event.target.checked)}
+            />
+            {column.name}
+          </label>
+        ))}
+      </div>
+      {cols && (
+        <button type="button" className="btn s" onClick={() => onChange(undefined)}>
+          The usual columns
+        </button>
+      )}
+    </Menu>
+  )
+}

@@ -1,0 +1,93 @@
+// A filter with several answers: a button that says what is chosen, and a list to choose from.
+import { Popover } from '@mantine/core'
+import { IconChevronDown } from '@tabler/icons-react'
+import { type ReactNode, useState } from 'react'
+import type { Facet } from '../client'
+import { count } from '../format/numbers'
+
+interface FilterMenuProps {
+  name: string
+  options: readonly Facet[]
+  value: readonly string[] | undefined
+  onChange: (value: string[] | undefined) => void
+  /** How an option is shown. */
+  label?: (value: string) => ReactNode
+}
+
+const FEW = 8
+
+export function FilterMenu({ name, options, value = [], onChange, label = (text) => text }: FilterMenuProps) {
+  const [query, setQuery] = useState('')
+  // What is chosen can be taken back even where no run has it any more.
+  const gone = value.filter((text) => !options.some((option) => option.value === text))
+  const all = [...gone.map((text) => ({ value: text, runs: 0 })), ...options]
+  const shown = all.filter((option) => option.value.toLowerCase().includes(query.toLowerCase()))
+  const toggle = (text: string, on: boolean) => {
+    const next = on ? [...value, text] : value.filter((other) => other !== text)
+    onChange(next.length ? next : undefined)
+  }
+  const said = value.length === 0 ? 'any' : value.length === 1 ? label(value[0] ?? '') : `${value.length} chosen`
+  return (
+    <Menu name={name} said={said} on={value.length > 0}>
+      {all.length > FEW && (
+        <label className="inp">
+          <input
+            type="search"
+            placeholder={`Find ${name.toLowerCase()}`}
+            aria-label={`Find ${name.toLowerCase()}`}
+            value={query}
+            onChange={(event) => setQuery(event.target.value)}
+          />
+        </label>
+      )}
+      <div className="picks" role="group" aria-label={name}>
+        {shown.map((option) => (
+          <label key={option.value} className="pickrow">
+            <input
+              type="checkbox"
+              checked={value.includes(option.value)}
+              onChange={(event) => toggle(option.value, event.target.checked)}
+            />
+            <span className="grow wrap-any">{label(option.value)}</span>
+            <span className="mut tn">{count(option.runs)}</span>
+          </label>
+        ))}
+        {shown.length === 0 && <p className="small mut">{all.length ? 'Nothing of this name.' : 'No run has any yet.'}</p>}
+      </div>
+      {value.length > 0 && (
+        <button type="button" className="btn s" onClick={() => onChange(undefined)}>
+          Any {name.toLowerCase()}
+        </button>
+      )}
+    </Menu>
+  )
+}
+
+interface MenuProps {
+  name: string
+  said: ReactNode
+  on: boolean
+  icon?: ReactNode
+  children: ReactNode
+}
+
+/** A button with a panel below it. */
+export function Menu({ name, said, on, icon, children }: MenuProps) {
+  return (
+    <Popover position="bottom-start" width={280} trapFocus returnFocus shadow="none" withinPortal>
+      <Popover.Target>
+        <button type="button" className={on ? 'chip on' : 'chip'}>
+          {icon}
+          <span className="cut">
+            {name}
+            {said !== null && <>: {said}</>}
+          </span>
+          <IconChevronDown className="i mut" aria-hidden />
+        </button>
+      </Popover.Target>
+      <Popover.Dropdown aria-label={name}>
+        <div className="panel">{children}</div>
+      </Popover.Dropdown>
+    </Popover>
+  )
+}

@@ -1,0 +1,92 @@
+// What can be done with the selected runs together.
+import { Modal } from '@mantine/core'
+import { IconPinned, IconPlayerStop, IconX } from '@tabler/icons-react'
+import { useMutation, useQueryClient } from '@tanstack/react-query'
+import { useState } from 'react'
+import { cancelRuns, editRun } from '../api/calls'
+import { putRun } from '../api/events'
+import { isLive } from '../api/queries'
+import type { RunSummary } from '../client'
+import { count } from '../format/numbers'
+
+interface MarkedProps {
+  /** The selected ones among the loaded. */
+  runs: RunSummary[]
+  onClear: () => void
+}
+
+const plural = (n: number): string => `${count(n)} ${n === 1 ? 'run' : 'runs'}`
+
+export function Marked({ runs, onClear }: MarkedProps) {
+  const live = runs.filter((run) => isLive(run) && run.state !== 'cancelling')
+  const pinned = runs.every((run) => run.pinned)
+  const cache = useQueryClient()
+  const pin = useMutation({
+    mutationFn: () => Promise.all(runs.map((run) => editRun(run.id, { pinned: !pinned }))),
+    onSettled: () => cache.invalidateQueries({ queryKey: ['runs'] }),
+  })
+  return (
+    <>
+      <span className="small sec nw" role="status">
+        {count(runs.length)} selected
+      </span>
+      <button type="button" className="btn s" onClick={() => pin.mutate()} disabled={pin.isPending}>
+        <IconPinned className="i s" aria-hidden />
+        {pinned ? 'Unpin' : 'Pin'}
+      </button>
+      <CancelMarked live={live} />
+      <button type="button" className="iconbtn" onClick={onClear} aria-label="Clear selection" title="Clear selection">
+        <IconX className="i s" aria-hidden />
+      </button>
+      {pin.isError && <span className="ferr">{pin.error.message}</span>}
+    </>
+  )
+}
+
+function CancelMarked({ live }: { live: RunSummary[] }) {
+  const [asking, setAsking] = useState(false)
+  const cache = useQueryClient()
+  const cancel = useMutation({
+    mutationFn: () => cancelRuns(live.map((run) => run.id)),
+    onSuccess: (summaries) => {
+      for (const summary of summaries) putRun(cache, summary)
+      setAsking(false)
+    },
+  })
+  if (live.length === 0 && !asking) return null
+  return (
+    <>
+      <button type="button" className="btn s danger" onClick={() => setAsking(true)}>
+        <IconPlayerStop className="i s" aria-hidden />
+        Cancel {plural(live.length)}
+      </button>
+      <Modal opened={asking} onClose={() => setAsking(false)} title={`Cancel ${plural(live.length)}?`} centered lockScroll={false}>
+        <p className="sec">
+          What was flown so far is kept. A cancelled run has no verdict, and it cannot be continued; it can be run again.
+        </p>
+        <ul className="small sec listed">
+          {live.slice(0, 8).map((run) => (
+            <li key={run.id}>
+              <span className="mono">{run.id}</span> {run.name}
+            </li>
+          ))}
+          {live.length > 8 && <li>and {count(live.length - 8)} more</li>}
+        </ul>
+        {cancel.isError && <p className="ferr">{cancel.error.message}</p>}
+        <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 16 }}>
+          <button type="button" className="btn" onClick={() => setAsking(false)}>
+            Keep running
+          </button>
+          <button
+            type="button"
+            className="btn danger p"
+            disabled={cancel.isPending || live.length === 0}
+            onClick={() => cancel.mutate()}
+          >
+            Cancel {plural(live.length)}
+          </button>
+        </div>
+      </Modal>
+    </>
+  )
+}

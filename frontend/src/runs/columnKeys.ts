@@ -1,0 +1,39 @@
+// The columns of the run list in their order; those of a result stand together, as rows without one span them.
+
+export const COLUMN_KEYS = [
+  'verdict',
+  'worst',
+  'nominal',
+  'criterion',
+  'margin',
+  'method',
+  'bound',
+  'evaluations',
+  'failed',
+  'course',
+  'campaign',
+  'tags',
+  'duration',
+  'submitted',
+  'started',
+  'finished',
+  'owner',
+] as const
+export type ColumnKey = (typeof COLUMN_KEYS)[number]
+
+export const USUAL: readonly ColumnKey[] = [
+  'verdict',
+  'worst',
+  'criterion',
+  'margin',
+  'method',
+  'bound',
+  'course',
+  'tags',
+  'duration',
+  'submitted',
+  'owner',
+]
+
+/** Left out of the usual ones where the window is narrow. */
+export const WIDE_ONLY: readonly ColumnKey[] = ['duration', 'owner']

@@ -1,0 +1,295 @@
+// The columns of the run list: their names, widths, orders and cells. Start reading at `COLUMNS`.
+import { IconPinned } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
+import type { ReactNode } from 'react'
+import type { RunSummary } from '../client'
+import { count, decimalsFor, duration, fixed, NONE, percent, signed } from '../format/numbers'
+import { moment, when } from '../format/time'
+import { MarginBar } from '../ui/bars'
+import { MethodName } from '../ui/MethodMark'
+import { Sign } from '../ui/Sign'
+import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import type { ColumnKey } from './columnKeys'
+import type { SortKey } from './search'
+import { Spark } from './Spark'
+
+export interface CellContext {
+  /** Units stand in the cells because the rows differ. */
+  units: boolean
+  now: number
+  onTag: (tag: string) => void
+}
+
+/** What the rows have in common; for the heads. */
+export interface Common {
+  quantity: string
+  /** Undefined where the rows differ. */
+  unit: string | undefined
+}
+
+export interface Column {
+  key: ColumnKey
+  /** In the menu of columns. */
+  name: string
+  head: (common: Common) => ReactNode
+  /** A second line of the head. */
+  under?: (common: Common) => ReactNode
+  /** [px] */
+  width: number
+  sort?: SortKey
+  /** Sorted downwards at first. */
+  down?: boolean
+  num?: boolean
+  /** Part of a result: a run without one says how it stands instead. */
+  result?: boolean
+  cell: (run: RunSummary, context: CellContext) => ReactNode
+}
+
+const unitOf = ({ unit }: Common): string => unit ?? ''
+const named = (text: string) => () => text
+const amount = (value: number | null, run: RunSummary, { units }: CellContext): string =>
+  `${fixed(value, decimalsFor([run.worst_cost, run.threshold]))}${units && value !== null && run.unit ? ` ${run.unit}` : ''}`
+const time = (at: number | null, now: number): ReactNode =>
+  at === null ? (
+    NONE
+  ) : (
+    <time dateTime={new Date(at * 1000).toISOString()} title={moment(at)}>
+      {when(at, now)}
+    </time>
+  )
+
+export const COLUMNS: readonly Column[] = [
+  {
+    key: 'verdict',
+    name: 'Verdict',
+    head: named('Verdict'),
+    width: 122,
+    sort: 'verdict',
+    cell: (run) => <VerdictBadge outcome={outcomeOf(run)} />,
+  },
+  {
+    key: 'worst',
+    name: 'Worst value',
+    head: ({ quantity }) => <>Worst {quantity ? <Sign text={quantity} /> : 'value'}</>,
+    under: unitOf,
+    width: 86,
+    sort: 'worst',
+    num: true,
+    result: true,
+    cell: (run, context) => <span className="m">{amount(run.worst_cost, run, context)}</span>,
+  },
+  {
+    key: 'nominal',
+    name: 'Nominal value',
+    head: named('Nominal'),
+    under: unitOf,
+    width: 84,
+    sort: 'nominal',
+    num: true,
+    result: true,
+    cell: (run, context) => <span className="sec">{amount(run.nominal_cost, run, context)}</span>,
+  },
+  {
+    key: 'criterion',
+    name: 'Criterion',
+    head: named('Criterion'),
+    under: unitOf,
+    width: 76,
+    sort: 'criterion',
+    num: true,
+    result: true,
+    cell: (run, { units }) => (
+      <span className="sec">
+        {run.threshold ?? NONE}
+        {units && run.unit ? ` ${run.unit}` : ''}
+      </span>
+    ),
+  },
+  {
+    key: 'margin',
+    name: 'Margin',
+    head: named('Margin'),
+    under: unitOf,
+    width: 148,
+    sort: 'margin',
+    num: true,
+    result: true,
+    cell: (run, context) => <Margin run={run} context={context} />,
+  },
+  {
+    key: 'method',
+    name: 'Found by',
+    head: named('Found by'),
+    width: 104,
+    sort: 'method',
+    result: true,
+    cell: (run) =>
+      run.worst_method ? <MethodName method={run.worst_method} short /> : <span className="mut">{NONE}</span>,
+  },
+  {
+    key: 'bound',
+    name: 'P(violation) bound',
+    head: named('P(violation)'),
+    under: named('upper bound'),
+    width: 100,
+    sort: 'bound',
+    num: true,
+    result: true,
+    cell: (run) =>
+      run.upper_bound === null ? (
+        <span className="mut">not sampled</span>
+      ) : (
+        <span className="sec">≤ {percent(run.upper_bound)}</span>
+      ),
+  },
+  {
+    key: 'evaluations',
+    name: 'Evaluations',
+    head: named('Evaluations'),
+    width: 92,
+    sort: 'evaluations',
+    down: true,
+    num: true,
+    result: true,
+    cell: (run) => <span className="sec">{count(run.evaluations)}</span>,
+  },
+  {
+    key: 'failed',
+    name: 'Failed evaluations',
+    head: named('Failed'),
+    under: named('evaluations'),
+    width: 84,
+    sort: 'failed',
+    down: true,
+    num: true,
+    result: true,
+    cell: (run) => <span className={run.failed_evaluations ? 'b' : 'sec'}>{count(run.failed_evaluations)}</span>,
+  },
+  {
+    key: 'course',
+    name: 'Best so far',
+    head: ({ quantity }) => <>Best {quantity ? <Sign text={quantity} /> : 'value'} so far</>,
+    under: named('against evaluations, log'),
+    width: 132,
+    cell: (run) => (
+      <Spark
+        course={run.best_so_far}
+        evaluations={run.evaluations}
+        threshold={run.threshold}
+        violated={run.margin !== null && run.margin <= 0}
+      />
+    ),
+  },
+  {
+    key: 'campaign',
+    name: 'Campaign',
+    head: named('Campaign'),
+    width: 190,
+    sort: 'campaign',
+    cell: (run) => <span className="sec cut">{run.campaign_name}</span>,
+  },
+  {
+    key: 'tags',
+    name: 'Tags',
+    head: named('Tags'),
+    width: 160,
+    sort: 'tags',
+    cell: (run, { onTag }) => (
+      <span className="cut">
+        {run.tags.map((tag) => (
+          <button key={tag} type="button" className="tag" onClick={() => onTag(tag)} title={`Show runs tagged ${tag}`}>
+            {tag}
+          </button>
+        ))}
+      </span>
+    ),
+  },
+  {
+    key: 'duration',
+    name: 'Duration',
+    head: named('Duration'),
+    width: 88,
+    sort: 'duration',
+    down: true,
+    num: true,
+    cell: (run, { now }) => (
+      <span className="sec">{run.started ? duration((run.finished ?? now) - run.started) : NONE}</span>
+    ),
+  },
+  {
+    key: 'submitted',
+    name: 'Submitted',
+    head: named('Submitted'),
+    width: 100,
+    sort: 'created',
+    down: true,
+    cell: (run, { now }) => <span className="sec nw">{time(run.created, now)}</span>,
+  },
+  {
+    key: 'started',
+    name: 'Started',
+    head: named('Started'),
+    width: 100,
+    sort: 'started',
+    down: true,
+    cell: (run, { now }) => <span className="sec nw">{time(run.started, now)}</span>,
+  },
+  {
+    key: 'finished',
+    name: 'Finished',
+    head: named('Finished'),
+    width: 100,
+    sort: 'finished',
+    down: true,
+    cell: (run, { now }) => <span className="sec nw">{time(run.finished, now)}</span>,
+  },
+  {
+    key: 'owner',
+    name: 'User',
+    head: named('User'),
+    width: 74,
+    sort: 'owner',
+    cell: (run) => (
+      <span className="sec cut" title={run.owner}>
+        {run.owner}
+      </span>
+    ),
+  },
+]
+
+function Margin({ run, context }: { run: RunSummary; context: CellContext }) {
+  const violated = run.margin !== null && run.margin <= 0
+  const unit = context.units && run.unit ? ` ${run.unit}` : ''
+  return (
+    <span className="marg">
+      <span className={violated ? 'b bad-t' : 'm'}>
+        {signed(run.margin, decimalsFor([run.worst_cost, run.threshold]))}
+        {unit}
+      </span>
+      {run.margin !== null && run.threshold ? (
+        <MarginBar margin={run.margin} threshold={run.threshold} />
+      ) : (
+        <span style={{ width: 50 }} />
+      )}
+    </span>
+  )
+}
+
+/** The first column, which is always there: name, number, campaign, pin. */
+export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean }) {
+  return (
+    <span className="rn">
+      <span className="cut">
+        {run.pinned && <IconPinned className="i s mut" aria-label="Pinned" />}{' '}
+        <Link to="/runs/$id" params={{ id: run.id }} title={run.name}>
+          {run.name}
+        </Link>
+      </span>
+      <small className="cut">
+        {run.id}
+        {campaign && run.campaign_name !== run.name && ` · ${run.campaign_name}`}
+        {run.continues && ` · goes on with ${run.continues}`}
+      </small>
+    </span>
+  )
+}

@@ -7,6 +7,7 @@ the models' own values are those of the reconstruction. Start reading at `RESULT
 from __future__ import annotations
 
 from worker.reproduce.published import (
+    CHANCE,
     PLACE,
     Case,
     Corners,
@@ -73,8 +74,10 @@ def _unicycle() -> list[Result]:
         ),
         Result("4.1", "SQP from the start of case 1", case, sqp((4.5, 0.05)), None, model=AT_CORNER),
         Result("4.1", "SQP from the start of case 2", case, sqp((5.5, 0.048)), None, model=AT_CORNER),
-        Result("5.1", "GA, case 1", case, genetic((4.5, 0.05)), 0.9378, (5.734, 0.06), model=AT_CORNER),
-        Result("5.1", "GA, case 2", case, genetic((5.5, 0.048)), 0.9382, (5.192, 0.06), model=AT_CORNER),
+        Result("5.1", "GA, case 1", case, genetic((4.5, 0.05)), 0.9378, (5.734, 0.06), model=AT_CORNER,
+               note=CHANCE),
+        Result("5.1", "GA, case 2", case, genetic((5.5, 0.048)), 0.9382, (5.192, 0.06), model=AT_CORNER,
+               note=CHANCE),
         Result("5.2", "GLOBAL, 20 samples", case, clustering(20, 2000), 0.9377, (5.9734, 0.06), model=AT_CORNER),
         Result("5.2", "GLOBAL, 50 samples", case, clustering(50, 2000), 0.9378, (5.9734, 0.06), model=AT_CORNER),
         Result("5.3", "DIRECT, 100 iterations", case, d, 0.9378, (5.939, 0.06), model=AT_CORNER),
@@ -93,8 +96,9 @@ def _pioneer() -> list[Result]:
         Result("5.4", "DIRECT", case, direct(200, 8751), 5.8726, None, evaluations=8751, time="5 h 20 min",
                model=AT_PIONEER_CORNER),
         Result("5.4", "GLOBAL", case, clustering(200, 1112), 5.8719, None, evaluations=1112, time="5 h 20 min",
-               model=AT_PIONEER_CORNER),
-        Result("5.4", "GA", case, genetic(), 5.8758, None, time="2 h 26 min", model=AT_PIONEER_CORNER),
+               model=AT_PIONEER_CORNER,
+               note="by chance: of 8 other seeds 6 ended within 0.01 m of the corner, 2 stayed 0.04 and 0.10 m above"),
+        Result("5.4", "GA", case, genetic(), 5.8758, None, time="2 h 26 min", model=AT_PIONEER_CORNER, note=CHANCE),
     ]  # fmt: skip
     values = (
         (33.994, 0.48, 0.8999, 0.1, 3.7975, 0.02, 0.4999, -0.5),

@@ -77,7 +77,8 @@ def interval(violations: int, samples: int, confidence: float) -> tuple[float, f
 
 
 def extend(options: Options, more: int) -> Options:
-    """Goes on with the next numbers of the stream, as a sample that is known to be continued; raises `ValueError` where that would be another sample."""
+    """Goes on with the next numbers of the stream, as a sample known to be continued; raises `ValueError` where that
+    would be another sample."""
     if options.sampling == "latin_hypercube":
         raise ValueError(
             "a Latin hypercube is laid out for its number of samples and cannot go on; run it anew with the larger "

@@ -101,10 +101,10 @@ def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
             f"{record.seconds:.2f}",
             result.get("stop", {}).get("text") or result.get("text") or "",
         )
-        for minimum in result.get("minima", []):
+        for minimum in result.get("minima", []) if result.get("kind") == "local" else []:
             at = escape(f"at {_values(minimum['parameters'])}")
             cells = (number(minimum["cost"]), count(minimum["evaluations"]), "", "", at)
-            table.add_row(escape(f"  {_start(minimum)}"), *cells, style="dim")
+            table.add_row(escape(f"  from {_values(minimum['start'] or {})}"), *cells, style="dim")
     return table
 
 
@@ -124,6 +124,10 @@ def _comparison(store: MemoryStore, conclusion: Conclusion) -> Table:
             "not reached" if row["to_near_best"] is None else count(row["to_near_best"]),
             f"{len(row['findings'])}: {', '.join(row['findings'])}" if row["findings"] else "0",
         )
+        for member in (store.stages[row["position"]].result or {}).get("members", []):
+            best = "" if member["best"] is None else number(member["best"])
+            cells = (best, count(member["evaluations"]), "", "", "")
+            table.add_row(f"  {member['title']}", *cells, style="dim")
     return table
 
 
@@ -178,10 +182,6 @@ def _named(kind: str, method: str | None) -> str:
         return kind
     known = methods().get(method)
     return f"{kind}: {known.title if known else method}"
-
-
-def _start(minimum: dict[str, Any]) -> str:
-    return "minimum" if minimum["start"] is None else f"from {_values(minimum['start'])}"
 
 
 def _values(parameters: dict[str, float]) -> str:

@@ -18,6 +18,7 @@ from backend.events.hub import Hub
 from backend.exports import endpoints as exports
 from backend.frame import Frame
 from backend.health import endpoints as health
+from backend.reports import endpoints as reports
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
 from backend.scenes import endpoints as scenes
@@ -57,7 +58,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.viewers = scenes.Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
-    for feature in (health, sessions, catalog, runs, results, exports, events):
+    for feature in (health, sessions, catalog, runs, results, exports, reports, events):
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

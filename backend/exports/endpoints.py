@@ -12,6 +12,7 @@ from fastapi.responses import StreamingResponse
 from backend.db.engine import read
 from backend.deps import Engine, Reader
 from backend.exports import service
+from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
 from backend.runs.service import number, summary
 
@@ -77,7 +78,7 @@ def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: A
     with read(engine) as reader:
         name = summary(reader, run_id).name
         tag = service.tag(reader, run_id)
-    saved = service.named(request.path_params["run"], name, file)
+    saved = named(request.path_params["run"], name, file)
     headers = {"Content-Disposition": f'attachment; filename="{saved}"'}
     if tag is not None:
         headers |= {"ETag": tag, "Cache-Control": "private, no-cache"}

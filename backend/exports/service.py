@@ -18,11 +18,14 @@ import sqlalchemy as sa
 
 from backend.db.engine import read
 from backend.db.tables import Trace
+from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
 from backend.exports.sheet import Flown, Sheet, sheet
+from backend.reports import pdf
 from backend.results import service as results
 from backend.results.digest import results_digest
 from backend.runs import service as runs
+from backend.runs.schemas import RunSummary
 
 FORMAT = "clearance-run/1"
 ENDED = ("done", "failed", "cancelled")
@@ -37,8 +40,13 @@ class Kind:
     text: str
     media_type: str
     flights: bool = False
+    report: bool = False
 
 
+REPORTS = (
+    Kind("safety-case-report.html", "Safety-case report, HTML", "One file that prints to A4", "text/html", report=True),
+    Kind("safety-case-report.pdf", "Safety-case report, PDF", "The same on A4 pages", "application/pdf", report=True),
+)
 FILES = (
     Kind(
         "run.json",
@@ -67,23 +75,22 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     """What the run can be taken away as; 404 for no run."""
     run = runs.summary(reader, run_id)
     flights = reader.scalar(sa.select(sa.func.count()).select_from(Trace).where(Trace.run_id == run_id))
-    return [
-        ExportFile(
-            name=named(run.id, run.name, kind.file),
-            title=kind.title,
-            text=kind.text,
-            media_type=kind.media_type,
-            href=f"/api/v1/runs/{run.id}/exports/{kind.file}",
-            unavailable="no flight of this run is stored" if kind.flights and not flights else None,
-        )
-        for kind in FILES
-    ]
+    return [_file(run, kind, bool(flights)) for kind in (*REPORTS, *FILES)]
 
 
-def named(run: str, name: str, file: str) -> str:
-    """R-0001-unicycle-past-a-pillar-run.json: letters, digits and dashes only, whatever the run is called."""
-    slug = re.sub(r"[^a-z0-9]+", "-", name.lower())[:48].strip("-")
-    return "-".join(part for part in (run, slug, file) if part)
+def _file(run: RunSummary, kind: Kind, flown: bool) -> ExportFile:
+    why = "no flight of this run is stored" if kind.flights and not flown else None
+    if kind.media_type == "application/pdf" and pdf.browser() is None:
+        why = "needs Chromium on the service's machine"
+    place = kind.file.replace("safety-case-report", "report") if kind.report else f"exports/{kind.file}"
+    return ExportFile(
+        name=named(run.id, run.name, kind.file),
+        title=kind.title,
+        text=kind.text,
+        media_type=kind.media_type,
+        href=f"/api/v1/runs/{run.id}/{place}",
+        unavailable=why,
+    )
 
 
 def tag(reader: sa.Connection, run_id: int) -> str | None:

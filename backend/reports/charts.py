@@ -1,0 +1,133 @@
+"""Which figures a report has, from what is stored. Start reading at `figures`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from markupsafe import Markup
+
+from backend.reports import figures, plan_view, plot, words
+from backend.reports.held import Held
+
+MOST_CURVES = 12
+
+
+def drawn(held: Held) -> dict[str, Any]:
+    """Every figure by name; None or empty where nothing is stored for it."""
+    timed = [case for case in held.cases if case.points("t", "separation")]
+    return {
+        "plan": plan_view.plan_view(held.cases, held.of) if held.cases else None,
+        "plan_caption": plan_view.caption(held.cases, held.of) if held.cases else "",
+        "separation": figures.separation(timed, held.of) if timed else None,
+        "convergence": _convergence(held),
+        "keys": [(row[1], figures.METHODS.get(row[0], plot.NOMINAL)) for row in _series(held)],
+        "sensitivity": _sensitivity(held),
+        "through_worst": bool(_slices(held)),
+        "tornado": _tornado(held),
+        "histogram": _histogram(held),
+        **_off(held),
+    }
+
+
+def _off(held: Held) -> dict[str, bool]:
+    """Where the criterion lies so far from the values that it is not on the axis, which the caption then says."""
+    limit = held.of.threshold
+    if limit is None:
+        return {"off": False, "sensitivity_off": False, "sample_off": False}
+    found = [y for _, _, points in _series(held) for _, y in points]
+    studied = [c for curve in held.result("sensitivity").get("curves", []) for c in curve["costs"] if c is not None]
+    edges = (sample(held).get("histogram") or {}).get("edges") or [limit]
+    spread = edges[-1] - edges[0] or 1.0
+    return {
+        "off": bool(found) and figures.is_far(found, limit),
+        "sensitivity_off": bool(studied) and not _holds(held, studied),
+        "sample_off": not edges[0] - 2 * spread <= limit <= edges[-1] + 2 * spread,
+    }
+
+
+def _holds(held: Held, values: list[float]) -> bool:
+    """Whether the criterion is near enough to these values to share their axis."""
+    low, high = plot.padded(values, 0.12)
+    limit = held.of.threshold
+    return limit is not None and low - 6 * (high - low) <= limit
+
+
+def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
+    """The best so far of every search: method, title, points."""
+    titles = {stage.position: result.get("title") for stage, result in held.results("search")}
+    found = []
+    for series in held.evaluations.stages:
+        if series.kind == "search":
+            steps = zip(series.improvements["index"], series.improvements["cost"], strict=True)
+            points = [(index + 1.0, cost) for index, cost in steps]
+            found.append((series.method or "", titles.get(series.position) or series.method or "", points))
+    return [row for row in found if row[2]]
+
+
+def _convergence(held: Held) -> Markup | None:
+    series = _series(held)
+    return figures.convergence(series, held.of) if series else None
+
+
+def _slices(held: Held) -> dict[str, dict[str, Any]]:
+    """The curves through the worst case by path, where they were flown."""
+    told = held.findings[0].validation.get("slices") if held.findings else None
+    return {curve["path"]: curve for curve in (told or {}).get("curves", [])}
+
+
+def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
+    """A small chart for each parameter: symbol, words, drawing."""
+    curves, through = held.result("sensitivity").get("curves", []), _slices(held)
+    values = [c for curve in [*curves, *through.values()] for c in curve["costs"] if c is not None]
+    if not values:
+        return []
+    near = [held.of.threshold] if held.of.threshold is not None and _holds(held, values) else []
+    low, high = plot.padded([*values, *near], 0.1)
+    found = []
+    for curve in curves[:MOST_CURVES]:
+        about = _about(held, curve)
+        svg = figures.sensitivity(curve, through.get(curve["path"]), about, (low, high), held.of)
+        found.append((words.sign(about["symbol"]), about["text"], svg))
+    return found
+
+
+def _about(held: Held, curve: dict[str, Any]) -> dict[str, Any]:
+    path = curve["path"]
+    entry = held.entry(path)
+    nominal, low, high = held.limits.get(path, (curve["values"][0], curve["values"][0], curve["values"][-1]))
+    return {
+        "symbol": entry.symbol if entry else path.rpartition(".")[2],
+        "text": entry.text if entry else path,
+        "unit": words.unit(entry.unit) if entry else "",
+        "nominal": nominal,
+        "low": low,
+        "high": high,
+        "nominal_cost": held.run.nominal_cost if path in held.limits else None,
+    }
+
+
+def _tornado(held: Held) -> Markup | None:
+    nominal = held.run.nominal_cost
+    bars = []
+    for curve in held.result("sensitivity").get("curves", []):
+        low, high = curve["costs"][0], curve["costs"][-1]
+        if nominal is not None and low is not None and high is not None:
+            bars.append((_about(held, curve)["symbol"], low - nominal, high - nominal))
+    bars.sort(key=lambda bar: -max(abs(bar[1]), abs(bar[2])))
+    return figures.tornado(bars, held.of) if bars else None
+
+
+def sample(held: Held) -> dict[str, Any]:
+    """The independent sample that the statistical statement is from: certify's, else the first random search's."""
+    certified = held.result("certify").get("sample")
+    searched = [result["sample"] for _, result in held.results("search") if result.get("sample")]
+    bounded = [s for s in searched if s.get("upper_bound") is not None]
+    return certified or (bounded[0] if bounded else {})
+
+
+def _histogram(held: Held) -> Markup | None:
+    told = sample(held).get("histogram") or {}
+    if not any(told.get("counts", [])):
+        return None
+    worst = held.findings[0].cost if held.findings else None
+    return figures.histogram(told["edges"], told["counts"], held.of, held.run.nominal_cost, worst)

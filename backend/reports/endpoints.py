@@ -1,0 +1,48 @@
+"""A run's report for a safety case, as HTML and as PDF. Start reading at `get_report`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sqlalchemy as sa
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import HTMLResponse
+
+from backend.db.engine import now, read
+from backend.deps import Engine
+from backend.reports import pdf, service
+from backend.runs.service import number
+
+router = APIRouter(tags=["reports"])
+
+_HTML: dict[int | str, dict[str, Any]] = {
+    200: {"description": "One self-contained file.", "content": {"text/html": {"schema": {"type": "string"}}}}
+}
+_BINARY = {"schema": {"type": "string", "format": "binary"}}
+_PDF: dict[int | str, dict[str, Any]] = {
+    200: {"description": "The report on A4 pages.", "content": {"application/pdf": _BINARY}}
+}
+
+
+@router.get("/runs/{run}/report.html", response_class=HTMLResponse, responses=_HTML)
+def get_report(run: str, request: Request, engine: Engine) -> Response:
+    """The report of a run for a safety case: one file that needs nothing else and prints to A4."""
+    page = _made(request, engine, number(run))
+    headers = {
+        "Content-Disposition": f'inline; filename="{page.file}.html"',
+        "Content-Security-Policy": f"{page.policy}; frame-ancestors 'none'",
+    }
+    return HTMLResponse(page.html, headers=headers)
+
+
+@router.get("/runs/{run}/report.pdf", response_class=Response, responses=_PDF)
+def get_report_pdf(run: str, request: Request, engine: Engine) -> Response:
+    """The same as PDF, printed by the Chromium of the service's machine; 503 with what to do where it has none."""
+    page = _made(request, engine, number(run))
+    headers = {"Content-Disposition": f'attachment; filename="{page.file}.pdf"'}
+    return Response(pdf.printed(page.html), headers=headers, media_type="application/pdf")
+
+
+def _made(request: Request, engine: sa.Engine, run_id: int) -> service.Page:
+    with read(engine) as reader:
+        return service.report_html(reader, run_id, now(reader), request.app.state.settings.pages)

@@ -1,0 +1,221 @@
+"""The figures of a report over time and evaluations: separation, convergence, sensitivity, tornado, histogram.
+
+Each takes plain numbers as they are stored and returns an SVG; the plan view is in `backend.reports.plan_view`.
+Start reading at `Case`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from backend.reports import plot, words
+from backend.reports.plot import Axes, Point
+
+WIDE = 654
+"""The width of a page's text, 173 mm [px at 96 dpi]."""
+
+METHODS = {
+    "direct": "#0072b2", "hybrid_direct": "#2b8fcb", "sqp": "#b8578c", "genetic": "#b97c00",
+    "global_clustering": "#857c00", "monte_carlo": "#4a5563", "contrast_racing": "#5a2fe0", "portfolio": "#1b2733",
+    "cma_es": "#007a6c", "differential_evolution": "#8379ea", "mlsl": "#9a5a44", "nlopt_global": "#5d7d1f",
+    "direct_l": "#003e6b", "nsga2": "#9c1257",
+}  # fmt: skip
+"""The fixed colour of each method, as on the pages."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A flight to be drawn: its words, its colour, what is stored of it."""
+
+    label: str
+    colour: str
+    meta: dict[str, Any]
+    data: dict[str, list[float | None]]
+    dash: str = ""
+
+    def points(self, x: str, y: str) -> list[Point]:
+        """Two of its columns where both are known."""
+        pairs = zip(self.data.get(x, []), self.data.get(y, []), strict=False)
+        return [(a, b) for a, b in pairs if a is not None and b is not None]
+
+    @property
+    def closest(self) -> dict[str, Any]:
+        """The closest approach as stored; empty where the criterion has none."""
+        return self.meta.get("closest") or {}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """The criterion's value: symbol, unit, threshold."""
+
+    symbol: str
+    unit: str
+    threshold: float | None
+
+    def told(self, value: float | None, decimals: int) -> str:
+        """The value with its unit."""
+        return f"{words.fixed(value, decimals)} {self.unit}".strip()
+
+
+def separation(cases: Sequence[Case], of: Quantity) -> Markup:
+    """The criterion's value over time around the encounter, with the closest approaches."""
+    curves = [case.points("t", "separation") for case in cases]
+    lowest = min((y for curve in curves for _, y in curve), default=0.0)
+    reach = 2.2 * max(of.threshold or 0.0, lowest)
+    near = [t for curve in curves for t, y in curve if y <= reach] or [t for curve in curves for t, _ in curve]
+    span = (min(near), max(near)) if len(near) > 2 else (0.0, 1.0)
+    highest = max((y for curve in curves for t, y in curve if span[0] <= t <= span[1]), default=1.0)
+    axes = Axes(WIDE, 240, span, (min(0.0, lowest), 1.04 * highest))
+    if of.threshold is not None:
+        axes.tint(of.threshold)
+    axes.frame("Time since start, s", 8)
+    if of.threshold is not None:
+        axes.criterion(of.threshold, f"Criterion, {words.plain(of.threshold)} {of.unit}")
+    for case, curve in zip(cases, curves, strict=True):
+        axes.line(curve, case.colour, 1.7, case.dash)
+    decimals = words.decimals_for([case.closest.get("value") for case in cases])
+    used: list[float] = []
+    for case in sorted(cases, key=lambda case: case.closest.get("value") or 0.0):
+        time, value = case.closest.get("time"), case.closest.get("value")
+        if time is None or value is None:
+            continue
+        axes.dot(time, value, case.colour)
+        below = of.threshold is None or axes.y(of.threshold) - axes.y(value) > 44
+        at = axes.y(value) + (16 if below else -9)
+        while any(abs(at - other) < 12 for other in used):
+            at += 12 if below else -12
+        used.append(at)
+        told = f"{case.label} {of.told(value, decimals)} at {words.fixed(time, 2)} s"
+        axes.text(axes.x(time), at, told, colour=plot.BAD if case.colour == plot.WORST else plot.INK2, weight=500)
+    return axes.svg("Separation over time, with the criterion")
+
+
+def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) -> Markup:
+    """Best value so far against evaluations, by method: (name, title, points)."""
+    drawn = [(name, title, points) for name, title, points in series if points]
+    values = [y for _, _, points in drawn for _, y in points]
+    most = max((x for _, _, points in drawn for x, _ in points), default=10.0)
+    low, high = plot.padded(values)
+    far = of.threshold is None or is_far(values, of.threshold)
+    if not far and of.threshold is not None:
+        low, high = plot.padded([*values, of.threshold])
+    axes = Axes(WIDE / 2 + 20, 200, (1.0, max(most * 1.1, 10.0)), (low, high), left=52, x_log=True)
+    if not far and of.threshold is not None:
+        axes.tint(of.threshold)
+    axes.frame("Evaluations of each method (log scale)")
+    if not far and of.threshold is not None:
+        axes.criterion(of.threshold, f"Criterion, {words.plain(of.threshold)} {of.unit}", right=False)
+    for name, _, points in drawn:
+        axes.line(points, METHODS.get(name, plot.NOMINAL), 1.5, step=True)
+    for name, _, points in drawn:
+        axes.dot(*points[-1], METHODS.get(name, plot.NOMINAL), 3)
+    return axes.svg(f"Best {of.symbol} so far by method")
+
+
+def is_far(values: Sequence[float], threshold: float) -> bool:
+    """Whether showing the criterion too would flatten the steps to a line."""
+    low, high = plot.padded(values)
+    return not low - 3 * (high - low) <= threshold <= high + (high - low)
+
+
+def sensitivity(
+    curve: dict[str, Any], other: dict[str, Any] | None, about: dict[str, Any], y_range: Point, of: Quantity
+) -> Markup:
+    """One parameter over its bounds: others nominal, and others at the worst case where it was flown."""
+    low, high = about["low"], about["high"]
+    axes = Axes(208, 112, (low, high), y_range, left=44, right=16, top=6, bottom=30)
+    if of.threshold is not None:
+        axes.tint(of.threshold)
+    title = Markup("{}{}").format(words.svg_sign(about["symbol"]), f", {about['unit']}" if about["unit"] else "")
+    axes.frame(title, 2.2, 3, x_marks=(low, about["nominal"], high) if low < about["nominal"] < high else (low, high))
+    if of.threshold is not None:
+        axes.criterion(of.threshold, "")
+    for told, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):
+        if told is not None:
+            pairs = zip(told["values"], told["costs"], strict=False)
+            axes.line([(x, y) for x, y in pairs if y is not None], colour, 1.5)
+    if about["nominal_cost"] is not None:
+        axes.dot(about["nominal"], about["nominal_cost"], plot.NOMINAL, 2.8)
+    return axes.svg(f"{of.symbol} over {about['symbol']}")
+
+
+def tornado(bars: Sequence[tuple[str, float, float]], of: Quantity) -> Markup:
+    """Change from nominal at the low and the high bound of each parameter, the largest first."""
+    most = max((max(abs(a), abs(b)) for _, a, b in bars), default=1.0) or 1.0
+    row = 22
+    axes = Axes(
+        WIDE / 2 - 46, row * len(bars) + 44, (-1.3 * most, 1.3 * most), (0, 1), left=52, right=4, top=4, bottom=34
+    )
+    title = Markup("Change of {}, {}").format(words.svg_sign(of.symbol), of.unit)
+    axes.frame(title, 4, y_grid=False)
+    bar = '<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="10" fill="{}" fill-opacity="{}"/>'
+    for i, (symbol, *changes) in enumerate(bars):
+        top = 8 + i * row
+        axes.text(4, top + 8.5, words.svg_sign(symbol), "start", plot.INK, 500)
+        for name, change in zip(("low", "high"), changes, strict=True):
+            x0, x1 = sorted((axes.x(0), axes.x(change)))
+            down = change < 0
+            axes.add(bar, x0, top, max(1.0, x1 - x0), plot.WORST if down else plot.NOMINAL, 1 if down else 0.55)
+            alone = (changes[0] < 0) != (changes[1] < 0) or abs(change) == max(map(abs, changes))
+            if alone:
+                axes.text(x0 - 4 if down else x1 + 4, top + 8.5, name, "end" if down else "start")
+    axes.rule(axes.x(0), 2, axes.x(0), axes.height - axes.bottom, plot.INK, 1.2)
+    return axes.svg(f"Change of {of.symbol} at the bounds of each parameter")
+
+
+def histogram(
+    edges: Sequence[float], counts: Sequence[int], of: Quantity, nominal: float | None, worst: float | None
+) -> Markup:
+    """The independent sample, with criterion, nominal and worst case where they lie on the axis."""
+    first, last = edges[0], edges[-1]
+    spread = last - first or 1.0
+    marks = [("Criterion", of.threshold, plot.INK, "5 4"), ("Worst found", worst, plot.WORST, "")]
+    marks.append(("Nominal", nominal, plot.INK2, ""))
+    near = [m for m in marks if m[1] is not None and first - 2 * spread <= m[1] <= last + 2 * spread]
+    low = min([first, *(m[1] for m in near if m[1] is not None)]) - 0.04 * spread
+    high = max([last, *(m[1] for m in near if m[1] is not None)]) + 0.04 * spread
+    axes = Axes(WIDE / 2 + 30, 200, (low, high), (0, 1.02 * max(counts)), left=40, top=44)
+    axes.frame(Markup("{}, {}").format(words.svg_sign(of.symbol), of.unit), 5, 4)
+    bar = '<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="{}" fill-opacity="{}"/>'
+    for a, b, n in zip(edges, edges[1:], counts, strict=False):
+        bad = of.threshold is not None and b <= of.threshold
+        height = axes.height - axes.bottom - axes.y(n)
+        x0, x1 = axes.x(a), axes.x(b)
+        axes.add(
+            bar,
+            x0 + 0.4,
+            axes.y(n),
+            max(0.8, x1 - x0 - 0.8),
+            height,
+            plot.WORST if bad else plot.NOMINAL,
+            1 if bad else 0.7,
+        )
+    decimals = words.decimals_for([m[1] for m in near])
+    for i, (name, value, colour, dash) in enumerate(near):
+        at = axes.x(value or 0.0)
+        axes.rule(at, 8 + 12 * i, at, axes.height - axes.bottom, colour, 1.2, dash)
+        left = at > axes.width / 2
+        told = f"{name} {of.told(value, decimals)}"
+        axes.text(at - 4 if left else at + 4, 12 + 12 * i, told, "end" if left else "start", colour, 500)
+    return axes.svg(f"Histogram of {of.symbol} over the independent sample")
+
+
+def within(low: float, high: float, nominal: float, worst: float | None) -> Markup:
+    """Where a value lies within its bounds, for a row of a table."""
+    width = 96
+
+    def x(value: float) -> float:
+        return 5 + (width - 10) * (min(max(value, low), high) - low) / (high - low or 1)
+
+    dot = '<circle cx="{:.1f}" cy="7" r="3.4" fill="{}"/>'
+    form = (
+        '<svg class="wi" viewBox="0 0 96 14" width="96" height="14" aria-hidden="true">'
+        '<path d="M5 7H91M5 3.5v7M91 3.5v7" stroke="#c8d0d9" stroke-width="1.4"/>'
+        '<path d="M{:.1f} 2v10" stroke="{}" stroke-width="1.8"/>{}</svg>'
+    )
+    mark = Markup("") if worst is None else Markup(dot).format(x(worst), plot.WORST)
+    return Markup(form).format(x(nominal), plot.NOMINAL, mark)

@@ -1,0 +1,100 @@
+"""Everything that is stored of a run, read once: what a report may say, and nothing else. Start reading at `load`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.catalog.service import bounds, published
+from backend.reports.figures import Case, Quantity
+from backend.reports.plot import NOMINAL, WORST
+from backend.results import evaluations
+from backend.results import service as results
+from backend.results.digest import results_digest
+from backend.results.schemas import Evaluations, FindingDetail
+from backend.runs import service as runs
+from backend.runs.schemas import RunDetail, StageDetail
+from campaigns import Campaign, Catalogue
+from campaigns.catalogue import ParameterEntry
+from campaigns.check import parameters
+
+MOST_ROWS = 1200
+"""Of a flight in a figure."""
+FURTHER = ("#7b5ba6", "#0072b2", "#857c00")
+"""Of the second, third and fourth finding in the figures."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """A run with all that is stored of it."""
+
+    run: RunDetail
+    campaign: Campaign
+    catalogue: Catalogue | None
+    known: dict[str, tuple[ParameterEntry, float]]
+    """Every parameter by path, with its nominal value; empty without a catalogue."""
+    limits: dict[str, tuple[float, float, float]]
+    stages: list[StageDetail]
+    findings: list[FindingDetail]
+    evaluations: Evaluations
+    cases: list[Case]
+    digest: str
+    """Of the results."""
+
+    @property
+    def of(self) -> Quantity:
+        """The criterion's value."""
+        return Quantity(self.run.quantity or "value", self.run.unit, self.run.threshold)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The verdict's parts; empty while there is none."""
+        return self.run.summary or {}
+
+    def results(self, kind: str) -> list[tuple[StageDetail, dict[str, Any]]]:
+        """The stages of a kind that have a result."""
+        return [(stage, stage.result) for stage in self.stages if stage.kind == kind and stage.result]
+
+    def result(self, kind: str) -> dict[str, Any]:
+        """The result of the stage of a kind; empty where there is none."""
+        found = self.results(kind)
+        return found[0][1] if found else {}
+
+    def entry(self, path: str) -> ParameterEntry | None:
+        """What the catalogue says of a parameter."""
+        found = self.known.get(path)
+        return None if found is None else found[0]
+
+
+def load(reader: sa.Connection, run_id: int) -> Held:
+    """Read it all in one snapshot; 404 for no run."""
+    campaign, catalogue = runs.campaign(reader, run_id), published(reader)
+    found = results.findings(reader, run_id)
+    return Held(
+        run=runs.detail(reader, run_id),
+        campaign=campaign,
+        catalogue=catalogue,
+        known={} if catalogue is None else parameters(campaign, catalogue),
+        limits=bounds(campaign, catalogue),
+        stages=runs.stages(reader, run_id),
+        findings=found,
+        evaluations=evaluations.read(reader, run_id, 100, None),
+        cases=_cases(reader, run_id, [finding.label for finding in found]),
+        digest=results_digest(reader, run_id),
+    )
+
+
+def _cases(reader: sa.Connection, run_id: int, labels: list[str]) -> list[Case]:
+    """The nominal flight and those of the first findings, as far as they are stored; the worst is the last."""
+    stored = {flight.name for flight in results.traces(reader, run_id)}
+    named = [("nominal", "Nominal", NOMINAL)]
+    named += [(label, label, colour) for label, colour in zip(labels[1:4], FURTHER, strict=False)]
+    named += [(label, f"Worst, {label}" if len(labels) > 1 else "Worst", WORST) for label in labels[:1]]
+    found = []
+    for name, label, colour in named:
+        if name in stored:
+            flight = results.trace(reader, run_id, name, MOST_ROWS)
+            found.append(Case(label, colour, flight.meta, flight.data, "" if colour in (NOMINAL, WORST) else "4 2"))
+    return found

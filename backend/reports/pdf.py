@@ -1,0 +1,108 @@
+"""HTML printed to PDF by the Chromium of this machine, where there is one.
+
+Headless, in a profile of its own that is thrown away, at most two at a time. The page's own policy lets no script of
+it run; the browser's switch against scripts would stop its printing too. Start reading at `printed`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+from pathlib import Path
+
+from backend.errors import RefusedError
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+PATIENCE = 60.0
+"""How long a browser may print, and how long a report waits for its turn [s]."""
+AT_ONCE = 2
+
+MISSING = (
+    "no Chromium was found on this machine, which prints the PDF: install it (on Debian: `apt install chromium`), or "
+    "open the report as HTML and print it from any browser"
+)
+
+_turns = threading.BoundedSemaphore(AT_ONCE)
+_log = logging.getLogger(__name__)
+
+
+def browser() -> str | None:
+    """The path of a Chromium, or None."""
+    return next((found for name in NAMES if (found := shutil.which(name))), None)
+
+
+def printed(html: str) -> bytes:
+    """The page as PDF. Raises 503 where no browser is there, none is free, or it fails."""
+    path = browser()
+    if path is None:
+        raise RefusedError(503, "no-browser", MISSING)
+    if not _turns.acquire(timeout=PATIENCE):
+        detail = f"{AT_ONCE} other reports are being printed; try again in a minute"
+        raise RefusedError(503, "busy", detail, headers={"Retry-After": "30"})
+    try:
+        with tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True) as folder:
+            return _print(path, html, Path(folder))
+    finally:
+        _turns.release()
+
+
+def _print(path: str, html: str, folder: Path) -> bytes:
+    source, target = folder / "report.html", folder / "report.pdf"
+    source.write_text(html, encoding="utf-8")
+    said = _run([path, *_arguments(folder, target), source.as_uri()], folder)
+    if said is not None or not target.is_file():
+        _log.error("printing a report failed: %s", said)
+        why = "it took too long" if said == "" else "it ended without a file; the service's log has its words"
+        raise RefusedError(503, "browser-failed", f"Chromium could not print the report: {why}. Print the HTML instead")
+    return target.read_bytes()
+
+
+def _arguments(folder: Path, target: Path) -> list[str]:
+    # A browser of root's has no sandbox; the page is ours, and its policy lets no script run.
+    root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    return [
+        "--headless",
+        *root,
+        "--disable-gpu",
+        "--disable-extensions",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--disable-dev-shm-usage",
+        "--no-first-run",
+        f"--user-data-dir={folder / 'profile'}",
+        "--no-pdf-header-footer",
+        f"--print-to-pdf={target}",
+    ]
+
+
+def _run(command: list[str], folder: Path) -> str | None:
+    """None when all went well, empty when it took too long, else what it said; nothing of it is left running."""
+    environment = {**os.environ, "HOME": str(folder), "TMPDIR": str(folder), "XDG_CONFIG_HOME": str(folder)}
+    with (folder / "said.txt").open("w+b") as said:
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=said, stderr=said, env=environment, start_new_session=True
+        )
+        try:
+            code: int | None = process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            code = None
+        finally:
+            _end(process)
+        said.seek(0)
+        words = said.read()[-2000:].decode(errors="replace")
+    if code is None:
+        return ""
+    return None if code == 0 else words or f"exit code {code}"
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()

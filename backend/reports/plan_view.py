@@ -1,0 +1,159 @@
+"""Flights seen from above: nominal and worst case, obstacles, the safety radius at the closest approach.
+
+East is right and north is up, whichever axes the vehicle's world has. Start reading at `plan_view`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from markupsafe import Markup
+
+from backend.reports import plot, words
+from backend.reports.figures import WIDE, Case, Quantity
+from backend.reports.plot import Axes, Point
+
+HEIGHT = 300
+REACH = 4.0
+"""The encounter is shown as far as the separation stays below so many times the larger of criterion and lowest."""
+
+
+def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
+    """The flights around the encounter at one scale; None where no flight has a place."""
+    axis = _axes_of(cases[0].meta) if cases else ("x", "y")
+    tracks = [_encounter(case, case.points(*axis), of) for case in cases]
+    places = [p for track in tracks for p in track]
+    if len(places) < 2:
+        return None
+    reach = of.threshold or 0.0
+    for case in cases[-1:]:
+        places += [
+            (x + dx, y + dy) for x, y in _centres(case, axis) for dx in (-reach, reach) for dy in (-reach, reach)
+        ]
+    axes = _scaled(places)
+    axes.frame(f"East ({axis[0]}), m", 8)
+    _grid(axes)
+    _obstacles(axes, cases[-1], axis, of)
+    for case, track in zip(cases, tracks, strict=True):
+        axes.line(track, case.colour, 1.8, case.dash)
+    for case in cases:
+        _approach(axes, case, axis)
+    _landmarks(axes, cases[0].meta, axis)
+    return axes.svg("Flights seen from above, with the obstacles at the closest approach of the worst flight")
+
+
+def _axes_of(meta: dict[str, Any]) -> tuple[str, str]:
+    """Which columns run east and north."""
+    return ("y", "x") if meta.get("frame") == "ned" else ("x", "y")
+
+
+def _at(position: Sequence[float], axis: tuple[str, str]) -> Point:
+    return (position[0], position[1]) if axis[0] == "x" else (position[1], position[0])
+
+
+def _encounter(case: Case, track: list[Point], of: Quantity) -> list[Point]:
+    """The track around the encounter, with the moments before and after it."""
+    values = case.data.get("separation", [])
+    known = [v for v in values if v is not None]
+    if len(track) != len(values) or not known:
+        return track
+    far = REACH * max(of.threshold or 0.0, min(known))
+    near = [i for i, v in enumerate(values) if v is not None and v <= far]
+    if len(near) < 2:
+        return track
+    pad = (near[-1] - near[0]) // 8
+    return track[max(0, near[0] - pad) : near[-1] + pad + 1]
+
+
+def _centres(case: Case, axis: tuple[str, str]) -> list[Point]:
+    """The centre of each obstacle: at the closest approach of the one that came closest, at the start of others."""
+    closest = case.closest
+    return [
+        _at(
+            closest["obstacle_position"]
+            if i == closest.get("obstacle") and closest.get("obstacle_position")
+            else obstacle["position"],
+            axis,
+        )
+        for i, obstacle in enumerate(case.meta.get("obstacles", []))
+        if obstacle.get("position") and (not obstacle.get("moving") or i == closest.get("obstacle"))
+    ]
+
+
+def _scaled(places: Sequence[Point]) -> Axes:
+    """One scale for both directions, as large as the drawing allows."""
+    (x0, x1), (y0, y1) = (plot.padded([p[k] for p in places], 0.05) for k in (0, 1))
+    axes = Axes(WIDE, HEIGHT, (x0, x1), (y0, y1), left=48)
+    across, up = axes.width - axes.left - axes.right, axes.height - axes.top - axes.bottom
+    scale = max((x1 - x0) / across, (y1 - y0) / up)
+    for name, low, high, size in (("x_range", x0, x1, across), ("y_range", y0, y1, up)):
+        middle = (low + high) / 2
+        setattr(axes, name, (middle - scale * size / 2, middle + scale * size / 2))
+    return axes
+
+
+def _grid(axes: Axes) -> None:
+    for tick in plot.linear_ticks(*axes.x_range, 8):
+        axes.rule(axes.x(tick), axes.top, axes.x(tick), axes.height - axes.bottom, plot.GRID)
+
+
+def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> None:
+    scale = abs(axes.x(1.0) - axes.x(0.0))
+    for i, obstacle in enumerate(case.meta.get("obstacles", [])):
+        if obstacle.get("moving"):
+            track = case.points(f"obstacle.{i}.{axis[0]}", f"obstacle.{i}.{axis[1]}")
+            axes.line(track, plot.OBSTACLE, 1.3, "6 4")
+    body = '<circle cx="{:.1f}" cy="{:.1f}" r="{:.1f}" fill="{}" fill-opacity="{}" stroke="{}" stroke-width="1"{}/>'
+    dashed = Markup(' stroke-dasharray="5 4"')
+    for (x, y), obstacle in zip(_centres(case, axis), _shown(case), strict=False):
+        place = (axes.x(x), axes.y(y))
+        radius = float(obstacle.get("radius") or 0.0) * scale
+        axes.add(body, *place, max(radius, 2.5), plot.OBSTACLE, 0.16, plot.OBSTACLE, Markup(""))
+        if of.threshold:
+            axes.add(body, *place, of.threshold * scale, "none", 0, plot.INK, dashed)
+        edge = max(radius, (of.threshold or 0.0) * scale)
+        axes.text(
+            place[0],
+            min(place[1] + edge + 12, axes.height - axes.bottom - 4),
+            obstacle.get("title", ""),
+            colour=plot.OBSTACLE,
+        )
+
+
+def _shown(case: Case) -> list[dict[str, Any]]:
+    nearest = case.closest.get("obstacle")
+    obstacles = case.meta.get("obstacles", [])
+    return [o for i, o in enumerate(obstacles) if o.get("position") and (not o.get("moving") or i == nearest)]
+
+
+def _approach(axes: Axes, case: Case, axis: tuple[str, str]) -> None:
+    """The closest approach: the place, and a line to the obstacle's centre."""
+    closest = case.closest
+    if not closest.get("position") or not closest.get("obstacle_position"):
+        return
+    here, there = _at(closest["position"], axis), _at(closest["obstacle_position"], axis)
+    axes.rule(axes.x(here[0]), axes.y(here[1]), axes.x(there[0]), axes.y(there[1]), case.colour, 1, "2 2")
+    axes.dot(*here, case.colour)
+
+
+def _landmarks(axes: Axes, meta: dict[str, Any], axis: tuple[str, str]) -> None:
+    for name in ("start", "goal"):
+        position = meta.get(name)
+        if not position:
+            continue
+        x, y = _at(position, axis)
+        if axes.x_range[0] <= x <= axes.x_range[1] and axes.y_range[0] <= y <= axes.y_range[1]:
+            axes.dot(x, y, plot.INK3, 2.6)
+            axes.text(axes.x(x) + 6, axes.y(y) - 5, name.capitalize(), "start")
+
+
+def caption(cases: Sequence[Case], of: Quantity) -> str:
+    """What the figure shows, in words."""
+    drawn = ", ".join(f"{case.label.lower()} ({_hue(case)})" for case in cases)
+    limit = f" Dashed circle: the criterion of {words.plain(of.threshold)} {of.unit}" if of.threshold else ""
+    return f"Flights seen from above: {drawn}.{limit}, obstacle at the closest approach of the last flight named."
+
+
+def _hue(case: Case) -> str:
+    return {plot.NOMINAL: "grey", plot.WORST: "vermillion"}.get(case.colour, "violet")

@@ -1,0 +1,251 @@
+"""The rows of a report's tables, from what is stored; what is not known is said to be unknown.
+
+Start reading at `uncertain`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from markupsafe import Markup
+
+from backend.reports import figures, words
+from backend.reports.held import Held
+from backend.reports.words import NONE
+from campaigns.catalogue import ParameterEntry
+from campaigns.check import parts
+from campaigns.distributions import Uncertain
+from campaigns.spec import Part
+
+Row = dict[str, Any]
+_VALIDATED = {"True": "confirmed", "False": "not confirmed"}
+
+
+def uncertain(held: Held) -> list[Row]:
+    """The uncertain parameters: bounds, distribution, worst case."""
+    worst = held.findings[0].parameters if held.findings else {}
+    rows = []
+    for path, asked in held.campaign.uncertain.items():
+        entry, limits = held.entry(path), held.limits.get(path)
+        nominal, low, high = limits or (None, asked.low, asked.high)
+        value = worst.get(path)
+        rows.append({
+            "path": path,
+            "symbol": _symbol(held, path),
+            "text": entry.text if entry else "not in the catalogue of this installation",
+            "unit": words.unit(entry.unit if entry else asked.unit or ""),
+            "nominal": words.plain(nominal),
+            "low": words.plain(low),
+            "high": words.plain(high),
+            "worst": words.plain(value),
+            "at": held.findings[0].at_bounds.get(path, "") if held.findings else "",
+            "distribution": _distribution(asked),
+            "within": figures.within(limits[1], limits[2], limits[0], value) if limits else "",
+        })  # fmt: skip
+    return rows
+
+
+def _distribution(asked: Uncertain) -> str:
+    told = asked.distribution.model_dump()
+    kind = told.pop("kind").replace("_", " ")
+    numbers = ", ".join(f"{name} {words.plain(value)}" for name, value in told.items())
+    return f"{kind} ({numbers})" if numbers else kind
+
+
+def correlations(held: Held) -> list[str]:
+    """The correlations of the random samples, as sentences."""
+    return [f"{' and '.join(c.between)}: {words.plain(c.value)}" for c in held.campaign.correlations]
+
+
+def model(held: Held) -> list[Row]:
+    """Every component of the scenario with its text and its parameters' values."""
+    rows = []
+    for prefix, _, role, part in parts(held.campaign):
+        entry = None if held.catalogue is None else held.catalogue.component(role, part.component)
+        values = [_value(held, f"{prefix}.{p.name}", p, part) for p in entry.parameters] if entry else _bare(part)
+        if role == "vehicle" and entry:
+            values += [_value(held, f"start.{p.name}", p, None) for p in entry.starts]
+        if role == "avoider" and entry:
+            values += [_value(held, f"goal.{p.name}", p, None) for p in entry.goals]
+        rows.append({
+            "role": role.capitalize() if role != "avoider" else "Avoidance",
+            "title": entry.title if entry else part.component,
+            "name": part.component,
+            "text": entry.text if entry else "",
+            "known": entry is not None,
+            "values": values,
+        })  # fmt: skip
+    return rows
+
+
+def _value(held: Held, path: str, entry: ParameterEntry, part: Part | None) -> Row:
+    given = part.parameters if part else _place(held, path)
+    name = path.partition(".")[2] if part is None else entry.name
+    told = held.known.get(path)
+    how = "uncertain" if path in held.campaign.uncertain else "given" if name in given else "default"
+    value = told[1] if told else given.get(name)
+    prefix = {"start": "Start", "goal": "Goal"}.get(path.partition(".")[0], "")
+    text = entry.text if not prefix or entry.text.startswith(prefix) else f"{prefix}: {entry.text}"
+    return {
+        "symbol": words.sign(entry.symbol),
+        "text": text,
+        "value": words.plain(value, 8),
+        "unit": words.unit(entry.unit),
+        "how": how,
+    }
+
+
+def _place(held: Held, path: str) -> dict[str, float]:
+    return held.campaign.scenario.start if path.startswith("start.") else held.campaign.scenario.goal
+
+
+def _bare(part: Part) -> list[Row]:
+    return [
+        {"symbol": name, "text": "", "value": words.plain(value, 8), "unit": "", "how": "given"}
+        for name, value in part.parameters.items()
+    ]
+
+
+def methods(held: Held) -> list[Row]:
+    """The searches: settings, budget, what each found and how it ended."""
+    compared = {row["position"]: row for row in held.result("validate").get("comparison", [])}
+    searches = [stage for stage in held.stages if stage.kind == "search"]
+    asked = dict(zip((s.position for s in searches), held.campaign.stages.search, strict=False))
+    bests = [stage.best for stage in searches]
+    decimals = words.decimals_apart(bests, 4, 6)
+    lowest = min((b for b in bests if b is not None), default=None)
+    rows = []
+    for stage in searches:
+        result, beside = stage.result or {}, compared.get(stage.position, {})
+        setting = asked.get(stage.position)
+        entry = held.catalogue.method(stage.method or "") if held.catalogue else None
+        above = None if stage.best is None or lowest is None else stage.best - lowest
+        rows.append({
+            "colour": figures.METHODS.get(stage.method or "", "#77838f"),
+            "title": result.get("title") or (entry.title if entry else stage.method),
+            "how": entry.how if entry else "",
+            "source": entry.source if entry else "",
+            "evaluations": words.count(stage.evaluations),
+            "budget": words.count(stage.planned),
+            "failed": words.count(stage.failed),
+            "excluded": words.count(stage.excluded),
+            "best": words.fixed(stage.best, decimals),
+            "above": "best" if above == 0 else words.signed(above, decimals),
+            "near": words.count(beside["to_near_best"]) if beside.get("to_near_best") else "not reached",
+            "seconds": words.seconds(stage.seconds),
+            "stop": (result.get("stop") or {}).get("text") or "not ended",
+            "findings": ", ".join(beside.get("findings", [])) or "none",
+            "options": _options(setting.options if setting else {}),
+            "starts": len(setting.starts) if setting else 0,
+        })  # fmt: skip
+    return rows
+
+
+def _options(options: dict[str, Any]) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in options.items()) or "as published"
+
+
+def stages(held: Held) -> list[Row]:
+    """All stages with their evaluations, so that every flight is counted."""
+    titles = _titles(held)
+    rows = [
+        {
+            "name": stage.kind.capitalize() + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
+            "state": stage.state,
+            "evaluations": words.count(stage.evaluations),
+            "failed": words.count(stage.failed),
+            "excluded": words.count(stage.excluded),
+            "seconds": words.seconds(stage.seconds),
+        }
+        for stage in held.stages
+    ]
+    total = {name: words.count(sum(getattr(s, name) for s in held.stages)) for name in ("failed", "excluded")}
+    time = words.seconds(sum(s.seconds for s in held.stages))
+    counted = words.count(sum(s.evaluations for s in held.stages))
+    return [*rows, {"name": "Total", "state": "", "evaluations": counted, "seconds": time, **total}] if rows else []
+
+
+def _titles(held: Held) -> dict[str, str]:
+    return {m.name: m.title for m in held.catalogue.methods} if held.catalogue else {}
+
+
+def _symbol(held: Held, path: str) -> Markup:
+    entry = held.entry(path)
+    return words.sign(entry.symbol if entry else path.rpartition(".")[2])
+
+
+def findings(held: Held) -> list[Row]:
+    """The distinct worst cases."""
+    decimals = words.decimals_apart([f.cost for f in held.findings], 4, 7)
+    titles = _titles(held)
+    return [
+        {
+            "label": f.label,
+            "cost": words.fixed(f.cost, decimals),
+            "margin": words.signed(f.margin, decimals),
+            "violates": f.margin <= 0,
+            "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
+            "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
+            "validated": _VALIDATED.get(str(f.validation.get("ok")), "not validated"),
+            "boundary": (f.validation.get("boundary") or {}).get("text", ""),
+        }
+        for f in held.findings
+    ]
+
+
+def validation(held: Held) -> list[Row]:
+    """Each case flown again by other means."""
+    rows = []
+    for case in held.result("validate").get("cases", []):
+        decimals = words.decimals_for([case.get("cost")], 7)
+        half, other = case.get("half_step") or {}, case.get("integrator") or {}
+        beside = case.get("neighbours") or {}
+        rows.append({
+            "name": case.get("name", ""),
+            "cost": words.fixed(case.get("cost"), decimals),
+            "half": words.fixed(half.get("cost"), decimals),
+            "half_by": words.plain(half.get("difference"), 2),
+            "other": words.fixed(other.get("cost"), decimals),
+            "other_by": words.plain(other.get("difference"), 2),
+            "allowed": words.plain(case.get("allowed"), 2),
+            "neighbours": words.count(beside["flown"]) if beside else NONE,
+            "lower": words.plain(beside.get("lower_by"), 2) if beside else NONE,
+            "ok": case.get("ok") is True,
+            "reason": other.get("reason") or "",
+        })  # fmt: skip
+    return rows
+
+
+def components(held: Held) -> dict[str, str]:
+    """Titles of vehicle, controller and avoider, by role."""
+    rows = [row for row in model(held) if row["role"] in ("Vehicle", "Controller", "Avoidance")]
+    return {row["role"].lower(): row["title"] for row in rows}
+
+
+WRAPPED = 85
+"""A line of a text that is at least so long was broken by its author's editor, not by its author."""
+
+
+def flowed(text: str) -> str:
+    """Text whose lines are put together where they were broken for width only."""
+    found: list[str] = []
+    whole = True
+    for line in text.strip().splitlines():
+        if whole or not line.strip():
+            found.append(line)
+        else:
+            found[-1] += f" {line.strip()}"
+        whole = len(line) < WRAPPED
+    return "\n".join(found)
+
+
+def paragraphs(text: str) -> list[Markup]:
+    """A component's text: prose as paragraphs, indented equations as they stand."""
+    found = []
+    for block in text.strip("\n").split("\n\n"):
+        inset = all(line.startswith("    ") for line in block.splitlines() if line.strip())
+        form = "<pre>{}</pre>" if inset else "<p>{}</p>"
+        found.append(
+            Markup(form).format("\n".join(line[4:] for line in block.splitlines()) if inset else flowed(block))
+        )
+    return found

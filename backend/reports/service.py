@@ -1,0 +1,179 @@
+"""The report of a run as one self-contained page: stored numbers and inline figures, nothing from elsewhere.
+
+Start reading at `report_html`.
+"""
+
+from __future__ import annotations
+
+import base64
+import functools
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import sqlalchemy as sa
+from markupsafe import Markup
+
+from backend.exports.naming import named
+from backend.reports import charts, sections, words
+from backend.reports.held import Held, load
+from campaigns.version import VERSION
+
+HERE = Path(__file__).parent
+FONTS = (
+    ("Inter Variable", "inter-latin-wght-normal", "U+0-24F,U+2000-22FF"),
+    ("Inter Variable", "inter-greek-wght-normal", "U+370-3FF"),
+)
+"""Family, beginning of the file's name among the built pages, the characters it has."""
+
+_VERDICTS = {
+    "cleared": ("ok", "Cleared", "M20 6 9 17l-5-5"),
+    "violated": ("bad", "Violated", "M18 6 6 18M6 6l12 12"),
+    "inconclusive": ("unk", "Inconclusive", "M9 9a3 3 0 1 1 4 2.8c-.7.4-1 1-1 1.9M12 17v.01"),
+}
+_STATES = {
+    "queued": "The run has not begun. Nothing is claimed.",
+    "running": "The run is not finished. Nothing is claimed; the numbers below are those found so far.",
+    "cancelling": "The run is being cancelled. Nothing is claimed; the numbers below are those found so far.",
+    "cancelled": "The run was cancelled early. Nothing is claimed; the numbers below are those found until then.",
+    "failed": "The run failed. Nothing is claimed; this says nothing about the avoidance system.",
+    "done": "The run ended without a verdict. Nothing is claimed.",
+}
+
+
+@dataclass(frozen=True)
+class Page:
+    """A report and the policy that its one style element needs."""
+
+    html: str
+    policy: str
+    file: str
+
+
+def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> Page:
+    """The report as it is now; `at` is the time it is made [s since 1970]; fonts from the built pages, if there."""
+    held = load(reader, run_id)
+    style = _fonts(pages) + (HERE / "report.css").read_text(encoding="utf-8") + _margins(held)
+    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+    policy = (
+        f"default-src 'none'; style-src 'sha256-{digest}'; font-src data:; img-src data:; base-uri 'none'; "
+        "form-action 'none'"
+    )
+    html = (
+        _environment().get_template("report.html.j2").render(**_told(held, at), style=Markup(style), policy=policy)
+    )  # the style is ours alone: nothing that a person wrote is in it
+    return Page(html, policy, named(held.run.id, held.run.name, "safety-case-report"))
+
+
+def _told(held: Held, at: float) -> dict[str, Any]:
+    run, summary = held.run, held.summary
+    tone, word, icon = _VERDICTS.get(
+        run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
+    )
+    sentence = summary.get("sentence") or run.reason if run.verdict else _STATES[run.state]
+    return {
+        "run": run,
+        "held": held,
+        "report": f"CLR-{run.id}-{held.digest[:8]}",
+        "day": words.day(at),
+        "made": words.moment(at),
+        "version": VERSION,
+        "verdict": {"tone": tone, "word": word, "icon": icon, "sentence": sentence, "error": run.error},
+        "scope": str(summary.get("scope") or "").removeprefix("Scope: "),
+        "of": held.of,
+        "parts": sections.components(held),
+        "uncertain": sections.uncertain(held),
+        "correlations": sections.correlations(held),
+        "model": sections.model(held),
+        "methods": sections.methods(held),
+        "stages": sections.stages(held),
+        "findings": sections.findings(held),
+        "validation": held.result("validate"),
+        "cases": sections.validation(held),
+        "checks": summary.get("checks") or [],
+        "statistics": summary.get("statistics") or {},
+        "sample": charts.sample(held),
+        "sensitivity": held.result("sensitivity"),
+        "fig": charts.drawn(held),
+        "flights": _flights(held),
+        "origin": _origin(held),
+        "w": words,
+        "paragraphs": sections.paragraphs,
+        "flowed": sections.flowed,
+    }
+
+
+def _flights(held: Held) -> list[str]:
+    """A sentence on each drawn flight."""
+    decimals = words.decimals_for([case.closest.get("value") for case in held.cases])
+    return [
+        f"{case.label}: {held.of.told(case.closest['value'], decimals)} at {words.fixed(case.closest['time'], 2)} s."
+        for case in held.cases
+        if case.closest.get("value") is not None and case.closest.get("time") is not None
+    ]
+
+
+def _origin(held: Held) -> list[tuple[str, str]]:
+    """Provenance as rows; what was not recorded says so."""
+    told = held.summary.get("provenance") or {}
+    unknown = "not recorded"
+    given = told.get("cpu")
+    cpu: dict[str, Any] = given if isinstance(given, dict) else {"model": given}
+    packages = ", ".join(f"{name} {version}" for name, version in (told.get("packages") or {}).items())
+    return [
+        ("Campaign", f"sha256 {held.run.campaign_digest}"),
+        ("Results", f"sha256 {held.digest}"),
+        ("Simulation kernel", str(told.get("loop") or unknown)),
+        ("Seed", str(told.get("seed", held.campaign.seed))),
+        ("Clearance", str(told.get("clearance") or unknown)),
+        ("Python", str(told.get("python") or unknown)),
+        ("Packages", packages or unknown),
+        (
+            "Machine",
+            ", ".join(str(v) for v in (told.get("system"), cpu.get("model"), cpu.get("target")) if v) or unknown,
+        ),
+        ("Lanes", str(told.get("lanes") or unknown)),
+        ("Worker, attempts", f"{held.run.worker or 'none'}, {held.run.attempts}"),
+        ("Submitted", f"{words.moment(held.run.created)} by {held.run.owner or 'unknown'}"),
+        ("Started", words.moment(held.run.started)),
+        ("Finished", words.moment(held.run.finished)),
+        ("Goes on with", held.run.continues or "no earlier run"),
+    ]
+
+
+def _margins(held: Held) -> str:
+    """What stands at the head and foot of every printed page: numbers of ours only, nothing that a person wrote."""
+    return (
+        f'@page{{@top-left{{content:"Verification report CLR-{held.run.id}-{held.digest[:8]}"}}'
+        f'@bottom-left{{content:"Clearance {VERSION}, results sha256 {held.digest[:16]}"}}}}'
+    )
+
+
+@functools.lru_cache(maxsize=4)
+def _fonts(pages: Path) -> str:
+    """The pages' own typeface, inside the file; without built pages the reader's system has one."""
+    rules = []
+    for family, stem, characters in FONTS:
+        file = next(iter(sorted((pages / "assets").glob(f"{stem}-*.woff2"))), None)
+        if file is not None:
+            data = base64.b64encode(file.read_bytes()).decode()
+            rules.append(
+                f'@font-face{{font-family:"{family}";font-weight:100 900;src:url(data:font/woff2;base64,{data}) '
+                f'format("woff2");unicode-range:{characters}}}'
+            )
+    return "".join(rules)
+
+
+@functools.lru_cache(maxsize=1)
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["plain"] = words.plain
+    return environment

@@ -1,0 +1,200 @@
+"""The report for a safety case: its sections, its figures, what it says of unfinished runs, hostile names, the PDF."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+import shutil
+from pathlib import Path
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import CatalogueDocument
+from backend.reports import pdf, plot, sections, words
+from tests.api.catalogue import campaign
+from tests.api.finished import Work, finish
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.api.test_access import problem
+from tests.api.test_runs import submit
+
+SECTIONS = (
+    "Scope of the claim", "Uncertain parameters and worst case", "Checks behind the verdict", "Worst cases",
+    "Sensitivity", "Methods and settings", "Evaluations", "Statistical statement", "Validation",
+    "Limits of this evidence", "Provenance", "Approval", "Appendix. Model",
+)  # fmt: skip
+HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(1)>\"'>{{ 7*7 }}"
+
+
+@pytest.fixture
+def run(service: Service, client: httpx.Client) -> str:
+    """A finished run with a result of every kind."""
+    run = submit(client)
+    finish_fully(service)
+    return run
+
+
+def report(client: httpx.Client, run: str) -> str:
+    answer = client.get(f"/api/v1/runs/{run}/report.html")
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    return answer.text
+
+
+def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None:
+    text = report(client, run)
+    found = [re.sub(r"^\d+\. ", "", heading) for heading in re.findall(r"<h2>(.*?)</h2>", text)]
+    assert found == list(SECTIONS)
+    labels = re.findall(r'<svg class="ch"[^>]*aria-label="([^"]*)"', text)
+    assert [label.partition(" ")[0] for label in labels] == [
+        "Flights", "Separation", "d_min", "d_min", "Best", "Change", "Histogram",
+    ]  # fmt: skip
+    assert len(set(re.findall(r"<b>(?:Figure|Table) \d\.</b>", text))) == 11
+
+
+def test_its_numbers_are_those_that_are_stored(client: httpx.Client, run: str) -> None:
+    text = html.unescape(re.sub(r"<[^>]+>", "", report(client, run)))
+    for said in (
+        "dmin stayed above 0.5 m in all 1\u202f000 evaluations. A search can miss a worse case.",
+        "At most 5 % of the flights have dmin below 1.33 m.",
+        "0 of 3\u202f000 flights drawn violate the criterion",
+        "Half the step and DOP853 agree for nominal and F1.",
+        "did the 100 iterations asked for",
+        "numpy 2.4.6",
+        "A CPU",
+    ):
+        assert said in text, said
+    told = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
+    assert told["results_digest"] in text
+    assert told["run"]["campaign_digest"] in text
+
+
+def test_it_needs_nothing_else_and_runs_nothing(client: httpx.Client, run: str) -> None:
+    answer = client.get(f"/api/v1/runs/{run}/report.html")
+    policy = answer.headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    assert "script" not in policy
+    (own,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]*)"', answer.text)
+    assert policy.startswith(html.unescape(own))
+    assert not re.search(r"<script|\son\w+=|javascript:|<link|<img|<iframe|\sstyle=", answer.text)
+    assert set(re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(\w+:)', answer.text)) <= {"data:"}
+    assert "http" not in answer.text.replace('http-equiv="Content-Security-Policy"', "")
+    assert answer.headers["content-disposition"] == (
+        'inline; filename="R-0001-unicycle-past-a-pillar-safety-case-report.html"'
+    )
+
+
+def test_hostile_words_stay_words(service: Service, client: httpx.Client) -> None:
+    document = campaign(name=HOSTILE[:100], summary=HOSTILE, notes=HOSTILE)
+    answer = client.post("/api/v1/runs", json={"campaign": document, "name": HOSTILE[:100]})
+    assert answer.status_code == 201, answer.text
+    finish_fully(service, text=HOSTILE, checked=HOSTILE)
+    text = report(client, "R-0001")
+    assert "<script" not in text
+    assert "<img" not in text
+    assert text.count("&lt;script&gt;alert(1)&lt;/script&gt;") >= 5
+    assert "{{ 7*7 }}" in text
+    assert "49}}" not in text
+    (style,) = re.findall(r"<style>(.*?)</style>", text, re.DOTALL)
+    assert "alert" not in style
+
+
+@pytest.mark.parametrize("verdict", ["violated", "inconclusive"])
+def test_other_verdicts_are_told_as_such(service: Service, client: httpx.Client, verdict: str) -> None:
+    run = submit(client)
+    finish_fully(service, verdict, "Nothing may be claimed.")
+    text = report(client, run)
+    assert f'<section class="vbox {"bad" if verdict == "violated" else "unk"}"' in text
+    assert f"</svg>{verdict.capitalize()}</div>" in text
+
+
+def test_an_unfinished_run_claims_nothing(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    assert "Queued: no verdict" in report(client, run)
+    work = Work(service)
+    work.nominal()
+    work.search(0, 700)
+    text = report(client, run)
+    assert "Running: no verdict" in text
+    assert "Nothing is claimed" in text
+    assert "This report is no evidence for a safety case" in text
+    assert "No independent random sample was flown" in text
+    assert "Cleared</div>" not in text
+    assert not [heading for heading in SECTIONS if heading not in text]
+
+
+def test_a_run_with_bare_results_says_what_is_unknown(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    text = report(client, run)
+    assert "No sensitivity study is stored" in text
+    assert "Nothing was flown again by other means" in text
+    assert text.count("not recorded") >= 5
+
+
+def test_without_a_catalogue_the_model_is_said_to_be_unknown(service: Service, client: httpx.Client, run: str) -> None:
+    with service.engine.begin() as connection:
+        connection.execute(sa.delete(CatalogueDocument))
+    text = report(client, run)
+    assert "does not know the component" in text
+    assert "not in the catalogue of this installation" in text
+
+
+@pytest.mark.skipif(pdf.browser() is None, reason="no Chromium on this machine")
+def test_it_is_printed_as_pdf(client: httpx.Client, run: str) -> None:
+    answer = client.get(f"/api/v1/runs/{run}/report.pdf", timeout=90)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "application/pdf"
+    assert answer.headers["content-disposition"].endswith('-safety-case-report.pdf"')
+    assert answer.content.startswith(b"%PDF-")
+    assert answer.content.count(b"/Type /Page\n") >= 4
+    assert b"/MediaBox [0 0 594" in answer.content or b"/MediaBox [0 0 595" in answer.content
+
+
+def test_without_a_browser_it_says_what_to_install(
+    client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    told = problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)
+    assert "apt install chromium" in str(told["detail"])
+    listed = {file["href"]: file["unavailable"] for file in client.get(f"/api/v1/runs/{run}/exports").json()}
+    assert "Chromium" in (listed[f"/api/v1/runs/{run}/report.pdf"] or "")
+    assert listed[f"/api/v1/runs/{run}/report.html"] is None
+
+
+def _stand_in(folder: Path, program: str) -> None:
+    file = folder / "chromium"
+    file.write_text(f"#!{shutil.which('sh')}\n{program}\n")
+    file.chmod(0o755)
+
+
+def test_a_browser_that_fails_or_hangs_is_a_problem(
+    client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    _stand_in(tmp_path, "echo no display >&2; exit 7")
+    assert "ended without a file" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+    monkeypatch.setattr(pdf, "PATIENCE", 0.3)
+    _stand_in(tmp_path, "sleep 600 & sleep 600")
+    assert "took too long" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+
+
+@pytest.mark.parametrize("file", ["report.html", "report.pdf"])
+def test_no_report_of_a_run_that_is_not_there(guest: httpx.Client, file: str) -> None:
+    problem(guest.get(f"/api/v1/runs/R-0999/{file}"), 404)
+
+
+def test_numbers_as_in_print() -> None:
+    assert words.fixed(-1234567.891, 1) == "\u22121\u202f234\u202f567.9"
+    assert words.fixed(-0.001, 2) == "0.00"
+    assert words.fixed(float("nan")) == words.NONE
+    assert (words.signed(7.194), words.signed(0.0001)) == ("+7.19", "0.00")
+    assert (words.plain(0.05), words.plain(1e-6), words.plain(12000.5)) == ("0.05", "1e\u22126", "12\u202f000.5")
+    assert words.unit("N s2/m") == "N·s²/m"
+    assert words.prose("a < d_min and d_min2", "d_min") == 'a &lt; <i class="v">d</i><sub>min</sub> and d_min2'
+    assert plot.linear_ticks(-2, 2, 4) == [-2, -1, 0, 1, 2]
+    assert sections.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"

@@ -17,5 +17,5 @@ export default defineConfig({
       ['/api', '/login', '/view', '/docs'].map((path) => [path, { target: service, ws: true }]),
     ),
   },
-  test: { environment: 'node', include: ['src/**/*.test.ts'] },
+  test: { environment: 'node', include: ['src/**/*.test.{ts,tsx}'] },
 })

@@ -55,6 +55,7 @@ export function Finished({ data }: { data: RunData }) {
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
     ...(failures.length ? [{ id: 'failures', name: 'Failed evaluations', count: failures.length }] : []),
     { id: 'provenance', name: 'Provenance' },
+    { id: 'notes', name: 'Notes' },
   ]
   return (
     <>

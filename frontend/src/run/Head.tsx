@@ -13,6 +13,7 @@ import { count } from '../format/numbers'
 import { dayAndClock, moment } from '../format/time'
 import { Tags } from '../ui/Card'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { EditRun } from './EditRun'
 
 export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
   return (
@@ -27,6 +28,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
             <VerdictBadge outcome={outcomeOf(run)} />
           </span>
           <Tags tags={run.tags} />
+          <EditRun run={run} />
           <span className="small mut nw" title={moment(run.created)}>
             {dayAndClock(run.created)}, {run.owner}
           </span>

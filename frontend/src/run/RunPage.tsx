@@ -11,6 +11,7 @@ import { useRunData } from './data'
 import { Finished } from './Finished'
 import { Head } from './Head'
 import { Live } from './Live'
+import { Notes } from './Notes'
 
 export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
@@ -32,6 +33,9 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
     <>
       <Head run={run} stale={stale} />
       {isLive(run) ? <Live data={data} /> : <Finished data={data} />}
+      <div className="grid" style={{ marginTop: 'var(--gap)' }}>
+        <Notes run={run} />
+      </div>
     </>
   )
 }

@@ -81,6 +81,7 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
                   by={column.sort}
                   down={column.down}
                   num={column.num}
+                  inset={column.inset}
                   under={column.under?.(common)}
                 >
                   {column.head(common)}
@@ -182,12 +183,13 @@ interface HeadProps {
   sort: Sort
   onSort: (sort: Sort) => void
   num?: boolean
+  inset?: number
   down?: boolean
   under?: ReactNode
   children: ReactNode
 }
 
-function Head({ by, sort, onSort, num, down: first, under, children }: HeadProps) {
+function Head({ by, sort, onSort, num, inset, down: first, under, children }: HeadProps) {
   const lines = (
     <>
       {children}
@@ -204,7 +206,11 @@ function Head({ by, sort, onSort, num, down: first, under, children }: HeadProps
   const down = sort === `-${by}`
   const next: Sort = active ? (down ? by : `-${by}`) : first ? `-${by}` : by
   return (
-    <th className={num ? 'num' : undefined} aria-sort={active ? (down ? 'descending' : 'ascending') : undefined}>
+    <th
+      className={num ? 'num' : undefined}
+      style={inset === undefined ? undefined : { paddingRight: inset }}
+      aria-sort={active ? (down ? 'descending' : 'ascending') : undefined}
+    >
       <button type="button" className={active ? 'sorter on' : 'sorter'} onClick={() => onSort(next)}>
         {lines}
         {active && <span aria-hidden> {down ? '↓' : '↑'}</span>}

@@ -16,7 +16,9 @@ export function Spark({ course, evaluations, threshold, violated }: SparkProps) 
   const known = threshold === null ? values : [...values, threshold]
   const [low, high] = [Math.min(...known), Math.max(...known)]
   const last = Math.max(evaluations, course[course.length - 1]?.[0] ?? 1, 2)
-  const x = (n: number) => 1 + ((WIDTH - 6) * Math.log(Math.max(1, n))) / Math.log(last)
+  // Counted from the first of the search: what was flown before it would leave half of a log axis empty.
+  const before = (course[0]?.[0] ?? 1) - 1
+  const x = (n: number) => 1 + ((WIDTH - 6) * Math.log(Math.max(1, n - before))) / Math.log(Math.max(2, last - before))
   const y = (v: number) => PAD + ((HEIGHT - 2 * PAD) * (high - v)) / (high - low || 1)
   const path = course.map(([n = 1, v = 0], i) => (i === 0 ? `M${x(n)} ${y(v)}` : `H${x(n)}V${y(v)}`)).join('')
   const end = values[values.length - 1] ?? 0

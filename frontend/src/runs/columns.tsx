@@ -37,6 +37,8 @@ export interface Column {
   /** [px] */
   width: number
   sort?: SortKey
+  /** The head's right padding, where the numbers are not at the right edge [px]. */
+  inset?: number
   /** Sorted downwards at first. */
   down?: boolean
   num?: boolean
@@ -63,7 +65,7 @@ export const COLUMNS: readonly Column[] = [
     key: 'verdict',
     name: 'Verdict',
     head: named('Verdict'),
-    width: 122,
+    width: 118,
     sort: 'verdict',
     cell: (run) => <VerdictBadge outcome={outcomeOf(run)} />,
   },
@@ -72,7 +74,7 @@ export const COLUMNS: readonly Column[] = [
     name: 'Worst value',
     head: ({ quantity }) => <>Worst {quantity ? <Sign text={quantity} /> : 'value'}</>,
     under: unitOf,
-    width: 86,
+    width: 80,
     sort: 'worst',
     num: true,
     result: true,
@@ -94,7 +96,7 @@ export const COLUMNS: readonly Column[] = [
     name: 'Criterion',
     head: named('Criterion'),
     under: unitOf,
-    width: 76,
+    width: 70,
     sort: 'criterion',
     num: true,
     result: true,
@@ -110,7 +112,8 @@ export const COLUMNS: readonly Column[] = [
     name: 'Margin',
     head: named('Margin'),
     under: unitOf,
-    width: 148,
+    width: 136,
+    inset: 67,
     sort: 'margin',
     num: true,
     result: true,
@@ -120,7 +123,7 @@ export const COLUMNS: readonly Column[] = [
     key: 'method',
     name: 'Found by',
     head: named('Found by'),
-    width: 104,
+    width: 100,
     sort: 'method',
     result: true,
     cell: (run) =>
@@ -131,7 +134,7 @@ export const COLUMNS: readonly Column[] = [
     name: 'P(violation) bound',
     head: named('P(violation)'),
     under: named('upper bound'),
-    width: 100,
+    width: 92,
     sort: 'bound',
     num: true,
     result: true,
@@ -169,8 +172,8 @@ export const COLUMNS: readonly Column[] = [
     key: 'course',
     name: 'Best so far',
     head: ({ quantity }) => <>Best {quantity ? <Sign text={quantity} /> : 'value'} so far</>,
-    under: named('against evaluations, log'),
-    width: 132,
+    under: named('evaluations, log'),
+    width: 116,
     cell: (run) => (
       <Spark
         course={run.best_so_far}
@@ -192,7 +195,7 @@ export const COLUMNS: readonly Column[] = [
     key: 'tags',
     name: 'Tags',
     head: named('Tags'),
-    width: 160,
+    width: 176,
     sort: 'tags',
     cell: (run, { onTag }) => (
       <span className="cut">
@@ -220,7 +223,7 @@ export const COLUMNS: readonly Column[] = [
     key: 'submitted',
     name: 'Submitted',
     head: named('Submitted'),
-    width: 100,
+    width: 106,
     sort: 'created',
     down: true,
     cell: (run, { now }) => <span className="sec nw">{time(run.created, now)}</span>,

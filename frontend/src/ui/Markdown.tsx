@@ -1,0 +1,127 @@
+// Markdown as elements: the text is parsed, never inserted as HTML, so that nothing in it can become a script. Pictures
+// are not loaded and HTML is shown as it was written. Source of the syntax: GitHub Flavored Markdown. Start: `Markdown`.
+import { marked, type Token, type Tokens } from 'marked'
+import { Fragment, type ReactNode, useMemo } from 'react'
+
+export function Markdown({ text }: { text: string }) {
+  const tokens = useMemo(() => marked.lexer(text, { gfm: true, breaks: false }), [text])
+  return <div className="md">{blocks(tokens)}</div>
+}
+
+const blocks = (tokens: readonly Token[]): ReactNode => tokens.map((token, i) => <Fragment key={i}>{block(token)}</Fragment>)
+
+function block(token: Token): ReactNode {
+  switch (token.type) {
+    case 'heading': {
+      // The page's own headings are h1 and h2.
+      const Heading = (['h3', 'h4', 'h5', 'h6'] as const)[Math.min(3, (token as Tokens.Heading).depth - 1)] ?? 'h6'
+      return <Heading>{inlines(token)}</Heading>
+    }
+    case 'paragraph':
+      return <p>{inlines(token)}</p>
+    case 'text':
+      return inlines(token)
+    case 'blockquote':
+      return <blockquote>{blocks(token.tokens ?? [])}</blockquote>
+    case 'code':
+      return (
+        <pre>
+          <code>{(token as Tokens.Code).text}</code>
+        </pre>
+      )
+    case 'list':
+      return list(token as Tokens.List)
+    case 'table':
+      return table(token as Tokens.Table)
+    case 'hr':
+      return <hr />
+    case 'space':
+    case 'def':
+      return null
+    default:
+      return <p>{token.raw}</p>
+  }
+}
+
+function list({ ordered, start, items }: Tokens.List): ReactNode {
+  const shown = items.map((item, i) => (
+    <li key={i} className={item.task ? 'task' : undefined}>
+      {item.task && <input type="checkbox" checked={item.checked} readOnly disabled aria-label="Task" />}
+      {blocks(item.tokens.filter((token) => token.type !== 'checkbox'))}
+    </li>
+  ))
+  return ordered ? <ol start={start === '' ? 1 : start}>{shown}</ol> : <ul>{shown}</ul>
+}
+
+function table({ header, rows, align }: Tokens.Table): ReactNode {
+  const side = (i: number) => ({ textAlign: align[i] ?? undefined })
+  return (
+    <table className="tight">
+      <thead>
+        <tr>
+          {header.map((cell, i) => (
+            <th key={i} style={side(i)}>
+              {inlines(cell)}
+            </th>
+          ))}
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map((row, j) => (
+          <tr key={j}>
+            {row.map((cell, i) => (
+              <td key={i} style={side(i)}>
+                {inlines(cell)}
+              </td>
+            ))}
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+function inlines(of: { tokens?: readonly Token[]; text?: string }): ReactNode {
+  if (!of.tokens) return entities(of.text ?? '')
+  return of.tokens.map((token, i) => <Fragment key={i}>{inline(token)}</Fragment>)
+}
+
+function inline(token: Token): ReactNode {
+  switch (token.type) {
+    case 'text':
+      return token.tokens ? inlines(token) : entities((token as Tokens.Text).text)
+    case 'escape':
+      return (token as Tokens.Escape).text
+    case 'strong':
+      return <strong>{inlines(token)}</strong>
+    case 'em':
+      return <em>{inlines(token)}</em>
+    case 'del':
+      return <del>{inlines(token)}</del>
+    case 'codespan':
+      return <code>{(token as Tokens.Codespan).text}</code>
+    case 'br':
+      return <br />
+    case 'link':
+      return link(token as Tokens.Link)
+    default:
+      return token.raw
+  }
+}
+
+/** Only addresses of the web and of this service; anything else, such as a script, stays text. */
+export const isSafe = (href: string): boolean => /^(https?:\/\/|mailto:|\/(?!\/)|#)/i.test(href)
+
+function link(token: Tokens.Link): ReactNode {
+  if (!isSafe(token.href)) return token.raw
+  return (
+    <a href={token.href} rel="noreferrer" target={/^(\/|#)/.test(token.href) ? undefined : '_blank'}>
+      {inlines(token)}
+    </a>
+  )
+}
+
+const NAMED: Record<string, string> = { amp: '&', lt: '<', gt: '>', quot: '"', '#39': "'" }
+
+/** The parser leaves these as they were written; as text they mean their character. */
+const entities = (text: string): string => text.replace(/&(amp|lt|gt|quot|#39);/g, (_, name: string) => NAMED[name] ?? _)

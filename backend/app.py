@@ -25,6 +25,7 @@ from backend.scenes import endpoints as scenes
 from backend.scenes.live import Live
 from backend.sessions import endpoints as sessions
 from backend.settings import Settings
+from backend.signoffs import endpoints as signoffs
 from campaigns.version import VERSION
 
 API = "/api/v1"
@@ -58,7 +59,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.viewers = scenes.Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
-    for feature in (health, sessions, catalog, runs, results, exports, reports, events):
+    for feature in (health, sessions, catalog, runs, results, exports, reports, signoffs, events):
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

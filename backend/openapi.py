@@ -30,7 +30,7 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
 )
-_PARTIAL = frozenset({"RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument"})
+_PARTIAL = frozenset({"RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"})
 """All others are answers, and answers have every field."""
 _CAMPAIGN_BODY = {
     "type": "object",
@@ -50,6 +50,7 @@ TAGS = [
     {"name": "results", "description": "Evaluations, findings, traces"},
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
     {"name": "reports", "description": "The report for a safety case"},
+    {"name": "signoffs", "description": "Reviewers' words on a run's results"},
     {"name": "events", "description": "Progress as it happens"},
 ]
 SECURITY = {

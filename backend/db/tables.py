@@ -240,3 +240,34 @@ class IdempotencyKey(Base):
     body: orm.Mapped[str] = orm.mapped_column(sa.String(64))
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"))
     created: orm.Mapped[float]
+
+
+class Signoff(Base):
+    """A reviewer's sign-off of a run's results; never edited, only withdrawn. A signed run cannot be deleted."""
+
+    __tablename__ = "signoffs"
+    id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
+    run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id"), index=True)
+    name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    role: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    comment: orm.Mapped[str] = orm.mapped_column(sa.Text)
+    digest: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    """Of the results that were signed; see `backend.results.digest`."""
+    user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    created: orm.Mapped[float]
+    withdrawn: orm.Mapped[float | None]
+    withdrawn_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
+    withdrawn_reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
+
+
+class Audit(Base):
+    """Who did what, and when; see `backend.db.audit`."""
+
+    __tablename__ = "audit"
+    id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
+    at: orm.Mapped[float] = orm.mapped_column(index=True)
+    user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    via: orm.Mapped[str] = orm.mapped_column(sa.String(12))
+    action: orm.Mapped[str] = orm.mapped_column(sa.String(40))
+    subject: orm.Mapped[str] = orm.mapped_column(sa.String(80), index=True)
+    detail: orm.Mapped[dict[str, Any]]

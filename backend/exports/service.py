@@ -7,6 +7,7 @@ Start reading at `FILES`.
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import json
 import re
@@ -17,7 +18,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.engine import read
-from backend.db.tables import Trace
+from backend.db.tables import CatalogueDocument, Trace
 from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
 from backend.exports.sheet import Flown, Sheet, sheet
@@ -26,6 +27,7 @@ from backend.results import service as results
 from backend.results.digest import results_digest
 from backend.runs import service as runs
 from backend.runs.schemas import RunSummary
+from backend.signoffs import service as signoffs
 
 FORMAT = "clearance-run/1"
 ENDED = ("done", "failed", "cancelled")
@@ -94,9 +96,16 @@ def _file(run: RunSummary, kind: Kind, flown: bool) -> ExportFile:
 
 
 def tag(reader: sa.Connection, run_id: int) -> str | None:
-    """The entity tag of the run's files (RFC 9110, 8.8.3); None while the run works on."""
-    ended = runs.summary(reader, run_id).state in ENDED
-    return f'W/"{results_digest(reader, run_id)}"' if ended else None
+    """The entity tag of the run's files (RFC 9110, 8.8.3); None while the run works on.
+
+    It covers all that goes into them: results, what people wrote on the run, sign-offs, the catalogue with its units.
+    """
+    run = runs.detail(reader, run_id)
+    if run.state not in ENDED:
+        return None
+    published = reader.scalar(sa.select(sa.func.max(CatalogueDocument.published)))
+    parts = [run.model_dump_json(), signoffs.listed(reader, run_id).model_dump_json(), str(published)]
+    return f'W/"{hashlib.sha256("".join(parts).encode()).hexdigest()}"'
 
 
 def evaluations_csv(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
@@ -135,6 +144,7 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
             "format": FORMAT,
             "results_digest": results_digest(reader, run_id),
             "run": runs.detail(reader, run_id).model_dump(mode="json"),
+            "signoffs": [s.model_dump(mode="json") for s in signoffs.listed(reader, run_id).items],
             "findings": [f.model_dump(mode="json") for f in results.findings(reader, run_id)],
         }
         stages = [s.model_dump(mode="json") for s in runs.stages(reader, run_id)]

@@ -12,10 +12,11 @@ from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
 from backend.results import evaluations
 from backend.results import service as results
-from backend.results.digest import results_digest
 from backend.results.schemas import Evaluations, FindingDetail
 from backend.runs import service as runs
 from backend.runs.schemas import RunDetail, StageDetail
+from backend.signoffs import service as signoffs
+from backend.signoffs.schemas import Signoffs
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ParameterEntry
 from campaigns.check import parameters
@@ -40,8 +41,12 @@ class Held:
     findings: list[FindingDetail]
     evaluations: Evaluations
     cases: list[Case]
-    digest: str
-    """Of the results."""
+    signoffs: Signoffs
+
+    @property
+    def digest(self) -> str:
+        """Of the results."""
+        return self.signoffs.digest
 
     @property
     def of(self) -> Quantity:
@@ -82,7 +87,7 @@ def load(reader: sa.Connection, run_id: int) -> Held:
         findings=found,
         evaluations=evaluations.read(reader, run_id, 100, None),
         cases=_cases(reader, run_id, [finding.label for finding in found]),
-        digest=results_digest(reader, run_id),
+        signoffs=signoffs.listed(reader, run_id),
     )
 
 

@@ -12,6 +12,7 @@ from markupsafe import Markup
 from backend.reports import figures, words
 from backend.reports.held import Held
 from backend.reports.words import NONE
+from backend.signoffs.schemas import Signoff
 from campaigns.catalogue import ParameterEntry
 from campaigns.check import parts
 from campaigns.distributions import Uncertain
@@ -214,6 +215,29 @@ def validation(held: Held) -> list[Row]:
             "reason": other.get("reason") or "",
         })  # fmt: skip
     return rows
+
+
+def signoffs(held: Held) -> list[Row]:
+    """Reviewers' words with what became of them: of these results, of earlier ones, withdrawn."""
+    return [
+        {
+            "name": s.name,
+            "role": s.role,
+            "when": words.moment(s.created),
+            "user": s.user,
+            "comment": s.comment,
+            "digest": s.digest[:16],
+            "good": s.current and s.withdrawn is None,
+            "standing": _standing(s),
+        }
+        for s in held.signoffs.items
+    ]
+
+
+def _standing(signoff: Signoff) -> str:
+    if signoff.withdrawn is not None:
+        return f"withdrawn {words.moment(signoff.withdrawn)} by {signoff.withdrawn_by}: {signoff.withdrawn_reason}"
+    return "of these results" if signoff.current else "of other results: they have changed since"
 
 
 def components(held: Held) -> dict[str, str]:

@@ -40,6 +40,7 @@ def test_every_operation_is_described(path: str, method: str, operation: dict[st
     assert operation["description"]
     assert "application/problem+json" in operation["responses"]["default"]["content"]
     takes_body = ("/api/v1/runs", "/api/v1/runs/cancel", "/api/v1/campaigns/check")
+    takes_body += ("/api/v1/runs/{run}/signoffs", "/api/v1/runs/{run}/signoffs/{signoff}/withdraw")
     assert ("requestBody" in operation) == (method == "patch" or (path in takes_body and method == "post"))
 
 

@@ -1,0 +1,17 @@
+"""The audit trail: who did what to which run, and when. Rows are only ever added. Start reading at `note`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.access import Visitor
+from backend.db.engine import now
+from backend.db.tables import Audit
+
+
+def note(writer: sa.Connection, visitor: Visitor, action: str, subject: str, detail: dict[str, Any]) -> None:
+    """Write down what is done in this transaction: `action` such as `signoff.created`, `subject` such as R-0001."""
+    who = {"user": visitor.user, "via": visitor.via}
+    writer.execute(sa.insert(Audit).values(at=now(writer), action=action, subject=subject, detail=detail, **who))

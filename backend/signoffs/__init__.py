@@ -1,0 +1,1 @@
+"""Reviewers' sign-offs of a run's results."""

@@ -1,0 +1,90 @@
+"""Signing a run's results off, and withdrawing that: the results' digest binds what was signed.
+
+Each write is one transaction with its row in the audit trail. Start reading at `sign`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db import audit
+from backend.db.access import Visitor
+from backend.db.engine import now
+from backend.db.tables import Run
+from backend.db.tables import Signoff as Row
+from backend.errors import RefusedError, not_found
+from backend.results.digest import results_digest
+from backend.runs.listing import name
+from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
+
+
+def listed(reader: sa.Connection, run_id: int) -> Signoffs:
+    """The sign-offs of a run, the oldest first; 404 for no run."""
+    verdict = _verdict(reader, run_id)
+    digest = results_digest(reader, run_id)
+    rows = reader.execute(sa.select(Row.__table__).where(Row.run_id == run_id).order_by(Row.id)).mappings()
+    items = [_told(dict(row), digest) for row in rows]
+    return Signoffs(digest=digest, can_sign=verdict is not None, items=items)
+
+
+def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
+    """Sign the results off. 409 where there is no verdict, where others were reviewed, or for the same word twice."""
+    with engine.begin() as writer:
+        if _verdict(writer, run_id) is None:
+            raise _conflict("no-verdict", f"{name(run_id)} has no verdict: there is nothing to sign off")
+        digest = results_digest(writer, run_id)
+        if given.digest != digest:
+            detail = (
+                f"the results of {name(run_id)} are not those that were reviewed (sha256 {given.digest[:16]}): "
+                "load the run again and review it anew"
+            )
+            raise _conflict("results-changed", detail)
+        same = (Row.run_id == run_id, Row.name == given.name, Row.role == given.role, Row.digest == digest)
+        if writer.scalar(sa.select(Row.id).where(*same, Row.withdrawn.is_(None))) is not None:
+            raise _conflict("already-signed", f"{given.name} has signed these results off as {given.role} already")
+        values = given.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
+        signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
+        audit.note(writer, visitor, "signoff.created", name(run_id), {"signoff": signoff_id, **given.model_dump()})
+        return _one(writer, run_id, signoff_id)
+
+
+def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visitor: Visitor) -> Signoff:
+    """Withdraw a sign-off, once and with a reason; it stays on record. 404 for none, 409 where it is withdrawn."""
+    with engine.begin() as writer:
+        standing = _one(writer, run_id, signoff_id)
+        if standing.withdrawn is not None:
+            raise _conflict("withdrawn", f"this sign-off was withdrawn by {standing.withdrawn_by} already")
+        values = {"withdrawn": now(writer), "withdrawn_by": visitor.user, "withdrawn_reason": reason}
+        writer.execute(sa.update(Row).where(Row.id == signoff_id).values(**values))
+        detail = {"signoff": signoff_id, "reason": reason}
+        audit.note(writer, visitor, "signoff.withdrawn", name(run_id), detail)
+        return _one(writer, run_id, signoff_id)
+
+
+def _one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
+    _verdict(reader, run_id)
+    query = sa.select(Row.__table__).where(Row.run_id == run_id, Row.id == signoff_id)
+    row = reader.execute(query).mappings().one_or_none()
+    if row is None:
+        raise not_found(f"sign-off of {name(run_id)} with the number", str(signoff_id))
+    return _told(dict(row), results_digest(reader, run_id))
+
+
+def _told(row: dict[str, Any], digest: str) -> Signoff:
+    del row["run_id"]
+    return Signoff(**row, current=row["digest"] == digest)
+
+
+def _verdict(reader: sa.Connection, run_id: int) -> str | None:
+    """The verdict of a run, or 404."""
+    found = reader.execute(sa.select(Run.verdict).where(Run.id == run_id)).one_or_none()
+    if found is None:
+        raise not_found("run", name(run_id))
+    verdict: str | None = found.verdict
+    return verdict
+
+
+def _conflict(kind: str, detail: str) -> RefusedError:
+    return RefusedError(409, kind, detail)

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from campaigns import library, load_file
-from tests.bench import reference_pioneer, reference_uav
+from tests.bench import methods, reference_pioneer, reference_uav
 from worker.kernels.assemble import Loop
 from worker.problem import Floats, Problem
 from worker.provenance import provenance
@@ -45,7 +45,7 @@ def main() -> None:
     """Measure, print, write."""
     BUILD.mkdir(exist_ok=True)
     problem = Problem(load_file(library()["unicycle_static"]))
-    found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft()
+    found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft() | methods.measure()
     found["second_process_first_eval_s"] = second_process()
     found |= {"cpu": provenance(problem)["cpu"]["model"], "cores": os.cpu_count(), "python": platform.python_version()}
     (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")

@@ -8,7 +8,6 @@ evaluated as one batch. Deterministic; converges to the global minimum of a cont
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -84,35 +83,46 @@ def promising(boxes: Boxes, epsilon: float, biased: bool = False) -> Ints:
     """
     n = boxes.count
     dimension = boxes.centre.shape[1]
-    level, value = boxes.level[:n] // (dimension if biased else 1), boxes.value[:n]
+    level, value = boxes.level[:n], boxes.value[:n]
+    if biased:
+        level = level // dimension
     lowest = np.full(int(level.max()) + 1, np.inf)
     np.minimum.at(lowest, level, value)
     present = np.flatnonzero(np.isfinite(lowest))[::-1]
     present = present[present < DEEPEST * (1 if biased else dimension)]
     size = 3.0 ** -present.astype(np.float64) if biased else sizes(present, dimension)
-    chosen = [present[i] for i in _hull(size, lowest[present], epsilon)]
-    found = [np.flatnonzero((level == c) & (value <= lowest[c] + TIE * abs(lowest[c]))) for c in chosen]
-    return np.concatenate([f[: 1 if biased else None] for f in found]) if found else np.empty(0, dtype=np.int64)
+    chosen = present[_hull(size.tolist(), lowest[present].tolist(), epsilon)]
+    limit = np.full(len(lowest), -np.inf)
+    limit[chosen] = lowest[chosen] + TIE * np.abs(lowest[chosen])
+    found = np.flatnonzero(value <= limit[level])
+    found = found[np.argsort(-level[found], kind="stable")]
+    return found[np.diff(level[found], prepend=-1) != 0] if biased else found
 
 
-def _hull(size: Floats, lowest: Floats, epsilon: float) -> list[int]:
+def _hull(size: list[float], lowest: list[float], epsilon: float) -> list[int]:
     """Which points (size, lowest), sizes increasing, lie on the lower right convex hull and pass the eps test."""
     if len(size) == 0:
         return []
-    best = float(lowest.min())
-    bottom = int(np.flatnonzero(lowest == best)[-1])
+    best = min(lowest)
+    bottom = max(i for i, value in enumerate(lowest) if value == best)
     hull: list[int] = []
+    slopes: list[float] = []  # from each point of the hull to the next
     for i in range(bottom, len(size)):
-        while len(hull) >= 2 and _slope(size, lowest, hull[-1], i) < _slope(size, lowest, hull[-2], hull[-1]):
+        slope = _slope(size, lowest, hull[-1], i) if hull else 0.0
+        while slopes and slope < slopes[-1]:
             hull.pop()
+            slopes.pop()
+            slope = _slope(size, lowest, hull[-1], i)
+        if hull:
+            slopes.append(slope)
         hull.append(i)
     target = best - epsilon * abs(best)
-    kept = [i for i, larger in pairwise(hull) if lowest[i] - _slope(size, lowest, i, larger) * size[i] <= target]
+    kept = [i for i, slope in zip(hull, slopes, strict=False) if lowest[i] - slope * size[i] <= target]
     return [*kept, hull[-1]]
 
 
-def _slope(size: Floats, lowest: Floats, a: int, b: int) -> float:
-    return float((lowest[b] - lowest[a]) / (size[b] - size[a]))
+def _slope(size: list[float], lowest: list[float], a: int, b: int) -> float:
+    return (lowest[b] - lowest[a]) / (size[b] - size[a])
 
 
 def search(space: Space, options: Options) -> Search:
@@ -161,18 +171,18 @@ def _divide(boxes: Boxes, parents: Ints, points: Floats, owners: Ints, sides: In
     lower = np.ldexp(np.round(mantissa / TIE) * TIE, exponent)
     order = np.lexsort((sides, lower, owners))
     owners, sides = owners[order], sides[order]
-    first = np.flatnonzero(np.r_[True, owners[1:] != owners[:-1]])
-    rank = np.arange(len(owners)) - np.repeat(first, np.diff(np.r_[first, len(owners)]))
-    divided = np.zeros((len(owners), boxes.centre.shape[1]), dtype=np.int64)
-    divided[np.arange(len(owners)), sides] = 1
-    for r in range(1, int(rank.max()) + 1):
-        rows = np.flatnonzero(rank == r)
-        divided[rows] += divided[rows - 1]
+    first = np.flatnonzero(np.diff(owners, prepend=-1))
+    alone = np.zeros((len(owners), boxes.centre.shape[1]), dtype=np.int64)
+    alone[np.arange(len(owners)), sides] = 1
+    so_far = np.cumsum(alone, axis=0)
+    before = np.repeat(so_far[first] - alone[first], np.diff(first, append=len(owners)), axis=0)
+    divided = so_far - before
     depth = boxes.depth[parents[owners]] + divided
-    last = np.r_[first[1:], len(owners)] - 1
+    last = np.append(first[1:], len(owners)) - 1
     boxes.depth[parents[owners[last]]] = depth[last]
     boxes.level[parents[owners[last]]] = depth[last].sum(axis=1)
-    children = np.column_stack([2 * order, 2 * order + 1]).ravel()
+    children = np.repeat(2 * order, 2)
+    children[1::2] += 1
     boxes.add(points[children], np.repeat(depth, 2, axis=0), values[children])
 
 

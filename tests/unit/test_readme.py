@@ -33,7 +33,8 @@ def test_the_campaign_can_be_run() -> None:
     corners = np.zeros(problem.dimension), np.ones(problem.dimension)
     batch, reasons = problem.fly(np.array([problem.nominal_point, *corners]))
     assert reasons == {}
-    assert (batch.costs > 0.5).all()
+    assert (batch.costs[:, 0] > 0.5).all()
+    assert batch.costs.shape == (3, 3)
 
 
 def test_the_component_flies() -> None:

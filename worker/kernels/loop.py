@@ -70,11 +70,14 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             b[Y2 + k] = np.inf
         for k in range((N_R + N_S) * LANES, N_Y * LANES):
             b[LOW + k] = steps * dt
+            b[Y1 + k] = 1.0
         for i in range(steps + 1):
             t = i * dt
             if i % every == 0:
                 for l in range(LANES):
                     store_g(b, G, l, guide(t, load_x(b, X, l), load_g(b, G, l), load_p(b, P, l)))
+            since = t - dt if i > 0 else 0.0
+            width = dt if i > 0 else 0.0
             for l in range(LANES):
                 x = load_x(b, X, l)
                 p = load_p(b, P, l)
@@ -87,6 +90,16 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 so_far = b[STATUS + l]
                 b[WHEN + l] = t if so_far == OK else b[WHEN + l]
                 b[STATUS + l] = code if so_far == OK else so_far
+                # The first instant at which a channel is no longer above 0, on the line through two samples. Here,
+                # because a short loop over the lanes by itself is unrolled into scalars.
+                for k in range(N_R + N_S, N_Y):
+                    at = k * LANES + l
+                    mid = b[Y1 + at]
+                    right = b[Y0 + at]
+                    crossed = since + width * (mid / (mid - right))
+                    falls = (mid > 0.0) & (right <= 0.0) & (crossed < b[LOW + at])
+                    b[LOW + at] = crossed if falls else b[LOW + at]
+                    b[Y1 + at] = right
             if i == 0:
                 for l in range(LANES):
                     bar = barred(load_y(b, Y0, l), load_p(b, P, l))
@@ -108,19 +121,6 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             for k in range(N_R * LANES, (N_R + N_S) * LANES):
                 right = b[Y0 + k]
                 b[LOW + k] = right if right < b[LOW + k] else b[LOW + k]
-            # The first instant at which a channel is no longer above 0, on the line through two samples.
-            falling = 0
-            for k in range((N_R + N_S) * LANES, N_Y * LANES):
-                falling += (b[Y1 + k] > 0.0) & (b[Y0 + k] <= 0.0)
-            if falling > 0:
-                for k in range((N_R + N_S) * LANES, N_Y * LANES):
-                    mid = b[Y1 + k]
-                    right = b[Y0 + k]
-                    crossed = t - dt + dt * (mid / (mid - right)) if i > 0 else 0.0
-                    falls = (mid > 0.0) & (right <= 0.0) & (crossed < b[LOW + k])
-                    b[LOW + k] = crossed if falls else b[LOW + k]
-            for k in range((N_R + N_S) * LANES, N_Y * LANES):
-                b[Y1 + k] = b[Y0 + k]
             if trace.shape[0] > first:
                 for l in range(min(LANES, trace.shape[0] - first)):
                     for k in range(N_X):

@@ -68,7 +68,9 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
     >
       {criteria.length > 2 && (
         <div className="tools">
+          <span className="small mut">Vertical</span>
           <Seg label="Vertical axis" options={choices} value={y.name} onChange={setUp} />
+          <span className="small mut">Horizontal</span>
           <Seg label="Horizontal axis" options={choices} value={x.name} onChange={setAcross} />
         </div>
       )}

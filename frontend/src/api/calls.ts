@@ -14,6 +14,9 @@ import type {
   RunPage,
   RunSummary,
   SessionInfo,
+  Signoff,
+  SignoffRequest,
+  Signoffs,
   StageDetail,
   TraceData,
   TraceInfo,
@@ -41,6 +44,9 @@ export type RunFilter = Omit<NonNullable<ListRunsData['query']>, 'cursor' | 'lim
 
 export const getSession = (): Promise<SessionInfo> => answer(sdk.getSession())
 export const endSession = (): Promise<unknown> => answer(sdk.endSession())
+/** The API's own document, as JSON: what it holds is read in `docs/openapi`. */
+export const getOpenApi = (): Promise<unknown> =>
+  answer(client.get<unknown>({ url: '/api/v1/openapi.json' }) as Promise<Answer<unknown>>)
 export const getCatalogue = (): Promise<Catalogue> => answer(sdk.listComponents())
 export const getLibrary = (): Promise<LibraryCampaign[]> => answer(sdk.listCampaigns())
 
@@ -58,6 +64,17 @@ export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))
 
 export const getExports = (run: string): Promise<ExportFile[]> => answer(sdk.listExports({ path: { run } }))
+/** A file that is made when it is asked for, as it comes. */
+export async function getFile(href: string): Promise<Blob> {
+  const response = await fetch(href).catch(() => undefined)
+  if (!response?.ok) throw refusalOf(await response?.json().catch(() => null), response)
+  return response.blob()
+}
+
+export const getSignoffs = (run: string): Promise<Signoffs> => answer(sdk.listSignoffs({ path: { run } }))
+export const signOff = (run: string, body: SignoffRequest): Promise<Signoff> => answer(sdk.signOff({ path: { run }, body }))
+export const withdrawSignoff = (run: string, signoff: number, reason: string): Promise<Signoff> =>
+  answer(sdk.withdrawSignoff({ path: { run, signoff }, body: { reason } }))
 
 export const getEvaluations = (run: string): Promise<Evaluations> =>
   answer(sdk.getEvaluations({ path: { run }, query: { max_points: 2000 } }))

@@ -1,10 +1,11 @@
 // The Export menu of a run's page: every file that the service makes of it, saved by the browser as it streams.
 import { Menu } from '@mantine/core'
-import { IconBraces, IconDownload, IconFileText, IconMatrix, IconTable } from '@tabler/icons-react'
-import { queryOptions, useQuery } from '@tanstack/react-query'
+import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconTable } from '@tabler/icons-react'
+import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
-import { getExports } from '../api/calls'
+import { getExports, getFile } from '../api/calls'
 import type { ExportFile, RunDetail } from '../client'
+import { save } from '../ui/files'
 
 const exportsQuery = (id: string, state: string) =>
   queryOptions({ queryKey: ['exports', id, state], queryFn: () => getExports(id) })
@@ -12,6 +13,8 @@ const exportsQuery = (id: string, state: string) =>
 export function ExportMenu({ run }: { run: RunDetail }) {
   const [opened, setOpened] = useState(false)
   const { data, error } = useQuery({ ...exportsQuery(run.id, run.state), enabled: opened })
+  const files = data?.filter((file) => file.media_type !== 'application/pdf')
+  const pdf = data?.find((file) => file.media_type === 'application/pdf')
   return (
     <Menu opened={opened} onChange={setOpened} position="bottom-end" width={340}>
       <Menu.Target>
@@ -22,7 +25,8 @@ export function ExportMenu({ run }: { run: RunDetail }) {
       </Menu.Target>
       <Menu.Dropdown>
         <Menu.Label>Files of {run.id}</Menu.Label>
-        {data?.map((file) => (
+        {pdf && <PdfEntry file={pdf} />}
+        {files?.map((file) => (
           <Entry key={file.href} file={file} />
         ))}
         {!data && <Menu.Item disabled>{error ? error.message : 'Asking what there is …'}</Menu.Item>}
@@ -32,6 +36,28 @@ export function ExportMenu({ run }: { run: RunDetail }) {
         </p>
       </Menu.Dropdown>
     </Menu>
+  )
+}
+
+/** The PDF is printed when it is asked for, which takes a few seconds and can fail: the menu stays and says so. */
+function PdfEntry({ file }: { file: ExportFile }) {
+  const print = useMutation({
+    mutationFn: () => getFile(file.href),
+    onSuccess: (blob) => save(file.name, blob),
+  })
+  const words = print.isPending ? 'Being printed, a few seconds …' : (file.unavailable ?? file.text)
+  return (
+    <Menu.Item
+      closeMenuOnClick={false}
+      disabled={file.unavailable !== null || print.isPending}
+      onClick={() => print.mutate()}
+      leftSection={<IconFileTypePdf className="i s" aria-hidden />}
+    >
+      <span className="b">{file.title}</span>
+      <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }} aria-live="polite">
+        {print.isError ? <span className="bad-t">{print.error.message}</span> : words}
+      </span>
+    </Menu.Item>
   )
 }
 
@@ -47,7 +73,8 @@ function Entry({ file }: { file: ExportFile }) {
     <Menu.Item
       component="a"
       href={file.unavailable ? undefined : file.href}
-      download={file.name}
+      download={file.media_type === 'text/html' ? undefined : file.name}
+      target={file.media_type === 'text/html' ? '_blank' : undefined}
       disabled={file.unavailable !== null}
       leftSection={<Icon className="i s" aria-hidden />}
     >

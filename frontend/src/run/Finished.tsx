@@ -1,5 +1,6 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
 import { resultOf } from '../api/results'
+import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { Banner } from './Banner'
 import { Convergence } from './Convergence'
 import { calledOf, NOMINAL } from './chosen'
@@ -55,6 +56,7 @@ export function Finished({ data }: { data: RunData }) {
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
     ...(failures.length ? [{ id: 'failures', name: 'Failed evaluations', count: failures.length }] : []),
     { id: 'provenance', name: 'Provenance' },
+    { id: 'signoff', name: 'Sign-off' },
     { id: 'notes', name: 'Notes' },
   ]
   return (
@@ -103,6 +105,7 @@ export function Finished({ data }: { data: RunData }) {
         {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />
+        <SignoffsCard run={run} className="c12" />
       </div>
     </>
   )

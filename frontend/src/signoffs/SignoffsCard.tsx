@@ -1,0 +1,251 @@
+// Reviewers' sign-offs on a run's page: who signed which results, whether they are still the same, signing, withdrawing.
+import { Modal } from '@mantine/core'
+import { IconCircleCheck, IconCircleX, IconSignature } from '@tabler/icons-react'
+import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useState } from 'react'
+import { getSignoffs, signOff, withdrawSignoff } from '../api/calls'
+import { sessionQuery } from '../api/queries'
+import type { RunDetail, Signoff, Signoffs } from '../client'
+import { moment } from '../format/time'
+import { Card } from '../ui/Card'
+import './signoffs.css'
+
+const signoffsQuery = (run: string) =>
+  queryOptions({ queryKey: ['signoffs', run], queryFn: () => getSignoffs(run), staleTime: 5_000 })
+
+export function SignoffsCard({ run, className }: { run: RunDetail; className: string }) {
+  const { data, error } = useQuery(signoffsQuery(run.id))
+  const [signing, setSigning] = useState(false)
+  const [leaving, setLeaving] = useState<Signoff | null>(null)
+  return (
+    <Card
+      title="Sign-off"
+      note={
+        data && (
+          <>
+            Bound to these results, sha256{' '}
+            <span className="mono" title={data.digest}>
+              {data.digest.slice(0, 16)}
+            </span>
+          </>
+        )
+      }
+      className={className}
+      id="signoff"
+      flush={(data?.items.length ?? 0) > 0}
+      right={
+        data?.can_sign && (
+          <button type="button" className="btn s" onClick={() => setSigning(true)}>
+            <IconSignature className="i s" aria-hidden /> Sign off
+          </button>
+        )
+      }
+    >
+      {error && <p className="ferr">{error.message}</p>}
+      {data && data.items.length === 0 && (
+        <p className="sec">
+          {data.can_sign
+            ? 'Nobody has signed these results off yet. A sign-off names the results that were reviewed and cannot be edited, only withdrawn with a reason.'
+            : 'There is no verdict, and so nothing to sign off.'}
+        </p>
+      )}
+      {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={setLeaving} />}
+      <Modal opened={signing} onClose={() => setSigning(false)} title={`Sign off ${run.id}`} centered lockScroll={false}>
+        {signing && data && <SignForm run={run} seen={data} onDone={() => setSigning(false)} />}
+      </Modal>
+      <Modal opened={leaving !== null} onClose={() => setLeaving(null)} title="Withdraw" centered lockScroll={false}>
+        {leaving && <WithdrawForm run={run.id} signoff={leaving} onDone={() => setLeaving(null)} />}
+      </Modal>
+    </Card>
+  )
+}
+
+function Rows({ items, onWithdraw }: { items: readonly Signoff[]; onWithdraw: (signoff: Signoff) => void }) {
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th>Standing</th>
+          <th>Name</th>
+          <th>Role</th>
+          <th>When, signed in as</th>
+          <th>Comment</th>
+          <th />
+        </tr>
+      </thead>
+      <tbody>
+        {items.map((item) => (
+          <tr key={item.id}>
+            <td>
+              <Standing item={item} />
+            </td>
+            <td className="m">{item.name}</td>
+            <td>{item.role}</td>
+            <td className="sec nw">
+              {moment(item.created)}, {item.user}
+            </td>
+            <td className="sec" style={{ whiteSpace: 'pre-line' }}>
+              {item.comment}
+              {item.withdrawn !== null && (
+                <span className="bad-t" style={{ display: 'block' }}>
+                  Withdrawn {moment(item.withdrawn)} by {item.withdrawn_by}: {item.withdrawn_reason}
+                </span>
+              )}
+            </td>
+            <td className="num">
+              {item.withdrawn === null && (
+                <button type="button" className="btn s" onClick={() => onWithdraw(item)}>
+                  Withdraw …
+                </button>
+              )}
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}
+
+function Standing({ item }: { item: Signoff }) {
+  const good = item.current && item.withdrawn === null
+  const Icon = good ? IconCircleCheck : IconCircleX
+  const words = item.withdrawn !== null ? 'Withdrawn' : item.current ? 'Good' : 'Results have changed since'
+  return (
+    <span className={good ? 'ok-t nw' : 'bad-t'} title={`Signed results: sha256 ${item.digest}`}>
+      <Icon className="i s" aria-hidden /> {words}
+    </span>
+  )
+}
+
+function useChange<T>(run: string, call: (given: T) => Promise<unknown>, onDone: () => void) {
+  const cache = useQueryClient()
+  return useMutation({
+    mutationFn: call,
+    onSuccess: async () => {
+      await cache.invalidateQueries({ queryKey: ['signoffs', run] })
+      onDone()
+    },
+  })
+}
+
+const ROLES = ['Independent review', 'Safety engineer', 'Safety authority', 'Prepared']
+
+interface SignFormProps {
+  run: RunDetail
+  /** What the reviewer has in front of them: exactly this is signed. */
+  seen: Signoffs
+  onDone: () => void
+}
+
+function SignForm({ run, seen, onDone }: SignFormProps) {
+  const session = useQuery(sessionQuery).data
+  const [name, setName] = useState('')
+  const [role, setRole] = useState(ROLES[0] ?? '')
+  const [comment, setComment] = useState('')
+  const [digest] = useState(seen.digest)
+  const sign = useChange(
+    run.id,
+    () => signOff(run.id, { name: name.trim(), role: role.trim(), comment: comment.trim(), digest }),
+    onDone,
+  )
+  return (
+    <form
+      className="panel"
+      onSubmit={(event) => {
+        event.preventDefault()
+        sign.mutate(undefined)
+      }}
+    >
+      <p className="sec">
+        You sign the verdict <b>{run.verdict}</b> with its findings and stages, sha256{' '}
+        <span className="mono">{digest.slice(0, 16)}</span>
+        {session && <>, signed in as {session.user}</>}. This cannot be edited later, only withdrawn.
+      </p>
+      <label className="lbl">
+        Name
+        <input
+          className="inp"
+          value={name}
+          maxLength={120}
+          required
+          data-autofocus
+          onChange={(event) => setName(event.target.value)}
+        />
+      </label>
+      <label className="lbl">
+        Role
+        <input
+          className="inp"
+          value={role}
+          maxLength={120}
+          required
+          list="signoff-roles"
+          onChange={(event) => setRole(event.target.value)}
+        />
+      </label>
+      <datalist id="signoff-roles">
+        {ROLES.map((known) => (
+          <option key={known} value={known} />
+        ))}
+      </datalist>
+      <label className="lbl">
+        Comment
+        <textarea
+          className="inp area"
+          value={comment}
+          maxLength={4000}
+          rows={4}
+          onChange={(event) => setComment(event.target.value)}
+        />
+      </label>
+      {sign.isError && <p className="ferr">{sign.error.message}</p>}
+      <div className="acts" style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className="btn" onClick={onDone}>
+          Not now
+        </button>
+        <button type="submit" className="btn p" disabled={sign.isPending || !name.trim() || !role.trim()}>
+          Sign off
+        </button>
+      </div>
+    </form>
+  )
+}
+
+function WithdrawForm({ run, signoff, onDone }: { run: string; signoff: Signoff; onDone: () => void }) {
+  const [reason, setReason] = useState('')
+  const withdraw = useChange(run, () => withdrawSignoff(run, signoff.id, reason.trim()), onDone)
+  return (
+    <form
+      className="panel"
+      onSubmit={(event) => {
+        event.preventDefault()
+        withdraw.mutate(undefined)
+      }}
+    >
+      <p className="sec">
+        The sign-off of {signoff.name} ({signoff.role}) stays on record, with the reason that you give.
+      </p>
+      <label className="lbl">
+        Reason
+        <textarea
+          className="inp area"
+          value={reason}
+          maxLength={4000}
+          rows={3}
+          required
+          data-autofocus
+          onChange={(event) => setReason(event.target.value)}
+        />
+      </label>
+      {withdraw.isError && <p className="ferr">{withdraw.error.message}</p>}
+      <div className="acts" style={{ justifyContent: 'flex-end' }}>
+        <button type="button" className="btn" onClick={onDone}>
+          Keep it
+        </button>
+        <button type="submit" className="btn danger p" disabled={withdraw.isPending || !reason.trim()}>
+          Withdraw
+        </button>
+      </div>
+    </form>
+  )
+}

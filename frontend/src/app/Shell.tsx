@@ -1,18 +1,33 @@
 // The frame around every page: header, theme, session; the sign-in page where the service asks for one.
 import { Menu } from '@mantine/core'
-import { IconApi, IconLogout, IconMoon, IconSun } from '@tabler/icons-react'
+import { IconApi, IconBell, IconBellFilled, IconKeyboard, IconLogout, IconMoon, IconSun } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
-import { Link, Outlet } from '@tanstack/react-router'
+import { Link, Outlet, useNavigate } from '@tanstack/react-router'
+import { useCallback, useState } from 'react'
 import { endSession } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
+import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
+import { Keys } from './Keys'
+import { toggleMine, useNotifier, useWanted } from './notify'
 import { SignedOut } from './SignedOut'
 
 export function Shell() {
-  const out = useSignedOut()
-  if (out) return <SignedOut />
+  return useSignedOut() ? <SignedOut /> : <Frame />
+}
+
+function Frame() {
+  const navigate = useNavigate()
+  const [keys, setKeys] = useState(false)
+  useHotkeys({
+    '?': () => setKeys(true),
+    n: () => void navigate({ to: '/launch' }),
+    '/': () => void navigate({ to: '/runs', search: { focus: 'search' } }),
+  })
+  const open = useCallback((run: string) => void navigate({ to: '/runs/$id', params: { id: run } }), [navigate])
+  useNotifier(open)
   return (
     <>
       <a className="skip" href="#main">
@@ -27,8 +42,20 @@ export function Shell() {
           <Link to="/launch" activeProps={{ 'aria-current': 'page' }}>
             Launch
           </Link>
+          <Link to="/help" activeProps={{ 'aria-current': 'page' }}>
+            Help
+          </Link>
         </nav>
         <div className="top-r">
+          <button
+            type="button"
+            className="iconbtn"
+            onClick={() => setKeys(true)}
+            aria-label="Keys"
+            title="Keys (?)"
+          >
+            <IconKeyboard className="i" aria-hidden />
+          </button>
           <ThemeToggle />
           <Session />
         </div>
@@ -36,6 +63,7 @@ export function Shell() {
       <main id="main" tabIndex={-1}>
         <Outlet />
       </main>
+      <Keys opened={keys} onClose={() => setKeys(false)} />
     </>
   )
 }
@@ -65,8 +93,9 @@ function Session() {
         <Menu.Label>
           Signed in as {data.user} by {data.via === 'link' ? 'login link' : 'token'}
         </Menu.Label>
-        <Menu.Item leftSection={<IconApi className="i s" />} component="a" href="/api/v1/openapi.json" target="_blank">
-          OpenAPI document
+        <NotifyMine />
+        <Menu.Item leftSection={<IconApi className="i s" />} component={Link} to="/docs">
+          API
         </Menu.Item>
         <Menu.Divider />
         <Menu.Item leftSection={<IconLogout className="i s" />} onClick={leave}>
@@ -74,5 +103,21 @@ function Session() {
         </Menu.Item>
       </Menu.Dropdown>
     </Menu>
+  )
+}
+
+function NotifyMine() {
+  const { mine } = useWanted()
+  const [refused, setRefused] = useState(false)
+  const Icon = mine ? IconBellFilled : IconBell
+  return (
+    <Menu.Item
+      leftSection={<Icon className="i s" />}
+      closeMenuOnClick={false}
+      aria-pressed={mine}
+      onClick={() => void toggleMine().then((answer) => setRefused(answer !== 'granted'))}
+    >
+      {refused ? 'The browser does not allow it' : mine ? 'Notifies when my runs end' : 'Notify when my runs end'}
+    </Menu.Item>
   )
 }

@@ -51,8 +51,32 @@ const run = createRoute({
   component: lazyRouteComponent(() => import('../run/RunPage'), 'RunPage'),
 })
 
+const docs = createRoute({
+  getParentRoute: () => root,
+  path: '/docs',
+  component: lazyRouteComponent(() => import('../docs/ApiPage'), 'ApiPage'),
+})
+
+const verdicts = createRoute({
+  getParentRoute: () => root,
+  path: '/help',
+  component: lazyRouteComponent(() => import('../help/VerdictsPage'), 'VerdictsPage'),
+})
+
+const methods = createRoute({
+  getParentRoute: () => root,
+  path: '/help/methods',
+  component: lazyRouteComponent(() => import('../help/MethodsPage'), 'MethodsPage'),
+})
+
+const components = createRoute({
+  getParentRoute: () => root,
+  path: '/help/components',
+  component: lazyRouteComponent(() => import('../help/ComponentsPage'), 'ComponentsPage'),
+})
+
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run]),
+  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, methods, components]),
   defaultPreload: 'intent',
   scrollRestoration: true,
   defaultPendingComponent: () => <Loading what="page" />,

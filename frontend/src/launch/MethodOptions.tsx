@@ -4,6 +4,8 @@ import { IconPlus, IconTrash } from '@tabler/icons-react'
 import type { Json, SearchStage } from '../api/campaign'
 import type { MethodEntry } from '../client'
 import { plain } from '../format/numbers'
+import { Docstring } from '../help/Docstring'
+import { HelpLink } from '../help/links'
 import { Sign } from '../ui/Sign'
 import { NumberCell } from './NumberCell'
 import type { Parameter } from './parameters'
@@ -54,7 +56,12 @@ export function MethodOptions({ field, at, stage, method, parameters, set }: Met
       )}
       <details>
         <summary>What {method.title} does</summary>
-        <p className="about">{method.text}</p>
+        <div className="about">
+          <Docstring text={method.text} />
+          <HelpLink to="/help/methods" at={method.name}>
+            In the help
+          </HelpLink>
+        </div>
       </details>
     </div>
   )

@@ -5,6 +5,8 @@ import { type Campaign, type List, LISTS, place } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
+import { Docstring } from '../help/Docstring'
+import { HelpLink, idOfComponent } from '../help/links'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { NumberCell } from './NumberCell'
@@ -134,7 +136,12 @@ function PartCard({ section, catalogue, inputs, set, onRemove }: PartCardProps) 
         {component && (
           <details>
             <summary>Equations and source</summary>
-            <p className="about">{component.text}</p>
+            <div className="about">
+              <Docstring text={component.text} />
+              <HelpLink to="/help/components" at={idOfComponent(component.role, component.name)}>
+                In the help
+              </HelpLink>
+            </div>
           </details>
         )}
       </div>

@@ -3,6 +3,7 @@ import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
 import { summaryOf } from '../api/results'
 import type { RunDetail } from '../client'
 import { count } from '../format/numbers'
+import { HelpLink } from '../help/links'
 import { Prose } from '../ui/Prose'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
 
@@ -17,6 +18,11 @@ export function Banner({ run }: { run: RunDetail }) {
         <div className="w" data-testid="verdict">
           {run.verdict ? word : `${word}: no verdict`}
         </div>
+        <span className="banner-help">
+          <HelpLink to="/help" at={outcome}>
+            What this means
+          </HelpLink>
+        </span>
         <p>
           <Prose
             text={(run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''}

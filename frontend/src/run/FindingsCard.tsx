@@ -11,6 +11,7 @@ import { Card } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
+import { useHotkeys } from '../ui/useHotkeys'
 import { NOMINAL } from './chosen'
 import type { RunData, UncertainParameter } from './data'
 
@@ -32,6 +33,9 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
       replace: true,
       resetScroll: false,
     })
+  const names = [...findings.map((finding) => finding.label), NOMINAL]
+  const step = (by: number) => choose(names[Math.min(names.length - 1, Math.max(0, names.indexOf(chosen) + by))] ?? NOMINAL)
+  useHotkeys({ j: () => step(1), k: () => step(-1) })
   const decimals = decimalsApart([run.nominal_cost, ...findings.map((finding) => finding.cost)], 4, 6)
   const shared = { data, decimals, choose }
   return (

@@ -13,6 +13,7 @@ import { count } from '../format/numbers'
 import { dayAndClock, moment } from '../format/time'
 import { Tags } from '../ui/Card'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { Bell } from './Bell'
 import { EditRun } from './EditRun'
 
 export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
@@ -44,6 +45,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
       </div>
       <div className="acts">
         {isLive(run) && <Freshness stale={stale} />}
+        {isLive(run) && <Bell run={run.id} />}
         <ExportMenu run={run} />
         <Link to="/launch" search={{ from: run.id }} className="btn">
           <IconRefresh className="i s" aria-hidden />

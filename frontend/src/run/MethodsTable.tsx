@@ -1,6 +1,7 @@
 // The methods side by side: what each found, with how much work, and how it ended.
 import { type Compared, resultOf } from '../api/results'
 import { count, decimalsApart, duration, fixed, NONE, signed } from '../format/numbers'
+import { HelpLink } from '../help/links'
 import { Card, Progress } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
@@ -23,6 +24,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
       className={className}
       id={id}
       flush
+      right={<HelpLink to="/help/methods">What each method does</HelpLink>}
       footer={over ? <Ends searches={searches} /> : undefined}
     >
       <table className="tight">

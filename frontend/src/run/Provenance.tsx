@@ -1,11 +1,13 @@
 // Provenance: all that is needed to get the same numbers again, and the campaign itself to take along.
 import { IconDownload } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { checkCampaign } from '../api/calls'
 import { type Provenance as Origin, summaryOf } from '../api/results'
 import { plain } from '../format/numbers'
 import { moment } from '../format/time'
+import { idOfComponent } from '../help/links'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
 import type { RunData } from './data'
@@ -81,6 +83,15 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
       `${origin.integrator ?? 'RK4'}, step ${plain((origin.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
     ],
     ['Horizon, guidance', `${campaign.scenario.horizon} s, ${period > 0 ? `every ${plain(period)} s` : 'continuous'}`],
+    ...(['vehicle', 'controller', 'avoider'] as const).map((role): Rows[number] => {
+      const { component } = campaign.scenario[role]
+      return [
+        role.charAt(0).toUpperCase() + role.slice(1),
+        <Link key={role} to="/help/components" hash={idOfComponent(role, component)}>
+          {component.replaceAll('_', ' ')}
+        </Link>,
+      ]
+    }),
     ['Started by', `${run.owner}, ${moment(run.created)}`],
     ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]

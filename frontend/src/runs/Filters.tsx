@@ -33,7 +33,11 @@ export function Filters({ search, counts, onChange, children }: FiltersProps) {
     <>
       <Outcomes search={search} counts={counts} onChange={onChange} />
       <div className="filters">
-        <SearchBox value={search.q ?? ''} onChange={(q) => onChange({ q: q || undefined })} />
+        <SearchBox
+          value={search.q ?? ''}
+          begin={search.focus === 'search'}
+          onChange={(q) => onChange({ q: q || undefined, focus: undefined })}
+        />
         <FilterMenu
           name="Campaign"
           options={facets?.campaigns ?? []}
@@ -103,11 +107,14 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
   )
 }
 
-function SearchBox({ value, onChange }: { value: string; onChange: (value: string) => void }) {
+function SearchBox({ value, begin, onChange }: { value: string; begin: boolean; onChange: (value: string) => void }) {
   const input = useRef<HTMLInputElement>(null)
   const [text, setText] = useState(value)
   const sent = useRef(value)
   useHotkeys({ '/': () => input.current?.focus() })
+  useEffect(() => {
+    if (begin) input.current?.focus()
+  }, [begin])
 
   // Changes from outside (back button, cleared filters) reach the box; what is being typed stays.
   useEffect(() => {

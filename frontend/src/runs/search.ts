@@ -45,6 +45,8 @@ export interface RunsSearch {
   pinned?: true
   sort?: Sort
   cols?: ColumnKey[]
+  /** Where to begin: the search box, when it was asked for on another page. */
+  focus?: 'search'
 }
 
 /** What narrows the list; a cleared search keeps its order and columns. */
@@ -91,6 +93,7 @@ export function readSearch(search: Record<string, unknown>): RunsSearch {
     since: date(search.since),
     until: date(search.until),
     pinned: search.pinned === true || undefined,
+    focus: search.focus === 'search' ? 'search' : undefined,
     sort: isSort(sort) ? sort : undefined,
     cols: Array.isArray(search.cols) ? columns(search.cols.join()) : columns(search.cols),
   }

@@ -4,7 +4,7 @@ import { useEffect, useRef } from 'react'
 const typing = (target: EventTarget | null): boolean =>
   target instanceof HTMLElement &&
   (target.isContentEditable ||
-    /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) ||
+    (/^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName) && !/^(checkbox|radio)$/.test((target as HTMLInputElement).type)) ||
     target.closest('[role=dialog]') !== null)
 
 /** `keys` maps a key, or Ctrl+key, to what it does; Ctrl combinations also fire while typing. */

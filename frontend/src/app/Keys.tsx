@@ -1,0 +1,54 @@
+// The keys of all pages, shown by `?`.
+import { Modal } from '@mantine/core'
+
+const KEYS: { title: string; keys: [string[], string][] }[] = [
+  {
+    title: 'Everywhere',
+    keys: [
+      [['?'], 'Show these keys'],
+      [['/'], 'Search runs'],
+      [['n'], 'New run'],
+    ],
+  },
+  {
+    title: 'List of runs',
+    keys: [
+      [['j', 'k'], 'Next and previous run'],
+      [['x'], 'Select the run'],
+      [['Enter'], 'Open the run'],
+      [['Esc'], 'Leave the search'],
+    ],
+  },
+  {
+    title: 'Page of a run',
+    keys: [
+      [['1', '…', '9'], 'Go to a section'],
+      [['j', 'k'], 'Next and previous finding'],
+    ],
+  },
+  { title: 'Launch', keys: [[['Ctrl', 'Enter'], 'Start the run']] },
+]
+
+export function Keys({ opened, onClose }: { opened: boolean; onClose: () => void }) {
+  return (
+    <Modal opened={opened} onClose={onClose} title="Keys" centered lockScroll={false} size={620}>
+      <div className="keys">
+        {KEYS.map(({ title, keys }) => (
+          <section key={title}>
+            <h3>{title}</h3>
+            <dl>
+              {keys.map(([caps, text]) => (
+                <div key={text}>
+                  <dt>
+                    {caps.map((cap) => (cap === '…' ? ' … ' : <kbd key={cap} className="kbd">{cap}</kbd>))}
+                  </dt>
+                  <dd>{text}</dd>
+                </div>
+              ))}
+            </dl>
+          </section>
+        ))}
+      </div>
+    </Modal>
+  )
+}

@@ -1,0 +1,137 @@
+// Word from the browser when a run has ended, for those who ask for it: their own runs, or single ones. Kept in this
+// browser alone. A hidden tab has no event stream, so this asks the service now and then. Start reading at `useNotifier`.
+import { useQuery } from '@tanstack/react-query'
+import { useEffect, useSyncExternalStore } from 'react'
+import { getRun, listRuns } from '../api/calls'
+import { sessionQuery } from '../api/queries'
+import type { RunSummary } from '../client'
+import { decimalsFor, signed } from '../format/numbers'
+import { lookOf, outcomeOf } from '../ui/VerdictBadge'
+
+export interface Wanted {
+  /** All runs that I submit. */
+  mine: boolean
+  /** Single runs. */
+  runs: readonly string[]
+}
+
+const KEY = 'notify'
+const PERIOD = 5000
+const NOTHING: Wanted = { mine: false, runs: [] }
+const LIVE = ['queued', 'running', 'cancelling'] as const
+
+/** What is stored, whatever somebody wrote there. */
+export function readWanted(text: string | null): Wanted {
+  try {
+    const { mine, runs } = JSON.parse(text ?? '{}') as Record<string, unknown>
+    const known = Array.isArray(runs) ? runs.filter((run): run is string => typeof run === 'string') : []
+    return { mine: mine === true, runs: known }
+  } catch {
+    return NOTHING
+  }
+}
+
+const stored = (): Wanted => {
+  try {
+    return readWanted(localStorage.getItem(KEY))
+  } catch {
+    return NOTHING
+  }
+}
+
+let wanted = stored()
+const listeners = new Set<() => void>()
+
+function want(next: Wanted): void {
+  wanted = next
+  try {
+    localStorage.setItem(KEY, JSON.stringify(next))
+  } catch {
+    // Without storage the wish lasts as long as the page.
+  }
+  for (const listener of listeners) listener()
+}
+
+addEventListener('storage', () => {
+  wanted = stored()
+  for (const listener of listeners) listener()
+})
+
+function subscribe(listener: () => void): () => void {
+  listeners.add(listener)
+  return () => listeners.delete(listener)
+}
+
+export const useWanted = (): Wanted => useSyncExternalStore(subscribe, () => wanted)
+
+export type Asked = 'granted' | 'denied' | 'unavailable'
+
+/** Asks the browser's user, once; browsers offer it on this machine and over HTTPS only. */
+async function permitted(): Promise<Asked> {
+  if (!('Notification' in window) || !isSecureContext) return 'unavailable'
+  if (Notification.permission === 'granted') return 'granted'
+  return (await Notification.requestPermission()) === 'granted' ? 'granted' : 'denied'
+}
+
+/** Turns word of all my runs on or off. */
+export async function toggleMine(): Promise<Asked> {
+  const answer = wanted.mine ? 'granted' : await permitted()
+  if (answer === 'granted') want({ ...wanted, mine: !wanted.mine })
+  return answer
+}
+
+/** Turns word of one run on or off. */
+export async function toggleRun(run: string): Promise<Asked> {
+  const on = wanted.runs.includes(run)
+  const answer = on ? 'granted' : await permitted()
+  if (answer === 'granted') want({ ...wanted, runs: on ? wanted.runs.filter((id) => id !== run) : [...wanted.runs, run] })
+  return answer
+}
+
+/** Those that were live, are wanted, and are live no more. */
+export function endedOf(before: ReadonlySet<string>, live: readonly RunSummary[]): string[] {
+  const now = new Set(live.map((run) => run.id))
+  return [...before].filter((id) => !now.has(id))
+}
+
+/** Tells of runs that end for as long as this tab is open. */
+export function useNotifier(open: (run: string) => void): void {
+  const { mine, runs } = useWanted()
+  const user = useQuery(sessionQuery).data?.user
+  const on = (mine || runs.length > 0) && 'Notification' in window && Notification.permission === 'granted'
+  useEffect(() => {
+    if (!on) return
+    let before = new Set(wanted.runs)
+    const look = async () => {
+      const { items } = await listRuns({ state: [...LIVE] }, null, 200)
+      const ended = endedOf(before, items)
+      before = new Set(items.filter((run) => (mine && run.owner === user) || runs.includes(run.id)).map((run) => run.id))
+      for (const id of ended) tell(await getRun(id), open)
+    }
+    // Without an answer now, there will be one later.
+    const timer = setInterval(() => void look().catch(() => undefined), PERIOD)
+    void look().catch(() => undefined)
+    return () => clearInterval(timer)
+  }, [on, mine, runs, user, open])
+}
+
+function tell(run: RunSummary, open: (run: string) => void): void {
+  if (wanted.runs.includes(run.id)) want({ ...wanted, runs: wanted.runs.filter((id) => id !== run.id) })
+  // The same tag from several tabs is one message.
+  const message = new Notification(`${run.id} ${lookOf(outcomeOf(run)).word.toLowerCase()}`, {
+    body: bodyOf(run),
+    tag: run.id,
+    icon: '/favicon.svg',
+  })
+  message.onclick = () => {
+    focus()
+    open(run.id)
+    message.close()
+  }
+}
+
+export function bodyOf(run: Pick<RunSummary, 'name' | 'margin' | 'unit' | 'error' | 'verdict'>): string {
+  const margin = run.verdict && run.margin !== null
+  if (margin) return `${run.name}: margin ${signed(run.margin, decimalsFor([run.margin]))} ${run.unit}`
+  return run.error ? `${run.name}: ${run.error}` : run.name
+}

@@ -1,0 +1,90 @@
+// The API as its own document describes it: every operation with its parameters, bodies and answers, to be tried here.
+import { useQuery } from '@tanstack/react-query'
+import { getOpenApi } from '../api/calls'
+import { Loading, Trouble } from '../app/Trouble'
+import { useTitle } from '../app/useTitle'
+import { CopyButton } from '../ui/files'
+import { OperationCard } from './OperationCard'
+import { type OpenApi, operationsOf } from './openapi'
+
+export function ApiPage() {
+  useTitle('API')
+  const query = useQuery({ queryKey: ['openapi'], queryFn: getOpenApi, staleTime: Number.POSITIVE_INFINITY })
+  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what="the API" />
+  return <Page document={query.data as OpenApi} />
+}
+
+function Page({ document }: { document: OpenApi }) {
+  const groups = operationsOf(document)
+  const first = `export TOKEN=…\ncurl -H "Authorization: Bearer $TOKEN" '${location.origin}/api/v1/runs?limit=5'`
+  return (
+    <div className="doc">
+      <nav className="toc" aria-label="Operations">
+        {groups.map((group) => (
+          <section key={group.name}>
+            <h2>{titled(group.name)}</h2>
+            <ul>
+              {group.operations.map((operation) => (
+                <li key={operation.operationId}>
+                  <a href={`#${operation.operationId}`}>
+                    <span className={`verb ${operation.method}`}>{operation.method}</span>
+                    <span className="cut">{operation.path.replace('/api/v1', '')}</span>
+                  </a>
+                </li>
+              ))}
+            </ul>
+          </section>
+        ))}
+      </nav>
+      <div className="docbody">
+        <div className="ph">
+          <div className="t">
+            <h1>API</h1>
+            <p className="sec">
+              {document.info.title} {document.info.version}. {document.info.summary}
+            </p>
+          </div>
+          <div className="acts">
+            <a className="btn" href="/api/v1/openapi.json" target="_blank" rel="noreferrer">
+              OpenAPI document
+            </a>
+          </div>
+        </div>
+        <section className="card">
+          <div className="bd">
+            <p>
+              Programs send a token, made with <code>clearance token create NAME</code> and shown once. This page sends
+              what you try as you. An error is a problem document (RFC 9457): what was given, what is allowed, what to
+              do.
+            </p>
+            <Snippet text={first} />
+          </div>
+        </section>
+        {groups.map((group) => (
+          <section key={group.name} aria-label={titled(group.name)}>
+            <h2 className="sect">
+              {titled(group.name)} <span className="small mut">{group.description}</span>
+            </h2>
+            <div className="stack">
+              {group.operations.map((operation) => (
+                <OperationCard key={operation.operationId} operation={operation} schemas={document.components.schemas} />
+              ))}
+            </div>
+          </section>
+        ))}
+      </div>
+    </div>
+  )
+}
+
+const titled = (name: string): string => name.charAt(0).toUpperCase() + name.slice(1)
+
+export function Snippet({ text }: { text: string }) {
+  return (
+    <div className="snippet">
+      <pre className="mono">{text}</pre>
+      <CopyButton text={() => text}>Copy</CopyButton>
+    </div>
+  )
+}

@@ -1,0 +1,133 @@
+// One operation: parameters, body, answers; reading ones can be sent from here.
+import { IconSend } from '@tabler/icons-react'
+import { useMutation } from '@tanstack/react-query'
+import { useId, useState } from 'react'
+import { duration } from '../format/numbers'
+import { Snippet } from './ApiPage'
+import { addressOf, curlOf, limitsOf, type Operation, type Schema, typeOf } from './openapi'
+import { Shape } from './Shape'
+
+interface OperationProps {
+  operation: Operation
+  schemas: Record<string, Schema>
+}
+
+export function OperationCard({ operation, schemas }: OperationProps) {
+  const { method, path, operationId, description, requestBody, responses } = operation
+  const [values, setValues] = useState<Record<string, string>>({})
+  const parameters = (operation.parameters ?? []).filter((parameter) => parameter.in !== 'cookie')
+  const bodies = Object.entries(requestBody?.content ?? {})
+  const answers = Object.entries(responses).filter(([status]) => /^2/.test(status))
+  return (
+    <section className="card" id={operationId}>
+      <div className="h">
+        <h3 className="mono">
+          <span className={`verb ${method}`}>{method}</span> {path}
+        </h3>
+      </div>
+      <div className="bd stack">
+        <p>{description}</p>
+        {parameters.length > 0 && (
+          <table className="tight">
+            <thead>
+              <tr>
+                <th>Parameter</th>
+                <th>Type</th>
+                <th>Meaning</th>
+                <th>Value</th>
+              </tr>
+            </thead>
+            <tbody>
+              {parameters.map((parameter) => (
+                <tr key={parameter.name}>
+                  <td className="mono">
+                    {parameter.name}
+                    {parameter.required && <span className="mut"> needed</span>}
+                  </td>
+                  <td className="sec wrap-any">{typeOf(parameter.schema)}</td>
+                  <td className="sec">
+                    {[parameter.description, limitsOf(parameter.schema), defaultOf(parameter.schema)]
+                      .filter(Boolean)
+                      .join(' · ')}
+                  </td>
+                  <td style={{ width: 170 }}>
+                    <input
+                      className="cell"
+                      style={{ textAlign: 'left' }}
+                      aria-label={`${parameter.name} of ${operationId}`}
+                      value={values[parameter.name] ?? ''}
+                      onChange={(event) => setValues({ ...values, [parameter.name]: event.target.value })}
+                    />
+                  </td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        )}
+        {bodies.map(([type, { schema }]) => (
+          <Shape key={type} title={`Body, ${type}`} schema={schema} schemas={schemas} />
+        ))}
+        {answers.map(([status, answer]) =>
+          Object.entries(answer.content ?? { '': {} }).map(([type, { schema }]) => (
+            <Shape key={status + type} title={`Answer ${status}${type ? `, ${type}` : ''}`} schema={schema} schemas={schemas} />
+          )),
+        )}
+        <Snippet text={curlOf(operation, location.origin, values)} />
+        {method === 'get' && !path.endsWith('/events') && <Trial operation={operation} values={values} />}
+      </div>
+    </section>
+  )
+}
+
+const defaultOf = (schema: Schema | undefined): string | null =>
+  schema?.default === undefined || schema.default === '' ? null : `otherwise ${JSON.stringify(schema.default)}`
+
+const LONGEST = 20_000
+
+/** Sends the request as the session of this browser and shows the answer. */
+function Trial({ operation, values }: { operation: Operation; values: Record<string, string> }) {
+  const address = addressOf(operation, values)
+  const hint = useId()
+  const missing = /\{\w+\}/.test(address)
+  const trial = useMutation({
+    mutationFn: async () => {
+      const begun = performance.now()
+      const answer = await fetch(address, { headers: { Accept: 'application/json' } })
+      const json = /json/.test(answer.headers.get('content-type') ?? '')
+      const text = json ? JSON.stringify(await answer.json(), null, 2) : await answer.text()
+      return { status: answer.status, seconds: (performance.now() - begun) / 1000, text }
+    },
+  })
+  return (
+    <div className="stack">
+      <div className="row">
+        <button
+          type="button"
+          className="btn s"
+          disabled={missing || trial.isPending}
+          aria-describedby={missing ? hint : undefined}
+          onClick={() => trial.mutate()}
+        >
+          <IconSend className="i s" aria-hidden /> Send
+        </button>
+        {missing && (
+          <span className="small mut" id={hint}>
+            Fill in what is needed first.
+          </span>
+        )}
+        {trial.data && (
+          <span className="small sec" role="status">
+            {trial.data.status} in {duration(trial.data.seconds)}
+          </span>
+        )}
+        {trial.isError && <span className="ferr">{trial.error.message}</span>}
+      </div>
+      {trial.data && (
+        <pre className="mono answer" tabIndex={0} aria-label="Answer">
+          {trial.data.text.slice(0, LONGEST)}
+          {trial.data.text.length > LONGEST && '\n… cut here'}
+        </pre>
+      )}
+    </div>
+  )
+}

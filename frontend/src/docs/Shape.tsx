@@ -1,0 +1,73 @@
+// The fields of a body or an answer; the types they are made of open where they are named.
+import { limitsOf, partsOf, type Schema, typeOf } from './openapi'
+
+interface ShapeProps {
+  title: string
+  schema: Schema | undefined
+  schemas: Record<string, Schema>
+  /** Types that stand around this one, which are not opened again. */
+  inside?: readonly string[]
+}
+
+export function Shape({ title, schema, schemas, inside = [] }: ShapeProps) {
+  const own = schema?.properties ? [['', schema] as const] : []
+  const named = partsOf(schema)
+    .filter((name) => !inside.includes(name))
+    .flatMap((name) => (schemas[name]?.properties ? [[name, schemas[name]] as const] : []))
+  const parts = [...own, ...named]
+  const label = (
+    <>
+      {title && `${title}: `}
+      <span className="mono">{typeOf(schema)}</span>
+    </>
+  )
+  if (parts.length === 0) return <p className="small sec">{label}</p>
+  return (
+    <details className="shape">
+      <summary>{label}</summary>
+      {parts.map(([name, part]) => (
+        <Fields key={name} name={name} schema={part} schemas={schemas} inside={[...inside, name]} />
+      ))}
+    </details>
+  )
+}
+
+interface FieldsProps {
+  name: string
+  schema: Schema
+  schemas: Record<string, Schema>
+  inside: readonly string[]
+}
+
+function Fields({ name, schema, schemas, inside }: FieldsProps) {
+  const fields = Object.entries(schema.properties ?? {})
+  return (
+    <div>
+      {name && (
+        <p className="small">
+          <span className="mono b">{name}</span> <span className="sec">{firstLine(schema.description)}</span>
+        </p>
+      )}
+      <dl className="fieldlist">
+        {fields.map(([field, of]) => {
+          const opens = partsOf(of).some((part) => schemas[part]?.properties && !inside.includes(part))
+          return (
+            <div key={field}>
+              <dt className="mono">{field}</dt>
+              <dd>
+                {opens ? (
+                  <Shape title="" schema={of} schemas={schemas} inside={inside} />
+                ) : (
+                  <span className="mono">{typeOf(of)}</span>
+                )}
+                <span className="sec"> {[limitsOf(of), of.description].filter(Boolean).join(' · ')}</span>
+              </dd>
+            </div>
+          )
+        })}
+      </dl>
+    </div>
+  )
+}
+
+const firstLine = (text = ''): string => text.split('\n')[0] ?? ''

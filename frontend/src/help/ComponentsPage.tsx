@@ -1,0 +1,130 @@
+// Every component's equations with their source, and its parameters, from the catalogue: the text is that of its own file.
+import { useQuery } from '@tanstack/react-query'
+import { catalogueQuery } from '../api/queries'
+import { Loading, Trouble } from '../app/Trouble'
+import { useTitle } from '../app/useTitle'
+import type { ComponentEntry, ParameterEntry } from '../client'
+import { plain } from '../format/numbers'
+import { unitText } from '../format/units'
+import { Sign } from '../ui/Sign'
+import { Docstring } from './Docstring'
+import { HelpFrame } from './HelpFrame'
+import { idOfComponent } from './links'
+
+const ROLES: readonly [ComponentEntry['role'], string][] = [
+  ['vehicle', 'Vehicles'],
+  ['controller', 'Controllers'],
+  ['avoider', 'Avoiders'],
+  ['obstacle', 'Obstacles'],
+  ['environment', 'Environment'],
+  ['fault', 'Faults'],
+  ['criterion', 'Criteria'],
+]
+
+export function ComponentsPage() {
+  useTitle('Components')
+  const query = useQuery(catalogueQuery)
+  if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what="the components" />
+  const { components, version } = query.data
+  const roles = ROLES.flatMap(([role, title]) => {
+    const found = components.filter((component) => component.role === role)
+    return found.length > 0 ? [{ role, title, found }] : []
+  })
+  return (
+    <HelpFrame
+      title="Components"
+      lede={`What a scenario is made of, in this installation (Clearance ${version}). A component is one file; the text here is the one at its head, so it is the one the code is held to.`}
+      contents={roles.map(({ title, found }) => ({
+        title,
+        entries: found.map((component) => ({ id: idOfComponent(component.role, component.name), name: component.title })),
+      }))}
+    >
+      {roles.map(({ role, title, found }) => (
+        <section key={role} className="stack">
+          <h2 className="sect">{title}</h2>
+          {found.map((component) => (
+            <Component key={component.name} component={component} />
+          ))}
+        </section>
+      ))}
+    </HelpFrame>
+  )
+}
+
+function Component({ component }: { component: ComponentEntry }) {
+  const { role, name, title, text, parameters, starts, goals } = component
+  const groups = [
+    { title: 'Parameters', entries: parameters },
+    { title: 'Start states', entries: starts },
+    { title: 'Goal', entries: goals },
+  ].filter((group) => group.entries.length > 0)
+  return (
+    <section className="card" id={idOfComponent(role, name)}>
+      <div className="h">
+        <h3>{title}</h3>
+        <span className="d mono">{name}</span>
+        <span className="r small mut">{facts(component)}</span>
+      </div>
+      <div className="bd stack">
+        <Docstring text={text} />
+        {groups.map((group) => (
+          <details key={group.title}>
+            <summary>
+              {group.title}: {group.entries.length}
+            </summary>
+            <Parameters entries={group.entries} />
+          </details>
+        ))}
+      </div>
+    </section>
+  )
+}
+
+function facts({ dimension, frame, role, demand, demands, fits, unit, quantity, path }: ComponentEntry): string {
+  const axes = frame === 'ned' ? 'x north, y east, z down' : 'z up'
+  return [
+    dimension === 2 ? 'in the plane' : dimension === 3 ? 'in space' : null,
+    role === 'vehicle' && dimension === 3 ? axes : null,
+    demand ? `asks for a ${demand}` : null,
+    demands.length ? `follows ${demands.join(' or ')}` : null,
+    fits.length ? `flies ${fits.join(', ').replaceAll('_', ' ')}` : null,
+    path ? `in ${path}` : null,
+    quantity ? `${quantity}${unit ? ` [${unit}]` : ''}` : null,
+  ]
+    .filter(Boolean)
+    .join(' · ')
+}
+
+function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
+  return (
+    <table className="tight">
+      <thead>
+        <tr>
+          <th>Name</th>
+          <th>Symbol</th>
+          <th>Meaning</th>
+          <th className="num">Usual value</th>
+          <th className="num">Allowed</th>
+          <th>Unit</th>
+        </tr>
+      </thead>
+      <tbody>
+        {entries.map((entry) => (
+          <tr key={entry.name}>
+            <td className="mono">{entry.name}</td>
+            <td>
+              <Sign text={entry.symbol} />
+            </td>
+            <td className="sec">{entry.text}</td>
+            <td className="num">{entry.default === null ? 'must be given' : plain(entry.default)}</td>
+            <td className="num sec">
+              {plain(entry.low)} to {plain(entry.high)}
+            </td>
+            <td className="sec">{unitText(entry.unit)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
+}

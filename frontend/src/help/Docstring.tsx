@@ -1,0 +1,23 @@
+// A component's or method's own text, set for reading: equations in their own lines, sources named.
+import { partsOf } from './docstring'
+
+export function Docstring({ text, titled = true }: { text: string; titled?: boolean }) {
+  const { title, parts } = partsOf(text)
+  return (
+    <div className="md">
+      {titled && <p className="m">{title}</p>}
+      {parts.map((part, i) =>
+        part.kind === 'text' ? (
+          <p key={i} className={part.label ? 'sec' : undefined}>
+            {part.label && <span className="b">{part.label}: </span>}
+            {part.text}
+          </p>
+        ) : (
+          <pre key={i} className={part.kind === 'equations' ? 'mono eq' : 'mono'}>
+            {part.text}
+          </pre>
+        ),
+      )}
+    </div>
+  )
+}

@@ -1,0 +1,72 @@
+// The frame of the help pages: what there is, beside what is read.
+import { Link } from '@tanstack/react-router'
+import { type ReactNode, useEffect } from 'react'
+
+export interface Entry {
+  id: string
+  name: ReactNode
+}
+
+export interface Chapter {
+  title: string
+  entries: readonly Entry[]
+}
+
+const TOPICS = [
+  { to: '/help', name: 'Verdicts' },
+  { to: '/help/methods', name: 'Search methods' },
+  { to: '/help/components', name: 'Components' },
+  { to: '/docs', name: 'API' },
+] as const
+
+interface HelpFrameProps {
+  title: string
+  lede: ReactNode
+  contents: readonly Chapter[]
+  children: ReactNode
+}
+
+export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
+  const ready = contents.length > 0
+  // What the address points at comes with the catalogue, after the page.
+  useEffect(() => {
+    if (ready && location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView()
+  }, [ready])
+  return (
+    <div className="doc">
+      <nav className="toc" aria-label="Help">
+        <section>
+          <h2>Help</h2>
+          <ul>
+            {TOPICS.map((topic) => (
+              <li key={topic.to}>
+                <Link to={topic.to} activeOptions={{ exact: true }} activeProps={{ 'aria-current': 'page' }}>
+                  {topic.name}
+                </Link>
+              </li>
+            ))}
+          </ul>
+        </section>
+        {contents.map((chapter) => (
+          <section key={chapter.title}>
+            <h2>{chapter.title}</h2>
+            <ul>
+              {chapter.entries.map((entry) => (
+                <li key={entry.id}>
+                  <a href={`#${entry.id}`}>{entry.name}</a>
+                </li>
+              ))}
+            </ul>
+          </section>
+        ))}
+      </nav>
+      <div className="docbody">
+        <div>
+          <h1>{title}</h1>
+          <p className="lede">{lede}</p>
+        </div>
+        {children}
+      </div>
+    </div>
+  )
+}

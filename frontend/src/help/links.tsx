@@ -1,0 +1,21 @@
+// Ways from the other pages into the help.
+import { IconHelp } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
+
+export const idOfComponent = (role: string, name: string): string => `${role}-${name}`
+
+interface HelpLinkProps {
+  to: '/help' | '/help/methods' | '/help/components'
+  /** What of the page. */
+  at?: string
+  children: string
+}
+
+export function HelpLink({ to, at, children }: HelpLinkProps) {
+  return (
+    <Link to={to} hash={at} className="helplink">
+      <IconHelp className="i s" aria-hidden />
+      {children}
+    </Link>
+  )
+}

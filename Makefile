@@ -2,10 +2,10 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run test lint types bench reproduce frontend clean distclean
+.PHONY: help install run test lint types bench search-bench reproduce frontend clean distclean
 
 help: ## this list
-	@awk -F ': ## ' '/^[a-z]+:.* ## |^[a-z]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-10s %s\n", part[1], $$0}' Makefile
+	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-12s %s\n", part[1], $$0}' Makefile
 
 install: ## create .venv from the lock file and build the pages
 	@tools/install.sh
@@ -26,6 +26,9 @@ types: install ## mypy
 
 bench: install ## measure the speed, print a table, write build/bench.json
 	@.venv/bin/python -m tests.bench
+
+search-bench: install ## every search method on test functions, print a table, write build/search.json and search.md
+	@.venv/bin/python -m tests.bench.search_bench
 
 reproduce: install ## compute the published tables and figures again, into build/reproduce
 	@.venv/bin/clearance reproduce --out build/reproduce

@@ -45,6 +45,10 @@ class Record:
         """The median of the first costs less the lowest of all; 0 before there are any."""
         return float(np.median(self.first)) - self.lowest if self.first else 0.0
 
+    def lowest_start(self) -> float:
+        """The cost of the start to come; infinity where there is none."""
+        return float(self.values[0]) if len(self.values) else float("inf")
+
     def start(self) -> Floats | None:
         """The lowest point (n,) apart from all starts before it; None where there is none. It is a start now."""
         if len(self.points) == 0:

@@ -1,0 +1,165 @@
+"""`make search-bench`: every method on every test function; prints a table, writes build/search.json and search.md.
+
+Success: a value within 1 % of the minimum, within 0.01 where that is 0, in 5,000 evaluations. Expected running time
+(Auger and Hansen, CEC 2005): all evaluations of all seeds, each counted to its success or end, over the successes.
+Points that a method may ask for twice count once, as in a run. Start reading at `main`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tests.unit.functions import FUNCTIONS, on_unit_cube
+from tests.unit.searching import batch, space
+from worker.catalog import methods
+from worker.search.base import EXCLUDED, Floats
+
+BUILD = Path("build")
+BUDGET, SEEDS, WITHIN = 5_000, 30, 0.01
+PORTFOLIO, TIMES, MORE = "portfolio", 3, 500
+
+
+class Task(NamedTuple):
+    """One method on one function, shifted and seeded by the same number."""
+
+    method: str
+    function: str
+    seed: int
+
+
+def main() -> None:
+    """Run, print, write."""
+    BUILD.mkdir(exist_ok=True)
+    began = time.perf_counter()
+    names = [m.name for m in methods().values() if m.kind != "multi"]
+    tasks = [Task(m, f, s) for m in names for f in FUNCTIONS for s in range(SEEDS)]
+    os.environ["OMP_NUM_THREADS"] = "1"
+    with get_context("spawn").Pool(os.cpu_count()) as pool:
+        spent = pool.map(evaluations, tasks, chunksize=10)
+    found: dict[str, Any] = {
+        "budget": BUDGET,
+        "seeds": SEEDS,
+        "within": WITHIN,
+        "functions": {f.name: {"dimension": f.dimension, "minimum": f.minimum} for f in FUNCTIONS.values()},
+        "methods": summary(tasks, spent),
+    }
+    found["portfolio"] = compared(found["methods"])
+    found["seconds"] = time.perf_counter() - began
+    (BUILD / "search.json").write_text(json.dumps(found, indent=2) + "\n")
+    text = markdown(found)
+    (BUILD / "search.md").write_text(text)
+    print(text)
+
+
+def evaluations(task: Task) -> tuple[int, bool]:
+    """How many evaluations it took, and whether it succeeded."""
+    method, function = methods()[task.method], on_unit_cube(task.function, task.seed)
+    limit = function.minimum + WITHIN * (abs(function.minimum) or 1.0)
+    known: set[bytes] = set()
+    used, hit = 0, 0
+
+    def count(points: Floats) -> Floats:
+        nonlocal used, hit
+        values = function(points)
+        for point, value in zip(points, values, strict=True):
+            if method.repeats:
+                if point.tobytes() in known:
+                    continue
+                known.add(point.tobytes())
+            used += 1
+            if not hit and value <= limit:
+                hit = used
+        return values
+
+    search = method.search(space(function.dimension, BUDGET, seed=task.seed), method.options())
+    try:
+        points = next(search)
+        while True:
+            values = count(points)
+            if hit or used >= BUDGET:
+                break
+            points = search.send(batch(values, EXCLUDED))
+    except StopIteration:
+        pass
+    finally:
+        search.close()
+    return (hit, True) if 0 < hit <= BUDGET else (min(used, BUDGET), False)
+
+
+def summary(tasks: list[Task], spent: list[tuple[int, bool]]) -> dict[str, dict[str, dict[str, Any]]]:
+    """By method and function: seeds that succeeded and expected evaluations, None where none did."""
+    found: dict[str, dict[str, dict[str, Any]]] = {}
+    for method in dict.fromkeys(t.method for t in tasks):
+        found[method] = {}
+        for function in FUNCTIONS:
+            own = [s for t, s in zip(tasks, spent, strict=True) if (t.method, t.function) == (method, function)]
+            solved = sum(ok for _, ok in own)
+            total = sum(n for n, _ in own)
+            found[method][function] = {"solved": solved, "expected": total / solved if solved else None}
+    return found
+
+
+def compared(found: dict[str, dict[str, dict[str, Any]]]) -> dict[str, dict[str, Any]]:
+    """The portfolio next to the best of the other methods, function by function."""
+    rows = {}
+    for function in FUNCTIONS:
+        others = {
+            m: r[function]["expected"]
+            for m, r in found.items()
+            if m != PORTFOLIO and r[function]["expected"] is not None
+        }
+        best = min(others, key=lambda m: others[m]) if others else None
+        own = found[PORTFOLIO][function]["expected"]
+        allowed = TIMES * others[best] + MORE if best else None
+        within = allowed is None or (own is not None and own <= allowed)
+        rows[function] = {"best": best, "expected": own, "allowed": allowed, "within": within}
+    return rows
+
+
+def markdown(found: dict[str, Any]) -> str:
+    """The tables in words: a row per function."""
+    names = list(found["methods"])
+    titles = [methods()[name].title for name in names]
+    lines = [
+        "# Search methods on test functions",
+        "",
+        f"Seeds of {SEEDS} that came within {100 * WITHIN:g} % of the minimum ({WITHIN:g} where it is 0) in "
+        f"{BUDGET:,} evaluations, and the expected evaluations to get there (all evaluations over successes). Minima "
+        "shifted by the seed. Methods of several criteria take no part.",
+        "",
+        f"| function | n | {' | '.join(titles)} |",
+        f"|---|---|{'---|' * len(names)}",
+    ]
+    for function, about in found["functions"].items():
+        best = min((found["methods"][m][function]["expected"] or np.inf) for m in names)
+        cells = [_cell(found["methods"][m][function], best) for m in names]
+        lines.append(f"| {function} | {about['dimension']} | {' | '.join(cells)} |")
+    lines += ["", f"## Portfolio: within {TIMES} times the best other method's and {MORE} more?", ""]
+    lines += ["| function | best other | portfolio | allowed | within |", "|---|---|---|---|---|"]
+    for function, row in found["portfolio"].items():
+        best_title = methods()[row["best"]].title if row["best"] else "none"
+        lines.append(
+            f"| {function} | {best_title} | {_number(row['expected'])} | {_number(row['allowed'])} | "
+            f"{'yes' if row['within'] else 'no'} |"
+        )
+    return "\n".join([*lines, "", f"Took {found['seconds']:.0f} s.", ""])
+
+
+def _cell(row: dict[str, Any], best: float) -> str:
+    text = f"{row['solved']}: {_number(row['expected'])}"
+    return f"**{text}**" if row["expected"] == best else text
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:,.0f}"
+
+
+if __name__ == "__main__":
+    main()

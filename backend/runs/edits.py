@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
+from typing import Any
 
 import sqlalchemy as sa
 
-from backend.db import queue
+from backend.db import audit, queue
+from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.db.tables import Run
 from backend.errors import RefusedError, not_found
@@ -15,7 +18,7 @@ from backend.runs.schemas import RunEdit, RunSummary
 from campaigns import Problem
 
 
-def edit(engine: sa.Engine, run_id: int, given: RunEdit) -> None:
+def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> None:
     """Write what is given, leave the rest; 404 for no run, 422 where nothing is given."""
     values = given.model_dump(exclude_unset=True)
     empty = [key for key, value in values.items() if value is None]
@@ -27,16 +30,27 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit) -> None:
     with engine.begin() as writer:
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
             raise not_found("run", listing.name(run_id))
+        audit.note(writer, visitor, "run.edited", listing.name(run_id), _said(values))
 
 
-def cancel(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
+def _said(values: dict[str, Any]) -> dict[str, Any]:
+    """What the audit trail keeps of an edit: of notes, which can be long, their length and digest."""
+    notes = values.get("notes")
+    if notes is None:
+        return values
+    digest = hashlib.sha256(notes.encode()).hexdigest()
+    return values | {"notes": {"characters": len(notes), "sha256": digest}}
+
+
+def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[RunSummary]:
     """Cancel several runs; those that have ended stay as they are. 404 for one that is not there, and none is."""
     with engine.begin() as writer:
         known = set(writer.scalars(sa.select(Run.id).where(Run.id.in_(run_ids))))
         for run_id in run_ids:
             if run_id not in known:
                 raise not_found("run", listing.name(run_id))
-            queue.request_cancel(writer, run_id)
+            state = queue.request_cancel(writer, run_id)
+            audit.note(writer, visitor, "run.cancelled", listing.name(run_id), {"state": state})
     with read(engine) as reader:
         found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
     return [found[listing.name(run_id)] for run_id in dict.fromkeys(run_ids)]

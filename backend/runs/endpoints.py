@@ -109,15 +109,15 @@ def list_facets(reader: Reader) -> RunFacets:
 
 
 @router.post("/runs/cancel")
-def cancel_runs(given: RunsNamed, engine: Engine) -> list[RunSummary]:
+def cancel_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Cancel several runs; those that have ended stay as they are."""
-    return edits.cancel(engine, [service.number(run) for run in given.runs])
+    return edits.cancel(engine, [service.number(run) for run in given.runs], visitor)
 
 
 @router.patch("/runs/{run}")
-def edit_run(run: str, given: RunEdit, engine: Engine) -> RunDetail:
+def edit_run(run: str, given: RunEdit, engine: Engine, visitor: CurrentVisitor) -> RunDetail:
     """Change a run's name, tags, notes or pin; what is left out stays."""
-    edits.edit(engine, service.number(run), given)
+    edits.edit(engine, service.number(run), given, visitor)
     with read(engine) as reader:
         return service.detail(reader, service.number(run))
 
@@ -129,9 +129,9 @@ def get_run(run: str, reader: Reader) -> RunDetail:
 
 
 @router.post("/runs/{run}/cancel")
-def cancel_run(run: str, engine: Engine) -> RunSummary:
+def cancel_run(run: str, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Cancel a run: queued ones at once, running ones within a second; one that has ended stays as it is."""
-    return service.cancel(engine, service.number(run))
+    return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
 @router.get("/runs/{run}/stages")

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from backend import bodies
 from backend.catalog.service import required
-from backend.db import queue
+from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import now, read
 from backend.db.tables import Campaign as CampaignRow
@@ -72,6 +72,8 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         run_id = None if key is None else _repeated(writer, submission, visitor, key)
         if run_id is None:
             run_id = _queue(writer, submission, visitor)
+            told = {"campaign": submission.campaign.digest, "name": submission.name}
+            audit.note(writer, visitor, "run.submitted", listing.name(run_id), told)
             if key is not None:
                 _remember(writer, submission, visitor, key, run_id)
     with read(engine) as reader:
@@ -107,14 +109,6 @@ def _repeated(writer: sa.Connection, submission: Submission, visitor: Visitor, k
 def _remember(writer: sa.Connection, submission: Submission, visitor: Visitor, key: str, run_id: int) -> None:
     values = {"key": key, "user": visitor.user, "body": submission.digest, "run_id": run_id}
     writer.execute(sa.insert(IdempotencyKey).values(**values, created=now(writer)))
-
-
-def cancel(engine: sa.Engine, run_id: int) -> RunSummary:
-    """Cancel a run; one that has ended stays as it is."""
-    with engine.begin() as writer:
-        queue.request_cancel(writer, run_id)
-    with read(engine) as reader:
-        return summary(reader, run_id)
 
 
 def summary(reader: sa.Connection, run_id: int) -> RunSummary:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import Any
 
 import httpx
 import pytest
+import sqlalchemy as sa
 
+from backend.db.tables import Audit
 from tests.api.finished import Work, finish
 from tests.api.server import Service
 from tests.api.test_access import problem
@@ -43,6 +46,21 @@ def test_a_finished_run_can_be_written_on_but_its_campaign_stays(service: Servic
     after = client.patch(f"/api/v1/runs/{run}", json={"name": "Another name"}).json()
     assert after == before | {"name": "Another name"}
     assert after["campaign_name"] != "Another name"
+
+
+def test_the_audit_trail_keeps_who_wrote_what(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    client.patch(f"/api/v1/runs/{run}", json={"tags": ["a"], "notes": NOTES})
+    client.patch(f"/api/v1/runs/{run}", json={"state": "done"})
+    client.post(f"/api/v1/runs/{run}/cancel")
+    with service.engine.connect() as reader:
+        rows = reader.execute(sa.select(Audit).where(Audit.action.startswith("run.")).order_by(Audit.id)).all()
+    assert [(r.user, r.action, r.subject) for r in rows] == [
+        ("local", "run.edited", run),
+        ("local", "run.cancelled", run),
+    ]
+    digest = hashlib.sha256(NOTES.encode()).hexdigest()
+    assert rows[0].detail == {"tags": ["a"], "notes": {"characters": len(NOTES), "sha256": digest}}
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,9 @@ function Frame() {
           <Link to="/launch" activeProps={{ 'aria-current': 'page' }}>
             Launch
           </Link>
+          <Link to="/compare" activeProps={{ 'aria-current': 'page' }}>
+            Compare
+          </Link>
           <Link to="/help" activeProps={{ 'aria-current': 'page' }}>
             Help
           </Link>

@@ -1,5 +1,6 @@
 // The addresses of the pages; all that a page can be set to stands in its address.
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
+import { readCompare } from '../compare/search'
 import { readChosen } from '../run/chosen'
 import { readSearch } from '../runs/search'
 import { Shell } from './Shell'
@@ -75,8 +76,15 @@ const components = createRoute({
   component: lazyRouteComponent(() => import('../help/ComponentsPage'), 'ComponentsPage'),
 })
 
+const compare = createRoute({
+  getParentRoute: () => root,
+  path: '/compare',
+  validateSearch: readCompare,
+  component: lazyRouteComponent(() => import('../compare/ComparePage'), 'ComparePage'),
+})
+
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, methods, components]),
+  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, methods, components, compare]),
   defaultPreload: 'intent',
   scrollRestoration: true,
   defaultPendingComponent: () => <Loading what="page" />,

@@ -20,9 +20,12 @@ export function drawTint(u: uPlot, spec: PlotSpec): void {
   ctx.restore()
 }
 
-export function drawCriterion(u: uPlot, spec: PlotSpec): void {
-  const criterion = spec.criterion
-  if (!criterion) return
+export function drawCriteria(u: uPlot, spec: PlotSpec): void {
+  if (spec.criterion) drawCriterion(u, spec.criterion)
+  for (const criterion of spec.criteria ?? []) drawCriterion(u, criterion)
+}
+
+function drawCriterion(u: uPlot, criterion: { value: number; label?: string; right?: boolean }): void {
   const { ctx, bbox } = u
   const y = u.valToPos(criterion.value, 'y', true)
   if (y < bbox.top - 1 || y > bbox.top + bbox.height + 1) return
@@ -45,7 +48,7 @@ export function drawCriterion(u: uPlot, spec: PlotSpec): void {
 export function drawPoints(u: uPlot, points: readonly Point[]): void {
   const ratio = devicePixelRatio
   const placed = points.map((p) => ({ ...p, px: u.valToPos(p.x, 'x', true), py: u.valToPos(p.y, 'y', true) }))
-  for (const point of placed) dot(u, point.px, point.py, point.colour)
+  for (const point of placed) dot(u, point.px, point.py, point.colour, point.hollow)
   let last = { x: Number.NEGATIVE_INFINITY, y: Number.NEGATIVE_INFINITY, half: 0 }
   for (const { label, px, py, colour: name } of placed) {
     if (!label) continue
@@ -58,13 +61,13 @@ export function drawPoints(u: uPlot, points: readonly Point[]): void {
   }
 }
 
-function dot(u: uPlot, x: number, y: number, name: string): void {
+function dot(u: uPlot, x: number, y: number, name: string, hollow = false): void {
   const { ctx } = u
   ctx.save()
   ctx.beginPath()
   ctx.arc(x, y, 3.8 * devicePixelRatio, 0, 2 * Math.PI)
-  ctx.fillStyle = colour(name)
-  ctx.strokeStyle = colour('--surface')
+  ctx.fillStyle = colour(hollow ? '--surface' : name)
+  ctx.strokeStyle = colour(hollow ? name : '--surface')
   ctx.lineWidth = 1.6 * devicePixelRatio
   ctx.fill()
   ctx.stroke()

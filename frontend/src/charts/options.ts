@@ -1,7 +1,7 @@
 // From a `PlotSpec` to uPlot's options. The spec is read through a getter, so that new data needs no new plot.
 import uPlot from 'uplot'
 import { fixed, plain } from '../format/numbers'
-import { colour, drawCriterion, drawEnds, drawPoints, drawTint, font } from './draw'
+import { colour, drawCriteria, drawEnds, drawPoints, drawTint, font } from './draw'
 import type { PlotSpec } from './spec'
 import { linearTicks, logTicks, padded, tickDecimals } from './ticks'
 
@@ -47,6 +47,7 @@ export function optionsFor(
       ...spec.lines.map((line) => ({
         stroke: () => colour(line.colour),
         width: line.width ?? 1.6,
+        dash: line.dash?.length ? line.dash.map((length) => length * devicePixelRatio) : undefined,
         show: !hidden().has(line.key),
         paths: line.dots ? () => null : line.stepped ? stepped : undefined,
         points: line.dots ? { show: true, size: 5, fill: () => colour(line.colour), width: 0 } : { show: false },
@@ -56,7 +57,7 @@ export function optionsFor(
     ],
     hooks: {
       drawAxes: [(u) => drawTint(u, read())],
-      draw: [(u) => drawCriterion(u, read()), (u) => drawEnds(u, read()), (u) => drawPoints(u, points())],
+      draw: [(u) => drawCriteria(u, read()), (u) => drawEnds(u, read()), (u) => drawPoints(u, points())],
       setCursor: [onCursor],
     },
   }

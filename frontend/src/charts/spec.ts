@@ -13,6 +13,8 @@ export interface Line {
   /** Its points alone, no line between them. */
   dots?: boolean
   width?: number
+  /** Lengths of dashes and gaps; none: a solid line [px]. */
+  dash?: readonly number[]
   /** Drawn at the last point. */
   end?: Shape
 }
@@ -24,6 +26,8 @@ export interface Point {
   colour: string
   label?: string
   line?: string
+  /** A ring instead of a dot. */
+  hollow?: boolean
 }
 
 export interface PlotSpec {
@@ -41,6 +45,8 @@ export interface PlotSpec {
   /** Ticks of x where the usual ones will not do. */
   xTicks?: readonly number[]
   criterion?: { value: number; label?: string; tint?: boolean; right?: boolean }
+  /** Further criteria, where runs with different ones are compared. */
+  criteria?: readonly { value: number; label?: string; right?: boolean }[]
   height: number
   /** The head of the tooltip. */
   xText: (x: number) => string

@@ -1,0 +1,76 @@
+// In one sentence: what became of the verdict and of the worst case from the first run to the others.
+import { decimalsFor, fixed, signed } from '../format/numbers'
+import { Sign } from '../ui/Sign'
+import { lookOf, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
+import { type Compared, unitOf } from './data'
+
+export function Change({ runs }: { runs: Compared[] }) {
+  const [a, b] = runs
+  if (!a || !b) return null
+  const last = runs.length === 2 ? b : worstOf(runs)
+  const outcome = outcomeOf(last.run)
+  const words = runs.map(({ run }) => lookOf(outcomeOf(run)).word.toLowerCase())
+  const same = words.every((word) => word === words[0])
+  return (
+    <section className={`banner ${lookOf(outcome).tone}`} aria-label="Change of the verdict">
+      <OutcomeIcon outcome={outcome} />
+      <div>
+        <div className="w" data-testid="change">
+          {same
+            ? `${runs.length === 2 ? 'Both' : `All ${runs.length}`} ${words[0]}`
+            : runs.length === 2
+              ? `From ${words[0]} to ${words[1]}`
+              : tally(words)}
+        </div>
+        {runs.length === 2 ? <Two a={a} b={b} /> : <Many runs={runs} />}
+      </div>
+    </section>
+  )
+}
+
+function Two({ a, b }: { a: Compared; b: Compared }) {
+  const unit = unitOf([a, b])
+  const [before, after] = [a.run.worst_cost, b.run.worst_cost]
+  if (unit === null) return <p>The runs have different criteria: their values cannot be compared.</p>
+  if (before === null || after === null) return <p>At least one of them has no worst case yet.</p>
+  const decimals = decimalsFor([before, after])
+  const apart = after - before
+  const told = fixed(Math.abs(apart), decimalsFor([apart], 3))
+  const moved = Math.abs(apart) < 1e-9 * Math.max(1, Math.abs(before))
+  const margins = [a.run.margin, b.run.margin]
+  return (
+    <p>
+      The worst <Sign text={b.run.quantity || 'value'} /> {moved ? 'is the same' : apart < 0 ? 'falls' : 'rises'}
+      {!moved && (
+        <>
+          {' '}
+          by <b>{`${told} ${unit}`}</b>, from {fixed(before, decimals)} {unit} to <b>{`${fixed(after, decimals)} ${unit}`}</b>
+        </>
+      )}
+      ; the margin goes from {signed(margins[0], decimals)} to {signed(margins[1], decimals)} {unit}.{' '}
+      {a.run.campaign_digest === b.run.campaign_digest && 'Both are runs of the same campaign.'}
+    </p>
+  )
+}
+
+function Many({ runs }: { runs: Compared[] }) {
+  const unit = unitOf(runs)
+  if (unit === null) return <p>The runs have different criteria: their values cannot be compared.</p>
+  const worst = worstOf(runs)
+  return (
+    <p>
+      The smallest margin is that of <b>{worst.letter}</b>: {signed(worst.run.margin, decimalsFor([worst.run.margin]))}{' '}
+      {unit}.
+    </p>
+  )
+}
+
+const worstOf = (runs: Compared[]): Compared =>
+  runs.reduce((worst, one) => ((one.run.margin ?? Infinity) < (worst.run.margin ?? Infinity) ? one : worst))
+
+function tally(words: string[]): string {
+  const counts = new Map<string, number>()
+  for (const word of words) counts.set(word, (counts.get(word) ?? 0) + 1)
+  const text = [...counts].map(([word, n]) => `${n} ${word}`).join(', ')
+  return text.charAt(0).toUpperCase() + text.slice(1)
+}

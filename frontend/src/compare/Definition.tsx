@@ -1,0 +1,99 @@
+// What differs in the campaigns, setting by setting; all settings where asked for.
+import { plain } from '../format/numbers'
+import { unitText } from '../format/units'
+import { Card, Seg } from '../ui/Card'
+import type { Compared } from './data'
+import type { Row, Setting } from './differences'
+import { Letter } from './Picks'
+
+interface DefinitionProps {
+  runs: Compared[]
+  rows: Row[]
+  all: boolean
+  onAll: (all: boolean) => void
+  className: string
+}
+
+export function Definition({ runs, rows, all, onAll, className }: DefinitionProps) {
+  const differing = rows.filter((row) => row.differs)
+  const shown = all ? rows : differing
+  const groups = [...new Set(shown.map((row) => row.group))]
+  return (
+    <Card
+      title="What differs in the definition"
+      note={`${differing.length} of ${rows.length} settings; ${differing.length < rows.length ? 'all others are equal' : 'none is equal'}`}
+      className={className}
+      flush={shown.length > 0}
+      id="definition"
+      right={
+        <Seg
+          label="Settings shown"
+          options={[
+            { value: 'differing', label: 'Only what differs' },
+            { value: 'all', label: 'All' },
+          ]}
+          value={all ? 'all' : 'differing'}
+          onChange={(value) => onAll(value === 'all')}
+        />
+      }
+    >
+      {shown.length === 0 ? (
+        <p className="sec">The campaigns are equal in every setting; whatever differs in the results is not of them.</p>
+      ) : (
+        <div className="settings" tabIndex={0} role="region" aria-label="Settings">
+          <table className="tight">
+            <thead>
+              <tr>
+                <th>Setting</th>
+                {runs.map(({ letter }) => (
+                  <th key={letter} className="num">
+                    <Letter of={letter} />
+                  </th>
+                ))}
+              </tr>
+            </thead>
+            {groups.map((group) => (
+              <tbody key={group}>
+                <tr className="group">
+                  <th colSpan={runs.length + 1} scope="rowgroup">
+                    {group}
+                  </th>
+                </tr>
+                {shown
+                  .filter((row) => row.group === group)
+                  .map((row) => (
+                    <SettingRow key={row.path} row={row} />
+                  ))}
+              </tbody>
+            ))}
+          </table>
+        </div>
+      )}
+    </Card>
+  )
+}
+
+function SettingRow({ row }: { row: Row }) {
+  return (
+    <tr data-setting={row.path}>
+      <td>
+        <span className="mono">{row.path}</span>
+        {row.text && <small className="mut wrap"> {row.text}</small>}
+      </td>
+      {row.values.map((value, i) => (
+        <td key={i} className={row.differs && value !== row.values[0] ? 'num other' : 'num'}>
+          {shownAs(value)}
+          {typeof value === 'number' && row.unit && <span className="mut small"> {unitText(row.unit)}</span>}
+        </td>
+      ))}
+    </tr>
+  )
+}
+
+function shownAs(value: Setting | undefined) {
+  if (value === undefined) return <span className="mut">not there</span>
+  if (value === null) return <span className="mut">none</span>
+  if (typeof value === 'number') return plain(value, 8)
+  if (typeof value === 'boolean') return value ? 'yes' : 'no'
+  return value
+}

@@ -1,0 +1,144 @@
+// The best value of each method in each run, on one axis with the criterion.
+import { linearTicks, padded, tickDecimals } from '../charts/ticks'
+import { decimalsApart, fixed, NONE, plain, signed } from '../format/numbers'
+import { Card } from '../ui/Card'
+import { MethodName } from '../ui/MethodMark'
+import { methodLook } from '../ui/methods'
+import { Sign } from '../ui/Sign'
+import { type Compared, unitOf } from './data'
+import { Letter } from './Picks'
+
+const [WIDTH, EDGE] = [420, 10]
+
+export function Methods({ runs, className }: { runs: Compared[]; className: string }) {
+  const unit = unitOf(runs)
+  const two = runs.length === 2 && unit !== null
+  const bests = runs.map(({ run }) => {
+    const found = new Map<string, number>()
+    for (const { kind, method, best } of run.stages)
+      if (kind === 'search' && method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
+    return found
+  })
+  const methods = [...new Set(bests.flatMap((found) => [...found.keys()]))]
+  const values = bests.flatMap((found) => [...found.values()])
+  const limits = [...new Set(runs.flatMap(({ run }) => run.threshold ?? []))]
+  const spread = Math.max(...values) - Math.min(...values)
+  const shown = limits.filter((limit) => Math.min(...values.map((v) => Math.abs(v - limit))) <= 3 * spread)
+  const [low, high] = padded([...values, ...shown])
+  const x = (value: number) => EDGE + ((WIDTH - 2 * EDGE) * (value - low)) / (high - low)
+  const decimals = decimalsApart(values, 4, 6)
+  const ticks = linearTicks(low, high, 5)
+  if (methods.length === 0 || unit === null) return null
+  return (
+    <Card
+      title={
+        <>
+          Best <Sign text={runs[0]?.run.quantity ?? 'value'} /> by method
+        </>
+      }
+      note={`${unit}${shown.length === 0 && limits.length > 0 ? '; the criterion lies off this axis' : ''}`}
+      className={className}
+      flush
+      id="methods"
+      right={<MarkKeys runs={runs} />}
+    >
+      <table>
+        <thead>
+          <tr>
+            <th>Method</th>
+            {runs.map(({ letter }) => (
+              <th key={letter} className="num">
+                <Letter of={letter} />
+              </th>
+            ))}
+            {two && <th className="num">B minus A</th>}
+            <th style={{ width: WIDTH }}>
+              <svg className="ch" width={WIDTH} height={14} style={{ width: WIDTH }} aria-hidden="true">
+                {ticks.map((tick) => (
+                  <text key={tick} x={x(tick)} y={11} textAnchor="middle">
+                    {fixed(tick, tickDecimals(ticks))}
+                  </text>
+                ))}
+              </svg>
+            </th>
+          </tr>
+        </thead>
+        <tbody>
+          {methods.map((method) => {
+            const row = bests.map((found) => found.get(method) ?? null)
+            const [a, b] = row
+            return (
+              <tr key={method} data-method={method}>
+                <td>
+                  <MethodName method={method} />
+                </td>
+                {row.map((value, i) => (
+                  <td key={i} className={isBad(value, runs[i]) ? 'num bad-t' : 'num'}>
+                    {value === null ? <span className="mut">not run</span> : fixed(value, decimals)}
+                  </td>
+                ))}
+                {two && (
+                  <td className="num b">
+                    {typeof a === 'number' && typeof b === 'number' ? signed(b - a, decimals) : NONE}
+                  </td>
+                )}
+                <td>
+                  <svg className="ch" width={WIDTH} height={18} style={{ width: WIDTH }} aria-hidden="true">
+                    <path d={`M${EDGE} 9H${WIDTH - EDGE}`} stroke="var(--line)" />
+                    {shown.map((limit) => (
+                      <path key={limit} className="cr" d={`M${x(limit)} 0V18`} />
+                    ))}
+                    <Dumbbell values={row} x={x} colour={`var(${methodLook(method).colour})`} />
+                  </svg>
+                </td>
+              </tr>
+            )
+          })}
+        </tbody>
+      </table>
+      {shown.length > 0 && <p className="sr">Criterion: {shown.map((limit) => plain(limit)).join(', ')}</p>}
+    </Card>
+  )
+}
+
+const isBad = (value: number | null, of: Compared | undefined): boolean =>
+  value !== null && of?.run.threshold !== null && of !== undefined && value <= of.run.threshold
+
+const MarkKeys = ({ runs }: { runs: Compared[] }) => (
+  <span className="lg">
+    {runs.map(({ letter }, i) => (
+      <span key={letter} className="k">
+        <svg width={14} height={14} aria-hidden="true">
+          <End x={7} y={7} index={i} colour="var(--ink-2)" />
+        </svg>
+        {letter}
+      </span>
+    ))}
+  </span>
+)
+
+function Dumbbell({ values, x, colour }: { values: (number | null)[]; x: (value: number) => number; colour: string }) {
+  const known = values.flatMap((value) => (value === null ? [] : x(value)))
+  if (known.length === 0) return null
+  return (
+    <>
+      <path d={`M${Math.min(...known)} 9H${Math.max(...known)}`} stroke={colour} strokeWidth={1.6} />
+      {values.map((value, i) => value !== null && <End key={i} x={x(value)} y={9} index={i} colour={colour} />)}
+    </>
+  )
+}
+
+/** The first run filled, the second hollow, the third and fourth smaller. */
+function End({ x, y, index, colour }: { x: number; y: number; index: number; colour: string }) {
+  const radius = index < 2 ? 4 : 2.6
+  return (
+    <circle
+      cx={x}
+      cy={y}
+      r={radius}
+      fill={index % 2 === 0 ? colour : 'var(--surface)'}
+      stroke={colour}
+      strokeWidth={1.6}
+    />
+  )
+}

@@ -1,0 +1,248 @@
+// The curves of all runs on common axes: separation over time and convergence. Colour keeps its meaning, runs differ by
+// their dashes.
+import { useMemo, useState } from 'react'
+import { ChartCard } from '../charts/ChartCard'
+import { Plot } from '../charts/Plot'
+import { type Curve, linesOn, stepsOn, union } from '../charts/series'
+import type { Line, PlotSpec, Point } from '../charts/spec'
+import type { Catalogue, TraceData } from '../client'
+import { count, decimalsFor, fixed, plain } from '../format/numbers'
+import { convergenceOf, searchesOf } from '../run/data'
+import { Seg } from '../ui/Card'
+import { MethodName } from '../ui/MethodMark'
+import { methodLook } from '../ui/methods'
+import { Sign } from '../ui/Sign'
+import { type Compared, closestOf, unitOf } from './data'
+
+export const RunKeys = ({ runs }: { runs: Compared[] }) => (
+  <span className="lg">
+    {runs.map(({ letter, dash }) => (
+      <span key={letter} className="k">
+        <svg width={26} height={8} aria-hidden="true">
+          <path d="M0 4h26" stroke="var(--ink-2)" strokeWidth={2} strokeDasharray={dash.join(' ') || undefined} />
+        </svg>
+        {letter}
+      </span>
+    ))}
+  </span>
+)
+
+interface CardProps {
+  runs: Compared[]
+  className: string
+}
+
+interface Drawn {
+  key: string
+  label: string
+  colour: string
+  trace: TraceData
+  of: Compared
+}
+
+export function SeparationOverlay({ runs, className }: CardProps) {
+  const [window, setWindow] = useState<'encounter' | 'all'>('encounter')
+  const drawn = useMemo(() => runs.flatMap(drawnOf), [runs])
+  const spec = useMemo(() => separationSpec(drawn, runs, window), [drawn, runs, window])
+  const name = runs.map(({ id }) => id).join('-')
+  const table = () => ({
+    name: 'separation',
+    columns: ['time since start, s', ...spec.lines.map((line) => line.label)],
+    rows: spec.x.map((x, i) => [x, ...spec.lines.map((line) => line.y[i] ?? null)]),
+  })
+  const decimals = decimalsFor(drawn.map(({ trace }) => closestOf(trace)?.value))
+  return (
+    <ChartCard
+      title="Separation over time"
+      className={className}
+      id="separation"
+      run={name}
+      data={table}
+      right={
+        <>
+          <RunKeys runs={runs} />
+          <Seg
+            label="Time shown"
+            options={[
+              { value: 'encounter', label: 'Encounter' },
+              { value: 'all', label: 'Whole flight' },
+            ]}
+            value={window}
+            onChange={setWindow}
+          />
+        </>
+      }
+    >
+      {drawn.length === 0 ? (
+        <p className="sec">No flight of these runs is stored.</p>
+      ) : (
+        <div className="beside">
+          <Plot spec={spec} />
+          <ul className="ends">
+            {drawn.map(({ key, label, colour, trace, of }) => (
+              <li key={key}>
+                <svg width={22} height={8} aria-hidden="true">
+                  <path
+                    d="M0 4h22"
+                    stroke={`var(${colour})`}
+                    strokeWidth={2}
+                    strokeDasharray={of.dash.join(' ') || undefined}
+                  />
+                </svg>
+                <span>
+                  {label}
+                  <small className="sec">
+                    {fixed(closestOf(trace)?.value, decimals)} {of.run.unit}
+                  </small>
+                </span>
+              </li>
+            ))}
+          </ul>
+        </div>
+      )}
+    </ChartCard>
+  )
+}
+
+function drawnOf(of: Compared): Drawn[] {
+  const { letter, nominal, worst } = of
+  const flights: [string, string, TraceData | undefined][] = [
+    ['nominal', '--c-nom', nominal],
+    ['worst', '--c-worst', worst],
+  ]
+  return flights.flatMap(([name, colour, trace]) =>
+    trace ? [{ key: `${letter} ${name}`, label: `${letter} ${name}`, colour, trace, of }] : [],
+  )
+}
+
+const columnOf = (trace: TraceData, group: string) =>
+  trace.data[trace.columns.find((column) => column.group === group)?.name ?? ''] ?? []
+
+function curveOf(trace: TraceData): Curve {
+  return { x: columnOf(trace, 'time').map((value) => value ?? 0), y: columnOf(trace, 'separation') }
+}
+
+function separationSpec(drawn: Drawn[], runs: Compared[], window: 'encounter' | 'all'): PlotSpec {
+  const curves = drawn.map(({ trace }) => curveOf(trace))
+  const xs = union(curves)
+  const unit = unitOf(runs) ?? ''
+  const thresholds = runs.flatMap(({ run }) => run.threshold ?? [])
+  const threshold = thresholds[0] ?? null
+  const lowest = Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))
+  const reach = 2.4 * Math.max(threshold ?? 0, Number.isFinite(lowest) ? lowest : 0)
+  const inside = curves.flatMap((curve) => curve.x.filter((_, i) => (curve.y[i] ?? Infinity) <= reach))
+  const whole: [number, number] = [xs[0] ?? 0, xs[xs.length - 1] ?? 1]
+  const near = inside.length > 2 ? ([Math.min(...inside), Math.max(...inside)] as [number, number]) : whole
+  const xRange = window === 'all' ? whole : near
+  let top = 0
+  for (const curve of curves)
+    curve.x.forEach((x, i) => {
+      if (x >= xRange[0] && x <= xRange[1]) top = Math.max(top, curve.y[i] ?? 0)
+    })
+  const decimals = decimalsFor([lowest])
+  const points: Point[] = drawn.flatMap(({ key, colour, trace, of }) => {
+    const closest = closestOf(trace)
+    return closest ? [{ x: closest.time, y: closest.value, colour, line: key, hollow: of.dash.length > 0 }] : []
+  })
+  const [first, ...further] = [...new Set(thresholds)]
+  const told = (limit: number) => {
+    const of = runs.filter(({ run }) => run.threshold === limit).map(({ letter }) => letter)
+    return `Criterion${further.length > 0 ? ` of ${of.join(', ')}` : ''}, ${plain(limit)} ${unit}`
+  }
+  return {
+    label: `Separation over time of ${drawn.map(({ label }) => label).join(', ')}`,
+    x: xs,
+    lines: drawn.map(({ key, label, colour, of }, i): Line => {
+      return { key, label, colour, dash: of.dash, width: 1.8, y: linesOn(xs, curves[i] as Curve) }
+    }),
+    points,
+    xRange,
+    yRange: [0, top * 1.04 || 1],
+    yTitle: `Separation, ${unit}`,
+    xTitle: 'Time since start, s',
+    criterion: first === undefined ? undefined : { value: first, label: told(first), tint: true },
+    criteria: further.map((value) => ({ value, label: told(value), right: true })),
+    height: 340,
+    xText: (x) => `${fixed(x, 2)} s`,
+    yText: (y) => `${fixed(y, decimals)} ${unit}`,
+  }
+}
+
+export function ConvergenceOverlay({ runs, catalogue, className }: CardProps & { catalogue: Catalogue | undefined }) {
+  const unit = unitOf(runs) ?? ''
+  const searches = useMemo(
+    () =>
+      runs.flatMap((of) => {
+        const { run, stages, evaluations } = of
+        return searchesOf({ run, stages, evaluations, catalogue })
+          .map((search) => ({ of, search, curve: convergenceOf(search, 'evaluations') }))
+          .filter(({ curve }) => curve.x.length > 0)
+      }),
+    [runs, catalogue],
+  )
+  const spec = useMemo((): PlotSpec => {
+    const xs = union(searches.map(({ curve }) => curve))
+    const decimals = decimalsFor(
+      searches.flatMap(({ curve }) => curve.y),
+      5,
+    )
+    return {
+      label: `Convergence of ${searches.length} searches`,
+      x: xs,
+      lines: searches.map(({ of, search, curve }): Line => {
+        const look = methodLook(search.stage.method)
+        return {
+          key: `${of.letter} ${search.stage.position}`,
+          label: `${of.letter} ${search.title}`,
+          colour: look.colour,
+          dash: of.dash,
+          y: stepsOn(xs, curve),
+          stepped: true,
+          end: look.shape,
+        }
+      }),
+      yTitle: (
+        <>
+          Best <Sign text={runs[0]?.run.quantity ?? 'value'} /> so far, {unit}
+        </>
+      ),
+      xTitle: 'Evaluations of each method (log scale)',
+      xLog: true,
+      height: 280,
+      xText: (x) => `Evaluation ${count(x)}`,
+      yText: (y) => `${fixed(y, decimals)} ${unit}`,
+    }
+  }, [searches, runs, unit])
+  const table = () => ({
+    name: 'convergence',
+    columns: ['run', 'method', 'evaluations', `best so far, ${unit}`],
+    rows: searches.flatMap(({ of, search, curve }) => curve.x.map((x, i) => [of.id, search.title, x, curve.y[i] ?? null])),
+  })
+  const methods = [...new Map(searches.map(({ search }) => [search.stage.method, search.title]))]
+  return (
+    <ChartCard
+      title="Convergence"
+      note="Smallest value found by each method"
+      className={className}
+      id="convergence"
+      run={runs.map(({ id }) => id).join('-')}
+      data={table}
+      right={<RunKeys runs={runs} />}
+    >
+      {searches.length === 0 ? (
+        <p className="sec">No search has flown an evaluation yet.</p>
+      ) : (
+        <>
+          <Plot spec={spec} />
+          <div className="lg">
+            {methods.map(([method, title]) => (
+              <span key={method} className="k">
+                <MethodName method={method} title={title} />
+              </span>
+            ))}
+          </div>
+        </>
+      )}
+    </ChartCard>
+  )
+}

@@ -1,0 +1,101 @@
+// The runs that are compared, each with its letter; taking one out, putting one in.
+import { Select } from '@mantine/core'
+import { IconPlus, IconX } from '@tabler/icons-react'
+import { useQuery } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
+import { useState } from 'react'
+import { listRuns } from '../api/calls'
+import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import type { Compared, Comparison } from './data'
+import { MOST } from './search'
+
+interface PicksProps {
+  comparison: Comparison
+  ids: readonly string[]
+  onChange: (ids: string[]) => void
+}
+
+export function Picks({ comparison, ids, onChange }: PicksProps) {
+  const without = (id: string) => onChange(ids.filter((other) => other !== id))
+  return (
+    <div className="cmp-picks">
+      {comparison.runs.map((compared) => (
+        <Pick key={compared.id} compared={compared} onRemove={() => without(compared.id)} />
+      ))}
+      {comparison.missing.map(({ id, error }) => (
+        <div key={id} className="card cmp-pick" role="alert">
+          <span className="letter">?</span>
+          <div className="rn">
+            <b className="mono">{id}</b>
+            <small className="bad-t">{error.message}</small>
+          </div>
+          <Remove id={id} onRemove={() => without(id)} />
+        </div>
+      ))}
+      {ids.length < MOST && <Add ids={ids} onAdd={(id) => onChange([...ids, id])} />}
+    </div>
+  )
+}
+
+function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void }) {
+  const { run, letter } = compared
+  return (
+    <div className="card cmp-pick" data-run={run.id}>
+      <Letter of={letter} />
+      <div className="rn">
+        <Link to="/runs/$id" params={{ id: run.id }} className="b">
+          {run.name}
+        </Link>
+        <small>
+          <span className="mono">{run.id}</span> · {run.campaign_name}
+        </small>
+      </div>
+      <VerdictBadge outcome={outcomeOf(run)} />
+      <Remove id={run.id} onRemove={onRemove} />
+    </div>
+  )
+}
+
+export const Letter = ({ of }: { of: string }) => <span className={`letter letter-${of}`}>{of}</span>
+
+function Remove({ id, onRemove }: { id: string; onRemove: () => void }) {
+  const words = `Take ${id} out`
+  return (
+    <button type="button" className="iconbtn" onClick={onRemove} aria-label={words} title={words}>
+      <IconX className="i s" aria-hidden />
+    </button>
+  )
+}
+
+function Add({ ids, onAdd }: { ids: readonly string[]; onAdd: (id: string) => void }) {
+  const [text, setText] = useState('')
+  const found = useQuery({
+    queryKey: ['runs', 'to compare', text],
+    queryFn: () => listRuns({ q: text.replace(/ · .*/, '') }, null, 20),
+    placeholderData: (before) => before,
+  }).data
+  const options = (found?.items ?? [])
+    .filter((run) => !ids.includes(run.id))
+    .map((run) => ({ value: run.id, label: `${run.id} · ${run.name}` }))
+  return (
+    <Select
+      className="cmp-pick-add"
+      aria-label="Add a run to compare"
+      placeholder={ids.length === 0 ? 'Choose the first run' : ids.length === 1 ? 'Choose the second run' : 'Add a run'}
+      leftSection={<IconPlus className="i s" aria-hidden />}
+      data={options}
+      value={null}
+      searchable
+      searchValue={text}
+      onSearchChange={setText}
+      // The service has searched: what it found is shown.
+      filter={({ options: all }) => all}
+      nothingFoundMessage="No run matches"
+      onChange={(id) => {
+        if (!id) return
+        onAdd(id)
+        setText('')
+      }}
+    />
+  )
+}

@@ -1,0 +1,109 @@
+// The independent samples of the runs on one axis, each as a density, so that samples of different size can be compared.
+import { ChartCard } from '../charts/ChartCard'
+import { linearTicks, padded, tickDecimals } from '../charts/ticks'
+import { count, fixed, plain } from '../format/numbers'
+import { SvgSign } from '../ui/Sign'
+import { useWidth } from '../ui/useWidth'
+import { type Compared, sampleOf, unitOf } from './data'
+import { RunKeys } from './Overlays'
+
+interface Drawn {
+  of: Compared
+  edges: number[]
+  /** Share of the sample per unit of the value. */
+  density: number[]
+  samples: number
+  violations: number
+}
+
+export function Samples({ runs, className }: { runs: Compared[]; className: string }) {
+  const drawn = runs.flatMap((of): Drawn[] => {
+    const sample = sampleOf(of)
+    const { edges = [], counts = [] } = sample?.histogram ?? {}
+    const total = counts.reduce((sum, n) => sum + n, 0)
+    if (!sample || total === 0) return []
+    const density = counts.map((n, i) => n / total / ((edges[i + 1] ?? 0) - (edges[i] ?? 0) || 1))
+    return [{ of, edges, density, samples: sample.samples, violations: sample.violations }]
+  })
+  const table = () => ({
+    name: 'samples',
+    columns: ['run', 'from', 'to', 'density'],
+    rows: drawn.flatMap(({ of, edges, density }) => density.map((d, i) => [of.id, edges[i] ?? null, edges[i + 1] ?? null, d])),
+  })
+  if (unitOf(runs) === null) return null
+  return (
+    <ChartCard
+      title="Independent samples"
+      className={className}
+      id="samples"
+      run={runs.map(({ id }) => id).join('-')}
+      data={table}
+      right={<RunKeys runs={drawn.map(({ of }) => of)} />}
+      footer={drawn
+        .map(({ of, samples, violations }) => `${of.letter}: ${count(violations)} of ${count(samples)} violate`)
+        .join('; ')}
+    >
+      {drawn.length === 0 ? <p className="sec">None of the runs has an independent sample.</p> : <Densities drawn={drawn} />}
+    </ChartCard>
+  )
+}
+
+const [HEIGHT, LEFT, BOTTOM, RIGHT, TOP] = [280, 16, 38, 12, 22]
+
+function Densities({ drawn }: { drawn: Drawn[] }) {
+  const [holder, width] = useWidth(420)
+  const [first] = drawn
+  const values = drawn.flatMap(({ edges }) => edges)
+  const [least, most] = [Math.min(...values), Math.max(...values)]
+  const limits = [...new Set(drawn.flatMap(({ of }) => of.run.threshold ?? []))]
+  const shown = limits.filter((limit) => limit > least - 2 * (most - least) && limit < most + 2 * (most - least))
+  const [low, high] = padded([...values, ...shown], false, 0.04)
+  const peak = Math.max(...drawn.flatMap(({ density }) => density))
+  const x = (value: number) => LEFT + ((width - LEFT - RIGHT) * (value - low)) / (high - low)
+  const y = (density: number) => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - TOP) * density) / peak
+  const ticks = linearTicks(low, high, Math.max(3, width / 100))
+  return (
+    <div ref={holder}>
+      <div className="ytitle">Density of the sampled flights</div>
+      <svg className="ch" height={HEIGHT} role="img" aria-label="Independent samples of the runs as densities">
+        {ticks.map((tick) => (
+          <g key={tick}>
+            <path className="g" d={`M${x(tick)} ${TOP}V${HEIGHT - BOTTOM}`} />
+            <text x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
+              {fixed(tick, tickDecimals(ticks))}
+            </text>
+          </g>
+        ))}
+        {drawn.map(({ of, edges, density }, i) => (
+          <path
+            key={of.letter}
+            d={outline(edges, density, x, y)}
+            fill={i === 0 ? 'var(--c-nom)' : 'none'}
+            fillOpacity={0.45}
+            stroke="var(--ink-2)"
+            strokeWidth={i === 0 ? 1 : 1.7}
+            strokeDasharray={of.dash.join(' ') || undefined}
+          />
+        ))}
+        <path className="a" d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
+        {shown.map((limit, i) => (
+          <g key={limit}>
+            <path className="cr" d={`M${x(limit)} ${TOP - 8}V${HEIGHT - BOTTOM}`} />
+            <text className="lab halo" x={x(limit)} y={TOP - 11 + 13 * i} textAnchor={x(limit) > width / 2 ? 'end' : 'start'}>
+              Criterion {plain(limit)}
+            </text>
+          </g>
+        ))}
+        <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 4} textAnchor="middle">
+          <SvgSign text={first?.of.run.quantity ?? 'value'} />, {first?.of.run.unit}
+        </text>
+      </svg>
+      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion lies off this axis.</p>}
+    </div>
+  )
+}
+
+function outline(edges: number[], density: number[], x: (v: number) => number, y: (d: number) => number): string {
+  const steps = density.map((d, i) => `L${x(edges[i] ?? 0)} ${y(d)}H${x(edges[i + 1] ?? 0)}`)
+  return `M${x(edges[0] ?? 0)} ${y(0)}${steps.join('')}L${x(edges[edges.length - 1] ?? 0)} ${y(0)}`
+}

@@ -1,0 +1,97 @@
+// What the cards of the compare page share: each run with its letter, its dash and its answers. Start at `useCompared`.
+import { useQueries, useQuery } from '@tanstack/react-query'
+import { asCampaign } from '../api/campaign'
+import { catalogueQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
+import { type Sample, summaryOf } from '../api/results'
+import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
+import { uncertainOf, type UncertainParameter } from '../run/data'
+import { DASHES, LETTERS } from './search'
+
+export interface Compared {
+  id: string
+  letter: string
+  dash: readonly number[]
+  run: RunDetail
+  stages: StageDetail[]
+  findings: FindingDetail[]
+  evaluations: Evaluations | undefined
+  nominal: TraceData | undefined
+  worst: TraceData | undefined
+  parameters: UncertainParameter[]
+}
+
+export interface Comparison {
+  runs: Compared[]
+  catalogue: Catalogue | undefined
+  /** The runs that cannot be shown, with why. */
+  missing: { id: string; error: Error }[]
+  loading: boolean
+}
+
+export function useCompared(ids: readonly string[]): Comparison {
+  const catalogue = useQuery(catalogueQuery).data
+  const runs = useQueries({ queries: ids.map(runQuery) })
+  const known = ids.filter((_, i) => runs[i]?.data)
+  const stages = useQueries({ queries: known.map(stagesQuery) })
+  const findings = useQueries({ queries: known.map(findingsQuery) })
+  const evaluations = useQueries({ queries: known.map(evaluationsQuery) })
+  const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal')) })
+  const worst = useQueries({ queries: known.map((id) => traceOf(id, 'F1')) })
+  return {
+    catalogue,
+    loading: runs.some((query) => query.isPending),
+    missing: ids.flatMap((id, i) => {
+      const error = runs[i]?.data ? null : runs[i]?.error
+      return error ? [{ id, error }] : []
+    }),
+    runs: known.flatMap((id, i) => {
+      const at = ids.indexOf(id)
+      const run = runs[at]?.data
+      if (!run) return []
+      return {
+        id,
+        letter: LETTERS[at] ?? '',
+        dash: DASHES[at] ?? [],
+        run,
+        stages: stages[i]?.data ?? [],
+        findings: findings[i]?.data ?? [],
+        evaluations: evaluations[i]?.data,
+        nominal: nominal[i]?.data ?? undefined,
+        worst: worst[i]?.data ?? undefined,
+        parameters: uncertainOf(asCampaign(run.campaign), catalogue),
+      }
+    }),
+  }
+}
+
+/** A flight that may not be stored: then there is none, which is no error here. */
+const traceOf = (id: string, name: string) => {
+  const query = traceQuery(id, name)
+  return { ...query, retry: false, throwOnError: false }
+}
+
+/** The independent sample of a run: the certify stage's, else that of the first random search. */
+export function sampleOf({ stages }: Compared): Sample | null {
+  const told = stages.flatMap((stage) => {
+    const sample = (stage.result as { sample?: Sample | null } | null)?.sample
+    return sample ? [{ kind: stage.kind, sample }] : []
+  })
+  return (told.find(({ kind }) => kind === 'certify') ?? told[0])?.sample ?? null
+}
+
+/** When the worst flight came closest [s]. */
+export function closestOf(trace: TraceData | undefined): { time: number; value: number } | null {
+  const closest = trace?.meta.closest as { time?: unknown; value?: unknown } | null | undefined
+  if (typeof closest?.time !== 'number' || typeof closest.value !== 'number') return null
+  return { time: closest.time, value: closest.value }
+}
+
+export const boundOf = (compared: Compared): number | null => summaryOf(compared.run).statistics?.upper_bound ?? null
+
+/** The unit that all runs share; null where they do not, and nothing can be subtracted. */
+export function unitOf(runs: readonly Compared[]): string | null {
+  const [first] = runs
+  if (!first) return null
+  const same = runs.every(({ run }) => run.unit === first.run.unit && run.quantity === first.run.quantity)
+  return same ? first.run.unit : null
+}

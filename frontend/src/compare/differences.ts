@@ -1,0 +1,121 @@
+// What differs between campaigns: every setting under its address, with the values that the components' defaults give.
+// Start reading at `differences`.
+import { asCampaign } from '../api/campaign'
+import type { Catalogue, RunDetail } from '../client'
+import { boundsOf, numberOf, parametersOf } from '../launch/parameters'
+
+export type Setting = string | number | boolean | null
+
+export interface Row {
+  path: string
+  group: string
+  /** What it is, for a parameter of a component. */
+  text: string
+  unit: string
+  /** One for each run; undefined where the run has no such setting. */
+  values: (Setting | undefined)[]
+  differs: boolean
+}
+
+/** Words about a run, not about what it flies. */
+const WORDS = ['name', 'summary', 'notes', 'tags', 'published', 'version']
+const GROUPS: Record<string, string> = {
+  vehicle: 'Scenario',
+  controller: 'Scenario',
+  avoider: 'Scenario',
+  scenario: 'Scenario',
+  start: 'Scenario',
+  goal: 'Scenario',
+  obstacles: 'Scenario',
+  environment: 'Scenario',
+  faults: 'Scenario',
+  uncertain: 'Uncertain parameters',
+  correlations: 'Uncertain parameters',
+  criterion: 'Criterion',
+  objectives: 'Criterion',
+  stages: 'Methods and stages',
+}
+
+interface Entry {
+  value: Setting
+  text?: string
+  unit?: string
+}
+
+/** Every setting of every run, in the order of the first that has it. */
+export function differences(runs: readonly RunDetail[], catalogue: Catalogue | undefined): Row[] {
+  const all = runs.map((run) => settingsOf(run, catalogue))
+  const paths = [...new Set(all.flatMap((settings) => [...settings.keys()]))]
+  // A stage that is none in one run and has settings in another is told by those alone.
+  const inner = paths.filter((path) => !paths.some((other) => other.startsWith(`${path}.`)))
+  return inner.map((path) => {
+    const entries = all.map((settings) => settings.get(path))
+    const known = entries.find((entry) => entry !== undefined)
+    const values = entries.map((entry) => entry?.value)
+    return {
+      path,
+      group: GROUPS[path.split('.')[0] ?? ''] ?? 'Verdict and seed',
+      text: known?.text ?? '',
+      unit: known?.unit ?? '',
+      values,
+      differs: values.some((value) => value !== values[0]),
+    }
+  })
+}
+
+/** A campaign's settings by address: parameters by their path, with defaults; bounds as numbers; the rest as it stands. */
+export function settingsOf(run: Pick<RunDetail, 'campaign'>, catalogue: Catalogue | undefined): Map<string, Entry> {
+  const campaign = asCampaign(run.campaign)
+  const found = new Map<string, Entry>()
+  const listed = catalogue ? parametersOf(campaign, catalogue) : []
+  const known = new Map(listed.map((parameter) => [parameter.path, parameter]))
+  for (const { path, entry, nominal } of listed)
+    found.set(path, { value: numberOf(nominal), text: entry.text, unit: entry.unit })
+  for (const [path, uncertain] of Object.entries(campaign.uncertain)) {
+    const parameter = known.get(path)
+    const [low, high] = boundsOf(uncertain, parameter?.nominal ?? null).map(numberOf)
+    const about = { text: parameter?.entry.text, unit: parameter?.entry.unit ?? uncertain.unit ?? '' }
+    found.set(`uncertain.${path}.low`, { value: low ?? null, ...about })
+    found.set(`uncertain.${path}.high`, { value: high ?? null, ...about })
+    flatten(uncertain.distribution ?? { kind: 'uniform' }, `uncertain.${path}.distribution`, found)
+  }
+  flatten(rest(run.campaign, listed.length > 0), '', found)
+  return found
+}
+
+/** The document without words, bounds and, where the catalogue gives them, parameters. */
+function rest(campaign: Record<string, unknown>, known: boolean): Record<string, unknown> {
+  const kept = Object.fromEntries(
+    Object.entries(campaign).filter(([key]) => key !== 'uncertain' && !WORDS.includes(key)),
+  )
+  if (!known) return kept
+  return withoutParameters(kept) as Record<string, unknown>
+}
+
+function withoutParameters(value: unknown, key = ''): unknown {
+  if (Array.isArray(value)) return value.map((inner) => withoutParameters(inner, key))
+  if (value === null || typeof value !== 'object') return value
+  const part = 'component' in value
+  const dropped = key === 'scenario' ? ['start', 'goal'] : part && key !== 'objectives' ? ['parameters'] : []
+  const pairs = Object.entries(value).filter(([name]) => !dropped.includes(name))
+  return Object.fromEntries(pairs.map(([name, inner]) => [name, withoutParameters(inner, name)]))
+}
+
+function flatten(value: unknown, path: string, into: Map<string, Entry>): void {
+  if (value !== null && typeof value === 'object') {
+    const times = new Map<string, number>()
+    for (const [key, inner] of Object.entries(value)) {
+      const name = namedBy(inner) ?? key
+      const time = (times.get(name) ?? 0) + 1
+      times.set(name, time)
+      const told = time > 1 ? `${name} ${time}` : name
+      flatten(inner, path ? `${path}.${told}` : told, into)
+    }
+    return
+  }
+  if (value !== undefined) into.set(path, { value: value as Setting })
+}
+
+/** Searches are told apart by their methods, not by their place in the list; a second one of a method is numbered. */
+const namedBy = (value: unknown): string | null =>
+  typeof value === 'object' && value !== null && 'method' in value ? String(value.method) : null

@@ -1,0 +1,28 @@
+// Which runs are compared, as it stands in the address: /compare?runs=R-0001,R-0002.
+
+/** So many fit beside each other. */
+export const MOST = 4
+
+export interface CompareSearch {
+  /** Ids with commas between them. */
+  runs?: string
+  /** Whether what is equal is shown too. */
+  all?: boolean
+}
+
+export const LETTERS = ['A', 'B', 'C', 'D'] as const
+
+/** Solid, dashed, dotted, dash-dotted: the first run is drawn as on its own page. [px] */
+export const DASHES: readonly (readonly number[])[] = [[], [7, 4], [2, 3], [9, 3, 2, 3]]
+
+export function readCompare(search: Record<string, unknown>): CompareSearch {
+  const runs = idsOf(search.runs).join(',')
+  return { runs: runs || undefined, all: search.all === true || search.all === 1 || undefined }
+}
+
+/** The ids of a text, each once, at most `MOST` of them. */
+export function idsOf(runs: unknown): string[] {
+  if (typeof runs !== 'string') return []
+  const ids = runs.split(',').filter((id) => /^R-\d{1,15}$/.test(id))
+  return [...new Set(ids)].slice(0, MOST)
+}

@@ -37,7 +37,10 @@ export function ComponentsPage() {
       lede={`What a scenario is made of, in this installation (Clearance ${version}). A component is one file; the text here is the one at its head, so it is the one the code is held to.`}
       contents={roles.map(({ title, found }) => ({
         title,
-        entries: found.map((component) => ({ id: idOfComponent(component.role, component.name), name: component.title })),
+        entries: found.map((component) => ({
+          id: idOfComponent(component.role, component.name),
+          name: distinctTitle(component, found),
+        })),
       }))}
     >
       {roles.map(({ role, title, found }) => (
@@ -50,6 +53,12 @@ export function ComponentsPage() {
       ))}
     </HelpFrame>
   )
+}
+
+/** Some come in two forms, for the plane and for space. */
+function distinctTitle({ title, dimension }: ComponentEntry, among: readonly ComponentEntry[]): string {
+  const twice = among.filter((component) => component.title === title).length > 1
+  return twice && dimension ? `${title}, ${dimension === 2 ? 'in the plane' : 'in space'}` : title
 }
 
 function Component({ component }: { component: ComponentEntry }) {

@@ -13,7 +13,7 @@ export function Docstring({ text, titled = true }: { text: string; titled?: bool
             {part.text}
           </p>
         ) : (
-          <pre key={i} className={part.kind === 'equations' ? 'mono eq' : 'mono'}>
+          <pre key={i} className={part.kind === 'equations' ? 'mono eq' : 'mono'} tabIndex={0}>
             {part.text}
           </pre>
         ),

@@ -226,7 +226,7 @@ def signoffs(held: Held) -> list[Row]:
             "when": words.moment(s.created),
             "user": s.user,
             "comment": s.comment,
-            "digest": s.digest[:16],
+            "digest": s.digest[:12],
             "good": s.current and s.withdrawn is None,
             "standing": _standing(s),
         }

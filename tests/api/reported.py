@@ -34,10 +34,8 @@ def finish_fully(service: Service, verdict: Any = "cleared", text: str = SENTENC
     store.append(2, 0, search(0, 1000))
     store.finish(0, {"cost": 1.4, "margin": 0.9, "status": "ok"}, 0.01, traces=[flight("nominal", 301)])
     store.finish(1, sensitivity(), 0.1)
-    best = {"cost": 1.3, "margin": 0.8, "parameters": PARAMETERS, "index": 4}
-    ended = {"kind": "rule", "text": "did the 100 iterations asked for"}
-    store.finish(2, {"method": "direct", "title": "DIRECT", "kind": "global", "best": best, "stop": ended}, 1.0)
-    store.finish(3, {"sample": sample()}, 2.0)
+    store.finish(2, searched(), 1.0)
+    store.finish(3, {"sample": sample(), "grid": None, "stop": ENDED, "text": ""}, 2.0)
     store.finish(4, validated(), 0.5, findings=[finding()], traces=[flight("F1", 301, 0.8)])
     summary = {
         "verdict": verdict,
@@ -55,13 +53,29 @@ def finish_fully(service: Service, verdict: Any = "cleared", text: str = SENTENC
     store.conclude(Conclusion(verdict, text, 1.4, 1.3, "direct", summary))
 
 
+ENDED = {"kind": "rule", "text": "did the 100 iterations asked for"}
+COUNTS = {"evaluations": 1000, "failed": 100, "excluded": 0, "seconds": 1.0, "stop": ENDED}
+
+
+def searched() -> dict[str, Any]:
+    """DIRECT, which ended by its own rule."""
+    best = {"cost": 1.3, "margin": 0.8, "parameters": PARAMETERS, "index": 4}
+    named = {"method": "direct", "title": "DIRECT", "kind": "global"}
+    return {**named, **COUNTS, "best": best, "minima": [], "sample": None, "gap": None}
+
+
 def sensitivity() -> dict[str, Any]:
     """Two curves; one value of the second is not known."""
     mass, inertia = np.linspace(4, 6, 21), np.linspace(0.04, 0.06, 21)
     costs: list[float | None] = (1.4 - 0.05 * (mass - 5)).tolist()
     missing = [*costs[:-1], None]
     curves = [("vehicle.m", mass.tolist(), costs), ("vehicle.J", inertia.tolist(), missing)]
-    return {"points": 21, "curves": [{"path": p, "values": v, "costs": c, "status": ["ok"] * 21} for p, v, c in curves]}
+    return {
+        "points": 21,
+        "morris": None,
+        "sobol": None,
+        "curves": [{"path": p, "values": v, "costs": c, "status": ["ok"] * 21} for p, v, c in curves],
+    }
 
 
 def sample() -> dict[str, Any]:
@@ -78,7 +92,13 @@ def sample() -> dict[str, Any]:
         "deviation": 0.02,
         "histogram": {"edges": [1.3, 1.35, 1.4, 1.45], "counts": [400, 2000, 600]},
         "text": "0 of 3\u202f000 flights drawn violate the criterion: P(violation) is at most 0.0998 %",
-        "quantile": {"text": "at most 5 % of the flights have d_min below 1.33 m"},
+        "outside": 0.0,
+        "quantile": {
+            "share": 0.05,
+            "order": 131,
+            "bound": 1.33,
+            "text": "at most 5 % of the flights have d_min below 1.33 m",
+        },
     }
 
 
@@ -97,6 +117,7 @@ def validated() -> dict[str, Any]:
         {"name": name, "step": 0.005, "cost": 1.3, "half_step": half, "integrator": other, "allowed": 1e-3, "ok": True}
         for name in ("nominal", "F1")
     ]
-    beside = {"position": 2, "method": "direct", "to_near_best": 55, "findings": ["F1"]}
+    named = {"position": 2, "method": "direct", "title": "DIRECT", "kind": "global", "best": 1.3}
+    beside = {**named, **COUNTS, "to_near_best": 55, "findings": ["F1"]}
     text = "half the step and DOP853 agree for nominal and F1"
     return {"ok": True, "text": text, "tolerance": 1e-3, "cases": cases, "comparison": [beside]}

@@ -1,0 +1,163 @@
+"""From a finished run to evidence: files, the report, figures, a sign-off, and two runs beside each other.
+
+The runs are written as a worker writes them, so that nothing is flown here. Start reading at `finished`.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from PIL import Image
+from playwright.sync_api import Browser, Download, expect
+
+from backend.db.engine import default_url, migrate
+from backend.settings import Settings
+from tests.api.catalogue import campaign
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.e2e.browser import Visit, visiting
+from tests.e2e.test_whole_way import looks
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service with two finished runs that differ in the mass and in the budget."""
+    settings = Settings(data=tmp_path_factory.mktemp("evidence"), pages=Settings.load().pages)
+    assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
+    migrate(default_url(settings.data))
+    service = Service(settings)
+    service.start()
+    service.publish()
+    with service.signed_in() as client:
+        for mass, verdict in ((5.0, "cleared"), (5.5, "inconclusive")):
+            submit(client, mass)
+            finish_fully(service, verdict)
+    yield service
+    service.stop()
+
+
+def submit(client: httpx.Client, mass: float) -> None:
+    document: dict[str, Any] = campaign()
+    document["scenario"]["vehicle"]["parameters"]["m"] = mass
+    assert client.post("/api/v1/runs", json={"campaign": document, "name": f"Mass {mass:g}"}).status_code == 201
+
+
+@pytest.fixture(scope="module")
+def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
+    with visiting(browser, finished.url) as visit:
+        visit.go(f"/login?code={finished.login_code()}")
+        yield visit
+
+
+def saved(visit: Visit, entry: str) -> Download:
+    """A file of the Export menu."""
+    page = visit.page
+    page.get_by_role("button", name="Export").click()
+    with page.expect_download() as download:
+        page.get_by_role("menuitem", name=re.compile(f"^{entry}")).click()
+    page.keyboard.press("Escape")
+    return download.value
+
+
+def test_a_run_is_taken_away_as_files(visit: Visit) -> None:
+    visit.go("/runs/R-0001")
+    download = saved(visit, "Evaluations, CSV")
+    assert download.suggested_filename == "R-0001-mass-5-evaluations.csv"
+    with Path(download.path()).open(newline="") as file:
+        assert len(list(csv.reader(file))) == 1001
+    assert json.loads(saved(visit, "Everything, JSON").path().read_text())["run"]["id"] == "R-0001"
+    assert saved(visit, "Flights, MAT-file").path().read_bytes().startswith(b"MATLAB 5.0 MAT-file")
+
+
+def test_figures_are_saved_as_pictures(visit: Visit) -> None:
+    page = visit.page
+    for card, kind in (("separation", "PNG"), ("sample", "PNG"), ("sample", "SVG")):
+        page.locator(f"#{card}").get_by_role("button", name="Save figure").click()
+        with page.expect_download() as download:
+            page.get_by_role("menuitem", name=kind).click()
+        file = download.value.path()
+        assert download.value.suggested_filename.endswith(kind.lower())
+        if kind == "PNG":
+            picture = Image.open(file)
+            assert picture.width > 600
+            assert len(picture.convert("RGB").getcolors(1 << 24) or []) > 50
+        else:
+            drawn = ElementTree.parse(file).getroot()
+            assert len(list(drawn.iter("{http://www.w3.org/2000/svg}text"))) > 5
+
+
+def test_the_report_is_read_and_printed(visit: Visit) -> None:
+    page = visit.page
+    page.get_by_role("button", name="Export").click()
+    with page.context.expect_page() as opened:
+        page.get_by_role("menuitem", name="Safety-case report, HTML").click()
+    report = opened.value
+    wrong: list[str] = []
+    report.on("console", lambda message: wrong.append(message.text))
+    report.reload()
+    expect(report.get_by_role("heading", name="Mass 5", exact=True)).to_be_visible()
+    expect(report.get_by_text("No sign-off is recorded")).to_be_visible()
+    assert report.evaluate("document.fonts.check('12px \"Inter Variable\"')")
+    assert wrong == []
+    report.close()
+    page.keyboard.press("Escape")
+    printed = saved(visit, "Safety-case report, PDF")
+    assert printed.path().read_bytes().startswith(b"%PDF-")
+
+
+def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit) -> None:
+    page = visit.page
+    page.reload()
+    card = page.locator("#signoff")
+    expect(card).to_contain_text("Nobody has signed")
+    card.get_by_role("button", name="Sign off").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_role("textbox", name="Name").fill("Grace Hopper")
+    dialog.get_by_role("textbox", name="Comment").fill("Bounds agree with the hazard log.")
+    dialog.get_by_role("button", name="Sign off").click()
+    row = card.get_by_role("row", name=re.compile("Grace Hopper"))
+    expect(row).to_contain_text("Good")
+    row.get_by_role("button", name="Withdraw").click()
+    page.get_by_role("textbox", name="Reason").fill("Signed too early.")
+    page.get_by_role("dialog").get_by_role("button", name="Withdraw").click()
+    expect(row).to_contain_text(re.compile("Withdrawn .* Signed too early."))
+    visit.shot("signoff-1440-light")
+
+
+def test_two_runs_are_compared(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/compare?runs=R-0001,R-0002")
+    expect(page.get_by_test_id("change")).to_have_text("From cleared to inconclusive")
+    settings = page.locator("[data-setting]")
+    differing = ["vehicle.m", "uncertain.vehicle.m.low", "uncertain.vehicle.m.high"]
+    expect(settings).to_have_count(len(differing))
+    assert settings.evaluate_all("rows => rows.map((row) => row.dataset.setting)") == differing
+    expect(page.locator("[data-finding=F1]")).to_contain_text("+0.8000")
+    expect(page.locator("[data-row=worst]")).to_contain_text("0.000")
+    for name in ("^Separation over time", "^Convergence", "^Trajectories"):
+        expect(page.get_by_role("img", name=re.compile(name))).to_be_visible()
+    looks(visit, "compare")
+    page.get_by_role("button", name="All", exact=True).click()
+    expect(page).to_have_url(re.compile("all=true"))
+    assert settings.count() > 20
+
+
+def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
+    page = visit.page
+    page.get_by_role("button", name="Take R-0001 out").click()
+    expect(page).to_have_url(re.compile("runs=R-0002"))
+    expect(page.get_by_text("Choose two to 4 runs here")).to_be_visible()
+    page.get_by_role("combobox", name="Add a run to compare").fill("mass 5")
+    page.get_by_role("option", name=re.compile("R-0001")).click()
+    expect(page).to_have_url(re.compile("runs=R-0002(,|%2C)R-0001"))
+    expect(page.get_by_test_id("change")).to_have_text("From inconclusive to cleared")

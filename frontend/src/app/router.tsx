@@ -3,6 +3,7 @@ import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirec
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/chosen'
 import { readSearch } from '../runs/search'
+import { parseSearch, stringifySearch } from './address'
 import { Shell } from './Shell'
 import { Loading, NotFound, Trouble } from './Trouble'
 
@@ -86,6 +87,8 @@ const compare = createRoute({
 export const router = createRouter({
   routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, methods, components, compare]),
   defaultPreload: 'intent',
+  parseSearch,
+  stringifySearch,
   scrollRestoration: true,
   defaultPendingComponent: () => <Loading what="page" />,
   defaultErrorComponent: ({ error, reset }) => <Trouble error={error} retry={reset} />,

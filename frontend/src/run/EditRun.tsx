@@ -43,15 +43,19 @@ export function EditRun({ run }: { run: RunDetail }) {
 function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
   const [name, setName] = useState(run.name)
   const [tags, setTags] = useState<string[]>(run.tags)
+  // What is typed but not yet a tag is one when the form is sent. Taking it when the field is left would move the button
+  // away from under the pointer.
+  const [typed, setTyped] = useState('')
+  const all = [...new Set([...tags, ...typed.split(/[\s,]+/).filter(Boolean)])]
   const edit = useEdit(run, onDone)
   const known = useQuery(facetsQuery).data?.tags.map((tag) => tag.value) ?? []
-  const wrong = tags.filter((tag) => !/^[\p{L}\p{N}_.+-]{1,40}$/u.test(tag))
+  const wrong = all.filter((tag) => !/^[\p{L}\p{N}_.+-]{1,40}$/u.test(tag))
   return (
     <form
       className="panel"
       onSubmit={(event) => {
         event.preventDefault()
-        edit.mutate({ name: name.trim(), tags })
+        edit.mutate({ name: name.trim(), tags: all })
       }}
     >
       <label className="lbl">
@@ -75,6 +79,9 @@ function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
         splitChars={[',', ' ']}
         placeholder={tags.length === 0 ? 'Enter adds a tag' : undefined}
         onChange={setTags}
+        searchValue={typed}
+        onSearchChange={setTyped}
+        acceptValueOnBlur={false}
       />
       {wrong.length > 0 && (
         <p className="ferr">A tag is made of letters, digits and . _ + -, at most 40 of them: {wrong.join(', ')}</p>

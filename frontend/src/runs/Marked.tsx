@@ -1,12 +1,14 @@
 // What can be done with the selected runs together.
 import { Modal } from '@mantine/core'
-import { IconPinned, IconPlayerStop, IconX } from '@tabler/icons-react'
+import { IconGitCompare, IconPinned, IconPlayerStop, IconX } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
 import { useState } from 'react'
 import { cancelRuns, editRun } from '../api/calls'
 import { putRun } from '../api/events'
 import { isLive } from '../api/queries'
 import type { RunSummary } from '../client'
+import { MOST } from '../compare/search'
 import { count } from '../format/numbers'
 
 interface MarkedProps {
@@ -34,6 +36,12 @@ export function Marked({ runs, onClear }: MarkedProps) {
         <IconPinned className="i s" aria-hidden />
         {pinned ? 'Unpin' : 'Pin'}
       </button>
+      {runs.length > 1 && runs.length <= MOST && (
+        <Link to="/compare" search={{ runs: runs.map((run) => run.id).join(',') }} className="btn s">
+          <IconGitCompare className="i s" aria-hidden />
+          Compare {plural(runs.length)}
+        </Link>
+      )}
       <CancelMarked live={live} />
       <button type="button" className="iconbtn" onClick={onClear} aria-label="Clear selection" title="Clear selection">
         <IconX className="i s" aria-hidden />

@@ -11,7 +11,7 @@ import { Filters } from './Filters'
 import { Marked } from './Marked'
 import { NoRuns } from './NoRuns'
 import { RunTable } from './RunTable'
-import { CLEARED, filterOf, isNarrowed, type RunsSearch, written } from './search'
+import { CLEARED, filterOf, isNarrowed, type RunsSearch } from './search'
 
 export function RunsPage() {
   useTitle('Runs')
@@ -20,7 +20,7 @@ export function RunsPage() {
   const navigate = useNavigate()
   const query = useInfiniteQuery(runsQuery(filterOf(search)))
   const set = (change: Partial<RunsSearch>) =>
-    void navigate({ to: '/runs', search: written({ ...search, ...change }), replace: true })
+    void navigate({ to: '/runs', search: { ...search, ...change }, replace: true })
 
   const [marked, setMarked] = useState<ReadonlySet<string>>(new Set())
   const runs = useMemo(() => query.data?.pages.flatMap((page) => page.items) ?? [], [query.data])

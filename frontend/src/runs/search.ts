@@ -79,7 +79,7 @@ function columns(value: unknown): ColumnKey[] | undefined {
   return COLUMN_KEYS.filter((key) => asked.includes(key))
 }
 
-/** The address as a search; what it does not know is left out. Columns stand in it as `cols=worst,margin`. */
+/** The address as a search; what it does not know is left out. */
 export function readSearch(search: Record<string, unknown>): RunsSearch {
   const sort = text(search.sort)
   const found: RunsSearch = {
@@ -98,14 +98,6 @@ export function readSearch(search: Record<string, unknown>): RunsSearch {
     cols: Array.isArray(search.cols) ? columns(search.cols.join()) : columns(search.cols),
   }
   return Object.fromEntries(Object.entries(found).filter(([, value]) => value !== undefined))
-}
-
-/** The search as it stands in the address: short, without brackets where one word or a list of columns will do. */
-export function written(search: RunsSearch): RunsSearch {
-  const short = (value: unknown): unknown => (Array.isArray(value) && value.length === 1 ? value[0] : value)
-  const entries = Object.entries(search).filter(([, value]) => value !== undefined)
-  const { cols, ...rest } = Object.fromEntries(entries.map(([key, value]) => [key, key === 'cols' ? value : short(value)]))
-  return { ...rest, ...(Array.isArray(cols) && { cols: cols.join() }) } as RunsSearch
 }
 
 const DAY = 86_400_000

@@ -1,0 +1,29 @@
+// How what a page is set to stands in its address: plain words, a key once for each of several.
+
+/** The query of an address: every value a text, several under one key a list, yes and no as such. */
+export function parseSearch(text: string): Record<string, unknown> {
+  const found: Record<string, unknown> = {}
+  for (const [key, value] of new URLSearchParams(text.replace(/^\?/, ''))) {
+    const meant = value === 'true' ? true : value === 'false' ? false : value
+    const before = found[key]
+    if (before === undefined) found[key] = meant
+    else if (Array.isArray(before)) before.push(meant)
+    else found[key] = [before, meant]
+  }
+  return found
+}
+
+const written = (value: unknown): string => (typeof value === 'string' ? value : JSON.stringify(value))
+
+export function stringifySearch(search: Record<string, unknown>): string {
+  const query = new URLSearchParams()
+  for (const [key, value] of Object.entries(search)) {
+    if (value === undefined || value === null) continue
+    if (!Array.isArray(value)) query.append(key, written(value))
+    else if (value.length === 0) query.append(key, '')
+    else for (const item of value) query.append(key, written(item))
+  }
+  // Commas and colons may stand as they are, and read better so.
+  const text = query.toString().replaceAll('%2C', ',').replaceAll('%3A', ':')
+  return text ? `?${text}` : ''
+}

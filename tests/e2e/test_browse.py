@@ -1,0 +1,275 @@
+"""Runs browsed, written on, selected and explained, as engineers who share them do.
+
+The tests of this file are one story, in order, over runs that a worker really flew.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+from playwright.sync_api import Page, expect
+
+from backend.db.engine import connect, default_url
+from backend.db.tables import Run
+from tests.e2e.browser import PATIENCE, Visit
+from tests.e2e.test_whole_way import api, looks
+from tests.faults.processes import until
+from tests.faults.test_serve import Service
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
+
+QUICK = {
+    "sensitivity": {"points": 3},
+    "search": [
+        {"method": "direct", "evaluations": 300},
+        {"method": "sqp", "evaluations": 300},
+        {"method": "monte_carlo", "evaluations": 300},
+    ],
+    "validate": {"neighbours": 20},
+}
+NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>.\n\n- [x] flown"
+WATCH = """
+    window.told = [];
+    window.Notification = class extends window.Notification {
+        constructor(title, more) { super(title, more); told.push([title, more.body]); }
+    };
+"""
+"""Writes down what the page has the browser show."""
+
+
+def post(visit: Visit, path: str, data: Any) -> Any:
+    """Ask the API as this browser's session."""
+    answer = visit.page.request.post(f"{visit.address}/api/v1{path}", data=data, headers={"Origin": visit.address})
+    assert answer.ok, answer.text()
+    return answer.json()
+
+
+def fly(visit: Visit, case: str, **given: Any) -> str:
+    """Submit a quick run of a shipped case."""
+    document = api(visit, f"/campaigns/{case}")["document"] | {"stages": QUICK | given.pop("stages", {})}
+    return str(post(visit, "/runs", {"campaign": document, **given})["id"])
+
+
+def over(visit: Visit, run: str) -> bool:
+    return api(visit, f"/runs/{run}")["state"] == "done"
+
+
+@pytest.fixture(scope="module")
+def runs(signed_in: Visit) -> list[str]:
+    """Three runs that are over: two of case 1, one of case 2."""
+    found = [
+        fly(signed_in, "unicycle_static", name="Full box", tags=["release-2.4", "baseline"]),
+        fly(signed_in, "unicycle_static", name="Once more", tags=["baseline"]),
+        fly(signed_in, "pioneer_moving", name="Intruder", tags=["moving"]),
+    ]
+    until(lambda: all(over(signed_in, run) for run in found), "all three over", 240)
+    return found
+
+
+def named(page: Page) -> list[str]:
+    return [row.get_attribute("data-run") or "" for row in page.locator("tr[data-run]").all()]
+
+
+def test_the_list_is_narrowed_and_ordered_by_the_address(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    signed_in.go("/runs")
+    expect(page.locator("tr[data-run]")).to_have_count(3)
+    page.get_by_role("button", name="Tag: any").click()
+    page.get_by_role("dialog").get_by_role("checkbox", name="baseline").check()
+    expect(page.locator("tr[data-run]")).to_have_count(2)
+    expect(page).to_have_url(re.compile("tag=baseline"))
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Margin").click()
+    expect(page).to_have_url(re.compile("sort=margin"))
+    page.reload()
+    expect(page.locator("tr[data-run]")).to_have_count(2)
+    expect(page.get_by_role("columnheader", name="Margin")).to_have_attribute("aria-sort", "ascending")
+    page.get_by_role("button", name="Clear all").click()
+    expect(page.locator("tr[data-run]")).to_have_count(3)
+    page.get_by_role("button", name="Columns").click()
+    page.get_by_role("dialog").get_by_role("checkbox", name="Failed evaluations").check()
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("columnheader", name="Failed")).to_be_visible()
+    expect(page).to_have_url(re.compile("cols=.*failed"))
+    signed_in.go("/runs?campaign=Pioneer+3-DX%2C+moving+intruder&days=1")
+    expect(page.locator("tr[data-run]")).to_have_count(1)
+    expect(page.locator("tr[data-run]")).to_contain_text("Intruder")
+
+
+def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    signed_in.go(f"/runs/{runs[0]}")
+    page.get_by_role("button", name="Change name and tags").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("Name").fill("Release 2.4, full box")
+    dialog.get_by_label("Tags").fill("assessed")
+    dialog.get_by_role("button", name="Save").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Release 2.4, full box")
+    page.get_by_role("button", name="Pin this run").click()
+    expect(page.get_by_role("button", name="Unpin this run")).to_be_visible()
+    notes = page.locator("#notes")
+    notes.get_by_role("button", name="Write").click()
+    notes.get_by_label("Notes in Markdown").fill(NOTES)
+    notes.get_by_role("button", name="Save notes").click()
+    expect(notes.get_by_role("heading", name="Why")).to_be_visible()
+    expect(notes.locator("em")).to_have_text("planning radius")
+    expect(notes.locator("b")).to_have_count(0)
+    expect(notes).to_contain_text("<b>75 m</b>")
+    kept = api(signed_in, f"/runs/{runs[0]}")
+    assert (kept["notes"], kept["pinned"]) == (NOTES, True)
+    assert kept["tags"] == ["release-2.4", "baseline", "assessed"]
+    notes.scroll_into_view_if_needed()
+    signed_in.shot("notes-1440-light", full=False)
+    signed_in.go("/runs?sort=created")
+    expect(page.locator("tr[data-run]")).to_have_count(3)
+    assert named(page)[0] == runs[0]
+
+
+def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    found = api(signed_in, f"/runs/{runs[2]}/findings")
+    signed_in.go(f"/runs/{runs[2]}")
+    rows = page.locator("#findings tr[data-finding]")
+    expect(rows).to_have_count(len(found) + 1)
+    for finding in found:
+        row = page.locator(f"tr[data-finding={finding['label']}]")
+        expect(row).to_contain_text("alidated")
+        if not finding["found"]:
+            expect(row).to_contain_text("found by polishing only")
+    expect(page.locator("tr[data-finding=F1]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
+    page.locator("tr[data-finding=nominal]").click()
+    expect(page).to_have_url(re.compile("finding=nominal"))
+    expect(page.get_by_role("heading", name="Nominal flight")).to_be_visible()
+    expect(page.get_by_role("img", name="Separation over time, nominal flight, with the criterion")).to_be_visible()
+    page.keyboard.press("k")
+    last = found[-1]["label"]
+    expect(page.locator(f"tr[data-finding={last}]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
+    shown = page.get_by_test_id("worst-cost").inner_text()
+    assert abs(float(shown) - found[-1]["cost"]) <= 0.5001 * 10.0 ** -len(shown.partition(".")[2])
+    expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile("R-0003/"))
+    looks(signed_in, "findings", lambda visit: visit.page.locator("#findings").scroll_into_view_if_needed())
+
+
+def test_selected_runs_are_cancelled_together(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    search = [{"method": "direct", "evaluations": 9_000_000, "options": {"iterations": 1_000_000}}]
+    long = [fly(signed_in, "unicycle_static", name=f"Long {i}", stages={"search": search}) for i in range(2)]
+    signed_in.go("/runs?show=running")
+    signed_in.go("/runs")
+    for run in long:
+        page.get_by_role("checkbox", name=f"Select {run}").check()
+    expect(page.get_by_text("2 selected")).to_be_visible()
+    page.get_by_role("button", name="Cancel 2 runs").click()
+    page.get_by_role("dialog").get_by_role("button", name="Cancel 2 runs").click()
+    for run in long:
+        expect(page.locator(f"tr[data-run={run}]")).to_contain_text("Cancelled", timeout=PATIENCE)
+        assert api(signed_in, f"/runs/{run}")["state"] == "cancelled"
+
+
+def test_the_keys_are_told_and_work(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    signed_in.go(f"/runs/{runs[0]}")
+    expect(page.get_by_role("heading", name="Findings")).to_be_visible()
+    page.keyboard.press("?")
+    dialog = page.get_by_role("dialog", name="Keys")
+    expect(dialog).to_contain_text("Next and previous run")
+    signed_in.shot("keys-1440-light", full=False)
+    page.keyboard.press("Escape")
+    expect(dialog).to_be_hidden()
+    page.keyboard.press("/")
+    expect(page.get_by_label("Search runs")).to_be_focused()
+    page.keyboard.type("once more")
+    expect(page.locator("tr[data-run]")).to_have_count(1)
+    page.keyboard.press("Escape")
+    page.keyboard.press("j")
+    page.keyboard.press("x")
+    expect(page.get_by_text("1 selected")).to_be_visible()
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile(f"/runs/{runs[1]}$"))
+    page.keyboard.press("n")
+    expect(page).to_have_url(re.compile("/launch"))
+
+
+def test_word_comes_when_a_run_ends(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.context.grant_permissions(["notifications"], origin=signed_in.address)
+    page.add_init_script(WATCH)
+    search = [{"method": "direct", "evaluations": 60_000, "options": {"iterations": 100_000}}]
+    run = fly(signed_in, "unicycle_static", name="Awaited", stages={"search": search})
+    signed_in.go(f"/runs/{run}")
+    page.get_by_role("button", name="Notify me").click()
+    expect(page.get_by_role("button", name="Will notify")).to_be_visible()
+    signed_in.go("/help")
+    until(lambda: page.evaluate("told.length > 0"), "a notification", 120)
+    title, body = page.evaluate("told[0]")
+    assert re.fullmatch(rf"{run} (cleared|inconclusive)", title)
+    assert body.startswith("Awaited: margin +0.")
+
+
+def test_help_explains_methods_verdicts_and_components(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    signed_in.go(f"/runs/{runs[0]}")
+    page.get_by_role("link", name="What this means").click()
+    expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
+    looks(signed_in, "help-verdicts")
+    catalogue = api(signed_in, "/components")
+    page.get_by_role("link", name="Search methods").click()
+    for method in catalogue["methods"]:
+        expect(page.locator(f"#{method['name']}")).to_contain_text(method["source"])
+    looks(signed_in, "help-methods")
+    page.get_by_role("navigation", name="Help").get_by_role("link", name="Components").click()
+    expect(page.locator("#vehicle-unicycle")).to_contain_text("dx/dt = v cos(theta)")
+    expect(page.locator("#vehicle-unicycle")).to_contain_text("Source:")
+    for component in catalogue["components"]:
+        expect(page.locator(f"[id='{component['role']}-{component['name']}']")).to_have_count(1)
+    signed_in.shot("help-components-1440-light", full=False)
+    signed_in.go("/launch?case=unicycle_static")
+    page.get_by_text("Equations and source").first.click()
+    page.get_by_role("link", name="In the help").first.click()
+    expect(page).to_have_url(re.compile("/help/components#vehicle-unicycle"))
+    expect(page.locator("#vehicle-unicycle")).to_be_in_viewport()
+
+
+def test_the_api_page_describes_and_tries_the_api(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    signed_in.go("/docs")
+    expect(page.get_by_role("heading", name="API", exact=True)).to_be_visible()
+    operation = page.locator("#get_run")
+    operation.get_by_label("run of get_run").fill(runs[0])
+    expect(operation).to_contain_text(f"/api/v1/runs/{runs[0]}")
+    operation.get_by_role("button", name="Send").click()
+    expect(operation.get_by_label("Answer")).to_contain_text('"campaign_digest"')
+    operation.get_by_text(re.compile("^Answer 200")).click()
+    expect(operation).to_contain_text("campaign_digest")
+    page.locator("#list_runs").get_by_role("button", name="Send").click()
+    expect(page.locator("#list_runs").get_by_label("Answer")).to_contain_text('"next_cursor"')
+    looks(signed_in, "api")
+
+
+def test_ten_thousand_runs_scroll(signed_in: Visit, service: Service, runs: list[str]) -> None:
+    page = signed_in.page
+    engine = connect(default_url(service.data))
+    with engine.begin() as writer:
+        names = [column.name for column in Run.__table__.columns if column.name not in ("id", "name")]
+        kept = writer.execute(sa.select(*(Run.__table__.c[name] for name in names)).where(Run.id == 1)).one()
+        row = dict(zip(names, kept, strict=True)) | {"pinned": False}
+        writer.execute(sa.insert(Run), [row | {"name": f"copy {i}"} for i in range(10_000)])
+    engine.dispose()
+    signed_in.go("/runs?sort=name")
+    expect(page.locator("tr[data-run]").first).to_be_visible()
+    expect(page.get_by_role("button", name=re.compile("^All"))).to_contain_text("10")
+    assert page.locator("tr[data-run]").count() < 80
+    page.get_by_role("button", name="Clear all").count()
+    first = set(named(page))
+
+    def further() -> bool:
+        page.mouse.wheel(0, 4000)
+        assert page.locator("tr[data-run]").count() < 80
+        return bool(page.evaluate("scrollY > 12000"))
+
+    until(further, "three hundred rows further down", 60)
+    assert first.isdisjoint(named(page))
+    looks(signed_in, "runs-many")

@@ -5,6 +5,7 @@ Start reading at `uncertain`.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from markupsafe import Markup
@@ -215,6 +216,25 @@ def validation(held: Held) -> list[Row]:
             "reason": other.get("reason") or "",
         })  # fmt: skip
     return rows
+
+
+def doubts(held: Held) -> list[str]:
+    """Where this installation may describe other components than those that flew: its texts, defaults and bounds."""
+    if held.catalogue is None:
+        return ["this installation has no catalogue of components: units, bounds and texts are not known here"]
+    found = []
+    flown = (held.summary.get("provenance") or {}).get("clearance")
+    if flown is not None and flown != held.catalogue.version:
+        found.append(
+            f"the run was flown with clearance {flown}, and the components are described by {held.catalogue.version}: "
+            "their texts and default values may not be those that flew"
+        )
+    nominal = next((case.meta.get("parameters") or {} for case in held.cases if case.label == "Nominal"), {})
+    for path, (value, _, _) in held.limits.items():
+        if path in nominal and not math.isclose(nominal[path], value, rel_tol=1e-12, abs_tol=1e-300):
+            flew, here = words.plain(nominal[path], 12), words.plain(value, 12)
+            found.append(f"{path} was {flew} in the nominal flight, and {here} is its nominal value here")
+    return found
 
 
 def signoffs(held: Held) -> list[Row]:

@@ -97,6 +97,7 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "sample": charts.sample(held),
         "sensitivity": held.result("sensitivity"),
         "fig": charts.drawn(held),
+        "doubts": sections.doubts(held),
         "signoffs": sections.signoffs(held),
         "flights": _flights(held),
         "origin": _origin(held),

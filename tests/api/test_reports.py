@@ -12,7 +12,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.tables import CatalogueDocument
+from backend.db.tables import CatalogueDocument, Trace
 from backend.reports import pdf, plot, sections, words
 from tests.api.catalogue import campaign
 from tests.api.finished import Work, finish
@@ -142,6 +142,18 @@ def test_without_a_catalogue_the_model_is_said_to_be_unknown(service: Service, c
     text = report(client, run)
     assert "does not know the component" in text
     assert "not in the catalogue of this installation" in text
+
+
+def test_components_that_may_have_changed_since_are_named(service: Service, client: httpx.Client, run: str) -> None:
+    text = report(client, run)
+    assert "flown with clearance 0.1.0, and the components are described by test" in text
+    with service.engine.begin() as connection:
+        trace = sa.select(Trace.meta).where(Trace.name == "nominal")
+        meta = connection.scalar(trace) | {"parameters": {"vehicle.m": 5.5, "vehicle.J": 0.05}}  # type: ignore[operator]
+        connection.execute(sa.update(Trace).where(Trace.name == "nominal").values(meta=meta))
+    text = report(client, run)
+    assert "vehicle.m was 5.5 in the nominal flight, and 5 is its nominal value here" in text
+    assert "vehicle.J was" not in text
 
 
 @pytest.mark.skipif(pdf.browser() is None, reason="no Chromium on this machine")

@@ -16,26 +16,34 @@ export function ExportMenu({ run }: { run: RunDetail }) {
   const files = data?.filter((file) => file.media_type !== 'application/pdf')
   const pdf = data?.find((file) => file.media_type === 'application/pdf')
   return (
-    <Menu opened={opened} onChange={setOpened} position="bottom-end" width={340}>
-      <Menu.Target>
-        <button type="button" className="btn">
-          <IconDownload className="i s" aria-hidden />
-          Export
-        </button>
-      </Menu.Target>
-      <Menu.Dropdown>
-        <Menu.Label>Files of {run.id}</Menu.Label>
-        {pdf && <PdfEntry file={pdf} />}
-        {files?.map((file) => (
-          <Entry key={file.href} file={file} />
-        ))}
-        {!data && <Menu.Item disabled>{error ? error.message : 'Asking what there is …'}</Menu.Item>}
-        <Menu.Divider />
-        <p className="small mut" style={{ padding: '4px 12px 8px' }}>
-          Figures: the picture button of each chart saves it as PNG or SVG.
-        </p>
-      </Menu.Dropdown>
-    </Menu>
+    <>
+      {run.verdict && (
+        <a className="btn" href={`/api/v1/runs/${run.id}/report.html`} target="_blank" rel="noreferrer">
+          <IconFileText className="i s" aria-hidden />
+          Safety-case report
+        </a>
+      )}
+      <Menu opened={opened} onChange={setOpened} position="bottom-end" width={340}>
+        <Menu.Target>
+          <button type="button" className="btn">
+            <IconDownload className="i s" aria-hidden />
+            Export
+          </button>
+        </Menu.Target>
+        <Menu.Dropdown>
+          <Menu.Label>Files of {run.id}</Menu.Label>
+          {pdf && <PdfEntry file={pdf} />}
+          {files?.map((file) => (
+            <Entry key={file.href} file={file} />
+          ))}
+          {!data && <Menu.Item disabled>{error ? error.message : 'Asking what there is …'}</Menu.Item>}
+          <Menu.Divider />
+          <p className="small mut" style={{ padding: '4px 12px 8px' }}>
+            Figures: the picture button of each chart saves it as PNG or SVG.
+          </p>
+        </Menu.Dropdown>
+      </Menu>
+    </>
   )
 }
 

@@ -109,38 +109,44 @@ def _bare(part: Part) -> list[Row]:
 
 
 def methods(held: Held) -> list[Row]:
-    """The searches: settings, budget, what each found and how it ended."""
+    """The searches that are asked for: settings, budget, what each found and how it ended, as far as it has begun."""
     compared = {row["position"]: row for row in held.result("validate").get("comparison", [])}
-    searches = [stage for stage in held.stages if stage.kind == "search"]
-    asked = dict(zip((s.position for s in searches), held.campaign.stages.search, strict=False))
-    bests = [stage.best for stage in searches]
+    begun = [stage for stage in held.stages if stage.kind == "search"]
+    bests = [stage.best for stage in begun]
     decimals = words.decimals_apart(bests, 4, 6)
     lowest = min((b for b in bests if b is not None), default=None)
     rows = []
-    for stage in searches:
-        result, beside = stage.result or {}, compared.get(stage.position, {})
-        setting = asked.get(stage.position)
-        entry = held.catalogue.method(stage.method or "") if held.catalogue else None
-        above = None if stage.best is None or lowest is None else stage.best - lowest
+    for i, asked in enumerate(held.campaign.stages.search):
+        stage = begun[i] if i < len(begun) else None
+        result, beside = (stage.result or {}, compared.get(stage.position, {})) if stage else ({}, {})
+        entry = held.catalogue.method(asked.method) if held.catalogue else None
+        best = stage.best if stage else None
+        above = None if best is None or lowest is None else best - lowest
         rows.append({
-            "colour": figures.METHODS.get(stage.method or "", "#77838f"),
-            "title": result.get("title") or (entry.title if entry else stage.method),
+            "title": result.get("title") or (entry.title if entry else asked.method),
             "how": entry.how if entry else "",
             "source": entry.source if entry else "",
-            "evaluations": words.count(stage.evaluations),
-            "budget": words.count(stage.planned),
-            "failed": words.count(stage.failed),
-            "excluded": words.count(stage.excluded),
-            "best": words.fixed(stage.best, decimals),
+            "evaluations": words.count(stage.evaluations if stage else 0),
+            "budget": words.count(asked.evaluations),
+            "failed": words.count(stage.failed if stage else 0),
+            "excluded": words.count(stage.excluded if stage else 0),
+            "best": words.fixed(best, decimals),
             "above": "best" if above == 0 else words.signed(above, decimals),
-            "near": words.count(beside["to_near_best"]) if beside.get("to_near_best") else "not reached",
-            "seconds": words.seconds(stage.seconds),
+            "near": _near(beside),
+            "seconds": words.seconds(stage.seconds) if stage else NONE,
             "stop": (result.get("stop") or {}).get("text") or "not ended",
-            "findings": ", ".join(beside.get("findings", [])) or "none",
-            "options": _options(setting.options if setting else {}),
-            "starts": len(setting.starts) if setting else 0,
+            "findings": (", ".join(beside.get("findings", [])) or "none") if beside else NONE,
+            "options": _options(asked.options),
+            "starts": len(asked.starts),
         })  # fmt: skip
     return rows
+
+
+def _near(beside: dict[str, Any]) -> str:
+    """After how many evaluations a method came near the best known; a dash while the methods were not compared."""
+    if not beside:
+        return NONE
+    return words.count(beside["to_near_best"]) if beside.get("to_near_best") else "not reached"
 
 
 def _options(options: dict[str, Any]) -> str:

@@ -147,8 +147,9 @@ def _origin(held: Held) -> list[tuple[str, str]]:
 
 def _margins(held: Held) -> str:
     """What stands at the head and foot of every printed page: numbers of ours only, nothing that a person wrote."""
+    right = "" if held.run.verdict else '@top-right{content:"No verdict: no evidence for a safety case"}'
     return (
-        f'@page{{@top-left{{content:"Verification report CLR-{held.run.id}-{held.digest[:8]}"}}'
+        f'@page{{{right}@top-left{{content:"Verification report CLR-{held.run.id}-{held.digest[:8]}"}}'
         f'@bottom-left{{content:"Clearance {VERSION}, results sha256 {held.digest[:16]}"}}}}'
     )
 

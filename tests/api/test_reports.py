@@ -114,7 +114,10 @@ def test_other_verdicts_are_told_as_such(service: Service, client: httpx.Client,
 
 def test_an_unfinished_run_claims_nothing(service: Service, client: httpx.Client) -> None:
     run = submit(client)
-    assert "Queued: no verdict" in report(client, run)
+    queued = report(client, run)
+    assert "Queued: no verdict" in queued
+    assert "not ended" in queued
+    assert 'content:"No verdict' in queued
     work = Work(service)
     work.nominal()
     work.search(0, 700)

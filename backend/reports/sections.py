@@ -270,32 +270,3 @@ def components(held: Held) -> dict[str, str]:
     """Titles of vehicle, controller and avoider, by role."""
     rows = [row for row in model(held) if row["role"] in ("Vehicle", "Controller", "Avoidance")]
     return {row["role"].lower(): row["title"] for row in rows}
-
-
-WRAPPED = 85
-"""A line of a text that is at least so long was broken by its author's editor, not by its author."""
-
-
-def flowed(text: str) -> str:
-    """Text whose lines are put together where they were broken for width only."""
-    found: list[str] = []
-    whole = True
-    for line in text.strip().splitlines():
-        if whole or not line.strip():
-            found.append(line)
-        else:
-            found[-1] += f" {line.strip()}"
-        whole = len(line) < WRAPPED
-    return "\n".join(found)
-
-
-def paragraphs(text: str) -> list[Markup]:
-    """A component's text: prose as paragraphs, indented equations as they stand."""
-    found = []
-    for block in text.strip("\n").split("\n\n"):
-        inset = all(line.startswith("    ") for line in block.splitlines() if line.strip())
-        form = "<pre>{}</pre>" if inset else "<p>{}</p>"
-        found.append(
-            Markup(form).format("\n".join(line[4:] for line in block.splitlines()) if inset else flowed(block))
-        )
-    return found

@@ -102,8 +102,8 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "flights": _flights(held),
         "origin": _origin(held),
         "w": words,
-        "paragraphs": sections.paragraphs,
-        "flowed": sections.flowed,
+        "paragraphs": words.paragraphs,
+        "flowed": words.flowed,
     }
 
 

@@ -164,3 +164,32 @@ def sentence(text: str | None, symbol: str = "") -> Markup:
     if clean and not clean.startswith(symbol or "\0"):
         clean = clean[0].upper() + clean[1:]
     return prose(clean if clean.endswith(".") else f"{clean}.", symbol) if clean else Markup("")
+
+
+WRAPPED = 85
+"""A line of a text that is at least so long was broken by its author's editor, not by its author."""
+
+
+def flowed(text: str) -> str:
+    """Text whose lines are put together where they were broken for width only."""
+    found: list[str] = []
+    whole = True
+    for line in text.strip().splitlines():
+        if whole or not line.strip():
+            found.append(line)
+        else:
+            found[-1] += f" {line.strip()}"
+        whole = len(line) < WRAPPED
+    return "\n".join(found)
+
+
+def paragraphs(text: str) -> list[Markup]:
+    """A component's text: prose as paragraphs, indented equations as they stand."""
+    found = []
+    for block in text.strip("\n").split("\n\n"):
+        inset = all(line.startswith("    ") for line in block.splitlines() if line.strip())
+        form = "<pre>{}</pre>" if inset else "<p>{}</p>"
+        found.append(
+            Markup(form).format("\n".join(line[4:] for line in block.splitlines()) if inset else flowed(block))
+        )
+    return found

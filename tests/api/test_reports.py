@@ -13,7 +13,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument, Trace
-from backend.reports import pdf, plot, sections, words
+from backend.reports import pdf, plot, words
 from tests.api.catalogue import campaign
 from tests.api.finished import Work, finish
 from tests.api.reported import finish_fully
@@ -212,4 +212,4 @@ def test_numbers_as_in_print() -> None:
     assert words.unit("N s2/m") == "N·s²/m"
     assert words.prose("a < d_min and d_min2", "d_min") == 'a &lt; <i class="v">d</i><sub>min</sub> and d_min2'
     assert plot.linear_ticks(-2, 2, 4) == [-2, -1, 0, 1, 2]
-    assert sections.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"
+    assert words.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"

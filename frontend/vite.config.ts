@@ -14,7 +14,7 @@ export default defineConfig({
   },
   server: {
     proxy: Object.fromEntries(
-      ['/api', '/login', '/view', '/docs'].map((path) => [path, { target: service, ws: true }]),
+      ['/api', '/login', '/view'].map((path) => [path, { target: service, ws: true }]),
     ),
   },
   test: { environment: 'node', include: ['src/**/*.test.{ts,tsx}'] },

@@ -47,6 +47,13 @@ export interface Column {
   cell: (run: RunSummary, context: CellContext) => ReactNode
 }
 
+/** The tags that fit into the column, at least one; a tag is some letters and its own edges wide. */
+function fitting(tags: readonly string[]): readonly string[] {
+  let room = 26
+  const most = tags.findIndex((tag) => (room -= tag.length + 3) < 0)
+  return most < 0 ? tags : tags.slice(0, Math.max(1, most))
+}
+
 const unitOf = ({ unit }: Common): string => unit ?? ''
 const named = (text: string) => () => text
 const amount = (value: number | null, run: RunSummary, { units }: CellContext): string =>
@@ -197,15 +204,26 @@ export const COLUMNS: readonly Column[] = [
     head: named('Tags'),
     width: 176,
     sort: 'tags',
-    cell: (run, { onTag }) => (
-      <span className="cut">
-        {run.tags.map((tag) => (
-          <button key={tag} type="button" className="tag" onClick={() => onTag(tag)} title={`Show runs tagged ${tag}`}>
-            {tag}
-          </button>
-        ))}
-      </span>
-    ),
+    cell: (run, { onTag }) => {
+      const shown = fitting(run.tags)
+      const more = run.tags.slice(shown.length)
+      return (
+        <span className="cut">
+          {shown.map((tag) => (
+            <button key={tag} type="button" className="tag" onClick={() => onTag(tag)} title={`Show runs tagged ${tag}`}>
+              {tag}
+            </button>
+          ))}
+          {more.length > 0 && (
+            <span className="small mut" title={more.join(', ')}>
+              {' '}
+              +{more.length}
+              <span className="sr"> more: {more.join(', ')}</span>
+            </span>
+          )}
+        </span>
+      )
+    },
   },
   {
     key: 'duration',

@@ -1,5 +1,5 @@
 // A card with its heading, and the small parts that cards are made of.
-import type { ReactNode } from 'react'
+import { type ReactNode, useEffect, useRef, useState } from 'react'
 
 interface CardProps {
   title: ReactNode
@@ -20,9 +20,27 @@ export function Card({ title, note, right, footer, flush, className = '', id, ch
         <span className="d">{note}</span>
         {right && <div className="r">{right}</div>}
       </div>
-      <div className={flush ? 'bd flush' : 'bd'}>{children}</div>
+      {flush ? <Flush>{children}</Flush> : <div className="bd">{children}</div>}
       {footer && <div className="ft">{footer}</div>}
     </section>
+  )
+}
+
+/** A body up to the edges; what is wider scrolls in it, by the keyboard too. */
+function Flush({ children }: { children: ReactNode }) {
+  const body = useRef<HTMLDivElement>(null)
+  const [scrolls, setScrolls] = useState(false)
+  useEffect(() => {
+    const element = body.current
+    if (!element) return
+    const observer = new ResizeObserver(() => setScrolls(element.scrollWidth > element.clientWidth + 1))
+    observer.observe(element)
+    return () => observer.disconnect()
+  }, [])
+  return (
+    <div className="bd flush" ref={body} tabIndex={scrolls ? 0 : undefined}>
+      {children}
+    </div>
   )
 }
 

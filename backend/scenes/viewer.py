@@ -63,7 +63,10 @@ class Viewer:
             called = "Worst" if address.flight == WORST else address.flight
             self._worst = self._drawn(Style("worst", called, palette.worst, 1, "top"))
             self._what_if = self._drawn(Style("what-if", "What-if", palette.what_if, 2, "beyond"))
-            self._all = (self._nominal, self._worst, self._what_if)
+            alone = address.flight == NOMINAL
+            self._all = tuple(
+                d for d in (self._nominal, self._worst, self._what_if) if not alone or d is not self._worst
+            )
             self._draw_stored(address.time or 0.0)
         self._wake = threading.Event()
         self._stopped = False

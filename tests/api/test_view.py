@@ -80,6 +80,7 @@ def test_another_finding_or_the_nominal_flight_alone_can_be_looked_at(service: S
     with viewing(service, client, f"/view/{run}/nominal/") as connection:
         received = frames_until(connection, b"/flights/nominal/path", b"Convergence", b"/goal/label")
         assert b"/flights/worst/path" not in received
+        assert b"Show Worst" not in received
 
 
 def test_what_is_found_while_watching_appears(service: Service, client: httpx.Client) -> None:

@@ -96,8 +96,8 @@ def _about(held: Held, curve: dict[str, Any]) -> dict[str, Any]:
     entry = held.entry(path)
     nominal, low, high = held.limits.get(path, (curve["values"][0], curve["values"][0], curve["values"][-1]))
     return {
-        "symbol": entry.symbol if entry else path.rpartition(".")[2],
-        "text": entry.text if entry else path,
+        "symbol": held.symbol(path),
+        "text": held.words(path),
         "unit": words.unit(entry.unit) if entry else "",
         "nominal": nominal,
         "low": low,

@@ -84,14 +84,19 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
         if time is None or value is None:
             continue
         axes.dot(time, value, case.colour)
-        below = of.threshold is None or axes.y(of.threshold) - axes.y(value) > 44
-        at = axes.y(value) + (16 if below else -9)
+        at = _label(axes, value, of.threshold)
         while any(abs(at - other) < 12 for other in used):
-            at += 12 if below else -12
+            at += 12
         used.append(at)
         told = f"{case.label} {of.told(value, decimals)} at {words.fixed(time, 2)} s"
         axes.text(axes.x(time), at, told, colour=plot.BAD if case.colour == plot.WORST else plot.INK2, weight=500)
     return axes.svg("Separation over time, with the criterion")
+
+
+def _label(axes: Axes, value: float, threshold: float | None) -> float:
+    """Where the words of a closest approach stand [px]: below it, and below the criterion where that is too near."""
+    room = 100.0 if threshold is None else axes.y(threshold) - axes.y(value)
+    return axes.y(threshold) + 14 if threshold is not None and 0 <= room <= 44 else axes.y(value) + 16
 
 
 def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) -> Markup:
@@ -131,7 +136,7 @@ def sensitivity(
     if of.threshold is not None:
         axes.tint(of.threshold)
     title = Markup("{}{}").format(words.svg_sign(about["symbol"]), f", {about['unit']}" if about["unit"] else "")
-    axes.frame(title, 2.2, 3, x_marks=(low, about["nominal"], high) if low < about["nominal"] < high else (low, high))
+    axes.frame(title, 2.2, 4, x_marks=(low, about["nominal"], high) if low < about["nominal"] < high else (low, high))
     if of.threshold is not None:
         axes.criterion(of.threshold, "")
     for told, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):

@@ -15,6 +15,7 @@ from backend.reports.figures import WIDE, Case, Quantity
 from backend.reports.plot import Axes, Point
 
 HEIGHT = 300
+HUES = {plot.NOMINAL: "grey", plot.WORST: "vermillion", "#7b5ba6": "violet", "#0072b2": "blue", "#857c00": "olive"}
 REACH = 4.0
 """The encounter is shown as far as the separation stays below so many times the larger of criterion and lowest."""
 
@@ -150,10 +151,6 @@ def _landmarks(axes: Axes, meta: dict[str, Any], axis: tuple[str, str]) -> None:
 
 def caption(cases: Sequence[Case], of: Quantity) -> str:
     """What the figure shows, in words."""
-    drawn = ", ".join(f"{case.label.lower()} ({_hue(case)})" for case in cases)
-    limit = f" Dashed circle: the criterion of {words.plain(of.threshold)} {of.unit}" if of.threshold else ""
-    return f"Flights seen from above: {drawn}.{limit}, obstacle at the closest approach of the last flight named."
-
-
-def _hue(case: Case) -> str:
-    return {plot.NOMINAL: "grey", plot.WORST: "vermillion"}.get(case.colour, "violet")
+    drawn = "; ".join(f"{case.label}: {HUES.get(case.colour, 'dashed')}" for case in cases)
+    limit = f" Dashed circle: the criterion of {words.plain(of.threshold)} {of.unit}." if of.threshold else ""
+    return f"Flights seen from above. {drawn}.{limit} A moving obstacle stands where it was at the closest approach."

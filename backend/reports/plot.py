@@ -119,7 +119,8 @@ class Axes:
             ticks = linear_ticks(*self.y_range, about_y)
             for tick in ticks:
                 self.rule(self.left, self.y(tick), self.width - self.right, self.y(tick), GRID)
-                self.text(self.left - 6, self.y(tick) + 3.4, fixed(tick, tick_decimals(ticks)), "end")
+                words = fixed(tick, tick_decimals(ticks)) if len(ticks) > 1 else plain(tick)
+                self.text(self.left - 6, self.y(tick) + 3.4, words, "end")
         foot = self.height - self.bottom
         self.rule(self.left, foot, self.width - self.right, foot, AXIS)
         marks = x_marks or (log_ticks(*self.x_range) if self.x_log else linear_ticks(*self.x_range, about_x))

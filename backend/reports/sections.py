@@ -34,7 +34,7 @@ def uncertain(held: Held) -> list[Row]:
         rows.append({
             "path": path,
             "symbol": _symbol(held, path),
-            "text": entry.text if entry else "not in the catalogue of this installation",
+            "text": held.words(path) if entry else "not in the catalogue of this installation",
             "unit": words.unit(entry.unit if entry else asked.unit or ""),
             "nominal": words.plain(nominal),
             "low": words.plain(low),
@@ -178,8 +178,7 @@ def _titles(held: Held) -> dict[str, str]:
 
 
 def _symbol(held: Held, path: str) -> Markup:
-    entry = held.entry(path)
-    return words.sign(entry.symbol if entry else path.rpartition(".")[2])
+    return words.sign(held.symbol(path))
 
 
 def findings(held: Held) -> list[Row]:

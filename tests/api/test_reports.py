@@ -159,6 +159,16 @@ def test_components_that_may_have_changed_since_are_named(service: Service, clie
     assert "vehicle.J was" not in text
 
 
+def test_parameters_of_one_symbol_are_told_apart(client: httpx.Client) -> None:
+    document = campaign()
+    document["scenario"]["obstacles"] *= 2
+    document["uncertain"] |= {f"obstacles.{i}.radius": {"low": 0.4, "high": 0.6} for i in range(2)}
+    text = report(client, submit(client, **document))
+    for number in (1, 2):
+        assert f'<i class="v">radius</i><sub>{number}</sub></td><td>Radius, obstacle {number}</td>' in text
+    assert '<i class="v">m</i></td><td>M</td>' in text
+
+
 @pytest.mark.skipif(pdf.browser() is None, reason="no Chromium on this machine")
 def test_it_is_printed_as_pdf(client: httpx.Client, run: str) -> None:
     answer = client.get(f"/api/v1/runs/{run}/report.pdf", timeout=90)

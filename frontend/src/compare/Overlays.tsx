@@ -127,10 +127,13 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: 'encounter' | 
   const xs = union(curves)
   const unit = unitOf(runs) ?? ''
   const thresholds = runs.flatMap(({ run }) => run.threshold ?? [])
-  const threshold = thresholds[0] ?? null
   const lowest = Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))
-  const reach = 2.4 * Math.max(threshold ?? 0, Number.isFinite(lowest) ? lowest : 0)
-  const inside = curves.flatMap((curve) => curve.x.filter((_, i) => (curve.y[i] ?? Infinity) <= reach))
+  // Each flight's own encounter, so that runs of very different size can stand together.
+  const inside = drawn.flatMap(({ trace, of }, k) => {
+    const reach = 2.4 * Math.max(of.run.threshold ?? 0, closestOf(trace)?.value ?? 0)
+    const { x, y } = curves[k] as Curve
+    return x.filter((_, i) => (y[i] ?? Infinity) <= reach)
+  })
   const whole: [number, number] = [xs[0] ?? 0, xs[xs.length - 1] ?? 1]
   const near = inside.length > 2 ? ([Math.min(...inside), Math.max(...inside)] as [number, number]) : whole
   const xRange = window === 'all' ? whole : near

@@ -58,7 +58,7 @@ def test_a_search_killed_twice_ends_as_if_it_never_had_been(database: sa.Engine,
             until(lambda family=family: not any(map(alive, family)), "all killed")
         assert run().state == "running"
         before = before or stages()[:SEARCH]
-        assert [stage.state for stage in stages()] == ["done"] * SEARCH + ["running", "waiting"]
+        assert [stage.state for stage in stages()] == ["done"] * SEARCH + ["running", "waiting", "waiting"]
     with worker(url, tmp_path, "third", "--lease", "2") as last:
         until(lambda: run().state != "running" or run().worker == "third", "the third worker takes over")
         until(lambda: run().state != "running", "the run ends", 120)

@@ -18,7 +18,7 @@ from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
     [
         ([], ""),
         (["bogus"], "No such command 'bogus'"),
-        (["run"], "Missing argument"),
+        (["run"], "give a campaign file, the name of one in the library, or --continue RUN"),
         (["run", "--bogus"], "No such option: --bogus"),
         (["serve", "--port", "70000"], "--port"),
         (["token"], ""),

@@ -4,7 +4,8 @@ import { memo, type MouseEvent } from 'react'
 import type { RunSummary } from '../client'
 import { count, decimalsFor, duration, fixed } from '../format/numbers'
 import { Progress } from '../ui/Card'
-import { type CellContext, type Column, RunName } from './columns'
+import { RunName } from './cells'
+import type { CellContext, Column } from './columns'
 
 interface RunRowProps extends CellContext {
   run: RunSummary

@@ -1,14 +1,11 @@
 // The columns of the run list: their names, widths, orders and cells. Start reading at `COLUMNS`.
-import { IconPinned } from '@tabler/icons-react'
-import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
-import { count, decimalsFor, duration, fixed, NONE, percent, signed } from '../format/numbers'
-import { moment, when } from '../format/time'
-import { MarginBar } from '../ui/bars'
+import { count, duration, NONE, percent } from '../format/numbers'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { amount, Margin, Tags, Time } from './cells'
 import type { ColumnKey } from './columnKeys'
 import type { SortKey } from './search'
 import { Spark } from './Spark'
@@ -47,26 +44,8 @@ export interface Column {
   cell: (run: RunSummary, context: CellContext) => ReactNode
 }
 
-/** The tags that fit into the column, at least one; a tag is some letters and its own edges wide. */
-function fitting(tags: readonly string[]): readonly string[] {
-  let room = 26
-  const most = tags.findIndex((tag) => (room -= tag.length + 3) < 0)
-  return most < 0 ? tags : tags.slice(0, Math.max(1, most))
-}
-
 const unitOf = ({ unit }: Common): string => unit ?? ''
 const named = (text: string) => () => text
-const amount = (value: number | null, run: RunSummary, { units }: CellContext): string =>
-  `${fixed(value, decimalsFor([run.worst_cost, run.threshold]))}${units && value !== null && run.unit ? ` ${run.unit}` : ''}`
-const time = (at: number | null, now: number): ReactNode =>
-  at === null ? (
-    NONE
-  ) : (
-    <time dateTime={new Date(at * 1000).toISOString()} title={moment(at)}>
-      {when(at, now)}
-    </time>
-  )
-
 export const COLUMNS: readonly Column[] = [
   {
     key: 'verdict',
@@ -204,26 +183,7 @@ export const COLUMNS: readonly Column[] = [
     head: named('Tags'),
     width: 176,
     sort: 'tags',
-    cell: (run, { onTag }) => {
-      const shown = fitting(run.tags)
-      const more = run.tags.slice(shown.length)
-      return (
-        <span className="cut">
-          {shown.map((tag) => (
-            <button key={tag} type="button" className="tag" onClick={() => onTag(tag)} title={`Show runs tagged ${tag}`}>
-              {tag}
-            </button>
-          ))}
-          {more.length > 0 && (
-            <span className="small mut" title={more.join(', ')}>
-              {' '}
-              +{more.length}
-              <span className="sr"> more: {more.join(', ')}</span>
-            </span>
-          )}
-        </span>
-      )
-    },
+    cell: (run, { onTag }) => <Tags run={run} onTag={onTag} />,
   },
   {
     key: 'duration',
@@ -244,7 +204,7 @@ export const COLUMNS: readonly Column[] = [
     width: 106,
     sort: 'created',
     down: true,
-    cell: (run, { now }) => <span className="sec nw">{time(run.created, now)}</span>,
+    cell: (run, { now }) => <span className="sec nw"><Time at={run.created} now={now} /></span>,
   },
   {
     key: 'started',
@@ -253,7 +213,7 @@ export const COLUMNS: readonly Column[] = [
     width: 100,
     sort: 'started',
     down: true,
-    cell: (run, { now }) => <span className="sec nw">{time(run.started, now)}</span>,
+    cell: (run, { now }) => <span className="sec nw"><Time at={run.started} now={now} /></span>,
   },
   {
     key: 'finished',
@@ -262,7 +222,7 @@ export const COLUMNS: readonly Column[] = [
     width: 100,
     sort: 'finished',
     down: true,
-    cell: (run, { now }) => <span className="sec nw">{time(run.finished, now)}</span>,
+    cell: (run, { now }) => <span className="sec nw"><Time at={run.finished} now={now} /></span>,
   },
   {
     key: 'owner',
@@ -277,40 +237,3 @@ export const COLUMNS: readonly Column[] = [
     ),
   },
 ]
-
-function Margin({ run, context }: { run: RunSummary; context: CellContext }) {
-  const violated = run.margin !== null && run.margin <= 0
-  const unit = context.units && run.unit ? ` ${run.unit}` : ''
-  return (
-    <span className="marg">
-      <span className={violated ? 'b bad-t' : 'm'}>
-        {signed(run.margin, decimalsFor([run.worst_cost, run.threshold]))}
-        {unit}
-      </span>
-      {run.margin !== null && run.threshold ? (
-        <MarginBar margin={run.margin} threshold={run.threshold} />
-      ) : (
-        <span style={{ width: 50 }} />
-      )}
-    </span>
-  )
-}
-
-/** The first column, which is always there: name, number, campaign, pin. */
-export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean }) {
-  return (
-    <span className="rn">
-      <span className="cut">
-        {run.pinned && <IconPinned className="i s mut" aria-label="Pinned" />}{' '}
-        <Link to="/runs/$id" params={{ id: run.id }} title={run.name}>
-          {run.name}
-        </Link>
-      </span>
-      <small className="cut">
-        {run.id}
-        {campaign && run.campaign_name !== run.name && ` · ${run.campaign_name}`}
-        {run.continues && ` · goes on with ${run.continues}`}
-      </small>
-    </span>
-  )
-}

@@ -1,0 +1,86 @@
+// The cells of the run list that are more than a number. Start reading at `RunName`.
+import { IconPinned } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
+import type { RunSummary } from '../client'
+import { decimalsFor, fixed, NONE, signed } from '../format/numbers'
+import { moment, when } from '../format/time'
+import { MarginBar } from '../ui/bars'
+import type { CellContext } from './columns'
+
+/** The first column, which is always there: name, number, campaign, pin. */
+export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean }) {
+  return (
+    <span className="rn">
+      <span className="cut">
+        {run.pinned && <IconPinned className="i s mut" aria-label="Pinned" />}{' '}
+        <Link to="/runs/$id" params={{ id: run.id }} title={run.name}>
+          {run.name}
+        </Link>
+      </span>
+      <small className="cut">
+        {run.id}
+        {campaign && run.campaign_name !== run.name && ` · ${run.campaign_name}`}
+        {run.continues && ` · goes on with ${run.continues}`}
+      </small>
+    </span>
+  )
+}
+
+/** A value in the criterion's unit. */
+export const amount = (value: number | null, run: RunSummary, { units }: CellContext): string =>
+  `${fixed(value, decimalsFor([run.worst_cost, run.threshold]))}${units && value !== null && run.unit ? ` ${run.unit}` : ''}`
+
+export function Time({ at, now }: { at: number | null; now: number }) {
+  if (at === null) return NONE
+  return (
+    <time dateTime={new Date(at * 1000).toISOString()} title={moment(at)}>
+      {when(at, now)}
+    </time>
+  )
+}
+
+export function Margin({ run, context }: { run: RunSummary; context: CellContext }) {
+  const violated = run.margin !== null && run.margin <= 0
+  const unit = context.units && run.unit ? ` ${run.unit}` : ''
+  return (
+    <span className="marg">
+      <span className={violated ? 'b bad-t' : 'm'}>
+        {signed(run.margin, decimalsFor([run.worst_cost, run.threshold]))}
+        {unit}
+      </span>
+      {run.margin !== null && run.threshold ? (
+        <MarginBar margin={run.margin} threshold={run.threshold} />
+      ) : (
+        <span style={{ width: 50 }} />
+      )}
+    </span>
+  )
+}
+
+/** The tags that fit into the column, at least one; a tag is some letters and its own edges wide. */
+function fitting(tags: readonly string[]): readonly string[] {
+  let room = 26
+  const most = tags.findIndex((tag) => (room -= tag.length + 3) < 0)
+  return most < 0 ? tags : tags.slice(0, Math.max(1, most))
+}
+
+export function Tags({ run, onTag }: { run: RunSummary; onTag: (tag: string) => void }) {
+  const shown = fitting(run.tags)
+  const more = run.tags.slice(shown.length)
+  return (
+    <span className="cut">
+      {shown.map((tag) => (
+        <button key={tag} type="button" className="tag" onClick={() => onTag(tag)} title={`Show runs tagged ${tag}`}>
+          {tag}
+        </button>
+      ))}
+      {more.length > 0 && (
+        <span className="small mut" title={more.join(', ')}>
+          {' '}
+          +{more.length}
+          <span className="sr"> more: {more.join(', ')}</span>
+        </span>
+      )}
+    </span>
+  )
+}

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special, stats
+from scipy import special
 
-from campaigns.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal
+from campaigns.distributions import Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
 from campaigns.uncertainty import matrix
 
 Floats = NDArray[np.float64]
@@ -104,6 +104,10 @@ def _within(r: Range, normal: Floats) -> Floats:
 def _quantile(r: Range, u: Floats) -> Floats:
     """Of one parameter, as shares of its range."""
     given = r.distribution
+    if isinstance(given, Uniform):
+        return u
+    from scipy import stats  # a campaign's process must start fast
+
     if isinstance(given, Normal | TruncatedNormal):
         mean, deviation = _scaled(r, given.mean, given.deviation)
         if deviation > FLAT:  # the truncated tails cancel, what is left is level
@@ -111,8 +115,6 @@ def _quantile(r: Range, u: Floats) -> Floats:
         shaped = stats.truncnorm.ppf(u, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
     elif isinstance(given, Triangular):
         shaped = stats.triang.ppf(u, float(np.clip((given.mode - r.low) / (r.high - r.low), 0.0, 1.0)))
-    elif isinstance(given, Beta):
-        shaped = special.betaincinv(given.alpha, given.beta, u)
     else:
-        return u
+        shaped = special.betaincinv(given.alpha, given.beta, u)
     return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)

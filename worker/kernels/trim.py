@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import root
 
 from worker.kernels import aerodynamics
 from worker.kernels.aerodynamics import Airframe, Constants, Trimmed
@@ -48,6 +47,8 @@ def trimmed(body: Airframe, speed: float) -> Trimmed:
         alpha, elevator, throttle = (float(v) for v in unknown)
         along, _, down, _, pitch, _ = motion(made, level(speed, alpha, elevator, throttle))
         return [along, down, pitch]
+
+    from scipy.optimize import root  # a campaign's process must start fast
 
     found = root(left, [0.05, -0.05, 0.2], options={"xtol": 1e-13})
     alpha, elevator, throttle = (float(v) for v in found.x)

@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
-from scipy.optimize import differential_evolution
 
 from worker.search.base import Floats, Method, Search, Space
 from worker.search.callback import Ask, called_back
@@ -68,6 +67,8 @@ def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:
     box: Any = [(0.0, 1.0)] * space.dimension
     vectorised: Any = costs
     mutation = (options.mutation, options.mutation + options.dither) if options.dither else options.mutation
+    from scipy.optimize import differential_evolution  # a campaign's process must start fast
+
     done = differential_evolution(
         vectorised,
         box,

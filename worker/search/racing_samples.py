@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from worker.search.base import Floats
 from worker.search.racing_state import compiled
@@ -24,6 +23,8 @@ class Samples:
 
     def __init__(self, dimension: int, neighbours: int, reach: float, random: np.random.Generator) -> None:
         self.dimension, self.neighbours, self.reach = dimension, neighbours, reach
+        from scipy.stats import qmc  # a campaign's process must start fast
+
         self.sobol = qmc.Sobol(dimension, rng=random)
         self.ahead: Floats = np.empty((0, dimension))
         self.count = 0

@@ -13,7 +13,6 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
-from scipy.stats import qmc
 
 from worker.search.base import Floats, Method, Minimum, Search, Space, side_by_side
 from worker.search.descent import Settings, descend
@@ -37,6 +36,8 @@ class Options:
 def search(space: Space, options: Options) -> Search:
     starts = space.starts
     if len(starts) == 0:
+        from scipy.stats import qmc  # a campaign's process must start fast
+
         sampler = qmc.Sobol(space.dimension, rng=space.random)
         starts = sampler.random_base2(int(np.ceil(np.log2(options.starts))))[: options.starts]
     said = yield from side_by_side([_descend(space, options, start) for start in starts])

@@ -102,6 +102,7 @@ def test_the_report_is_read_and_printed(visit: Visit) -> None:
     with page.context.expect_page() as opened:
         page.get_by_role("menuitem", name="Safety-case report, HTML").click()
     report = opened.value
+    report.wait_for_load_state()
     wrong: list[str] = []
     report.on("console", lambda message: wrong.append(message.text))
     report.reload()

@@ -121,6 +121,15 @@ export interface FrontPoint {
   values: Values
 }
 
+export interface Member {
+  member: string
+  title: string
+  evaluations: number
+  best: number | null
+  /** How often it lowered the best of all. */
+  improvements: number
+}
+
 export interface SearchResult {
   method: string
   title: string
@@ -134,6 +143,8 @@ export interface SearchResult {
   minima: Minimum[]
   sample: Sample | null
   gap?: Gap | null
+  /** Of a portfolio: what each of its methods asked for. */
+  members?: Member[]
   criteria?: FrontCriterion[]
   /** Null with one criterion. */
   front?: FrontPoint[] | null
@@ -187,6 +198,8 @@ export interface ValidateResult {
     at_most: number
   }
   comparison?: Compared[]
+  /** By finding: the boundary of a violation, null where it does not violate. */
+  after?: Record<string, { boundary: { text: string } | null }>
 }
 
 interface ResultByKind {

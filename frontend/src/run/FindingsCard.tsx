@@ -45,7 +45,14 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
       className={className}
       id="findings"
       flush
-      footer={result?.findings && <Told told={result.findings} kept={findings.length} />}
+      footer={
+        result?.findings && (
+          <>
+            <Boundary text={result.after?.[chosen]?.boundary?.text} name={chosen} />
+            <Told told={result.findings} kept={findings.length} />
+          </>
+        )
+      }
     >
       <table className="tight pick">
         <thead>
@@ -207,6 +214,15 @@ function Validated({ finding }: { finding: FindingDetail }) {
       <IconHelpCircle className="i s unk-t" aria-hidden /> Not validated
     </span>
   )
+}
+
+/** How far from nominal the chosen violation begins. */
+function Boundary({ text, name }: { text: string | undefined; name: string }) {
+  return text ? (
+    <div>
+      <span className="sec">Boundary of {name}:</span> {text}.
+    </div>
+  ) : null
 }
 
 /** How the findings were told apart, in one sentence. */

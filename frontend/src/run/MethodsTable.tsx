@@ -1,5 +1,5 @@
 // The methods side by side: what each found, with how much work, and how it ended.
-import { type Compared, resultOf } from '../api/results'
+import { type Compared, type Member, resultOf } from '../api/results'
 import { count, decimalsApart, duration, fixed, NONE, signed } from '../format/numbers'
 import { HelpLink } from '../help/links'
 import { Card, Progress } from '../ui/Card'
@@ -118,12 +118,18 @@ function Reached({ row }: { row: Compared | undefined }) {
   )
 }
 
+/** Who of a portfolio flew how many. */
+const membersText = (members: Member[]): string =>
+  members.map((member) => `${member.title} ${count(member.evaluations)}`).join(', ')
+
 /** How each search ended, in its own words. */
 function Ends({ searches }: { searches: SearchStage[] }) {
   return searches.map(({ stage, title, result }) =>
     result?.stop ? (
       <div key={stage.position}>
         <span className="sec">{title}:</span> {result.stop.text}
+        {result.members && result.members.length > 0 && `; ${membersText(result.members)}`}
+        {result.gap && `; ${result.gap.text}`}
       </div>
     ) : null,
   )

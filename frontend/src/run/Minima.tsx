@@ -1,4 +1,4 @@
-// Where each start of a local method ended: its start, the minimum it reached, what it cost, why it stopped there.
+// Where the descents of a method ended: of a local one each start beside its end, of any other the lowest ends alone.
 import type { SearchResult } from '../api/results'
 import { count, decimalsApart, decimalsFor, fixed, NONE } from '../format/numbers'
 import { unitText } from '../format/units'
@@ -8,6 +8,8 @@ import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
 
 const MOST = 40
+/** Of a method whose descents are its own affair. */
+const FEW = 5
 
 interface MinimaProps {
   data: RunData
@@ -23,10 +25,9 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
   const decimals = decimalsApart(costs, 5, 6)
   const lowest = Math.min(...costs)
   // A method that starts from points of its own sample tells none: then only where each descent ended is shown.
-  const started = search.minima.some((minimum) => minimum.start !== null)
-  const rows = started
-    ? search.minima.slice(0, MOST)
-    : [...search.minima].sort((a, b) => a.cost - b.cost).slice(0, MOST)
+  const started = search.kind === 'local'
+  const most = started ? MOST : FEW
+  const rows = (started ? search.minima : [...search.minima].sort((a, b) => a.cost - b.cost)).slice(0, most)
   return (
     <Card
       title={started ? 'Minima by start' : 'Local minima'}
@@ -38,7 +39,11 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
       }
       className={className}
       flush
-      footer={search.minima.length > MOST ? `The ${started ? 'first' : 'lowest'} ${MOST} of ${count(search.minima.length)}.` : undefined}
+      footer={
+        search.minima.length > most
+          ? `The ${started ? 'first' : 'lowest'} ${most} of ${count(search.minima.length)}.`
+          : undefined
+      }
     >
       <table className="tight">
         <thead>

@@ -83,14 +83,15 @@ def _evidence(context: Context, records: list[StageRecord]) -> verdict.Evidence:
     by_kind: dict[str, list[dict[str, Any]]] = {}
     for position, record in enumerate(records):
         by_kind.setdefault(record.plan.kind, []).append(context.results[position])
-    findings = context.store.found()
+    findings = sorted(context.store.found(), key=lambda f: f.cost)
     status = np.concatenate([c.status for _, c in all_columns(context, list(range(len(records))))])
     return verdict.Evidence(
         nominal=by_kind["nominal"][0],
         searches=by_kind["search"],
         certificate=next(iter(by_kind.get("certify", [])), None),
         validation=by_kind["validate"][0],
-        finding=min(findings, key=lambda f: f.cost) if findings else None,
+        finding=findings[0] if findings else None,
+        others=findings[1:],
         evaluations=len(status),
         failed=int(np.count_nonzero((status != OK) & (status != EXCLUDED))),
         excluded=int(np.count_nonzero(status == EXCLUDED)),

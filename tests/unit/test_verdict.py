@@ -150,6 +150,17 @@ def test_violated_needs_validation() -> None:
     assert text in conclusion.reason
 
 
+def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
+    text = "half the step or DOP853 disagrees beyond tolerance for F1"
+    milder = replace(finding(0.495), label="F2")
+    given = violation(finding=finding(0.49, False), others=[milder], validation={"ok": False, "text": text})
+    conclusion = concluded(**given)
+    assert conclusion.verdict == "violated"
+    assert "Validation did not confirm it, but F2, which has 0.495 m; both were found" in conclusion.reason
+    harmless = replace(finding(0.6), label="F2")
+    assert concluded(**given | {"others": [harmless]}).verdict == "inconclusive"
+
+
 @pytest.mark.parametrize(
     "changes",
     [

@@ -42,6 +42,14 @@ class Evidence:
     excluded: int
     complete: bool = True
     certificate: dict[str, Any] | None = None
+    others: Sequence[Finding] = ()
+    """The findings that are not the worst."""
+
+    @property
+    def violation(self) -> Finding | None:
+        """The worst finding that violates and was confirmed."""
+        known = [f for f in (self.finding, *self.others) if f is not None and f.margin <= 0 and f.validation["ok"]]
+        return min(known, key=lambda f: f.cost) if known else None
 
 
 def conclude(problem: Problem, evidence: Evidence, provenance: dict[str, Any]) -> Conclusion:
@@ -83,8 +91,7 @@ def conclude(problem: Problem, evidence: Evidence, provenance: dict[str, Any]) -
 
 
 def _verdict(checks: Sequence[Check], evidence: Evidence) -> Verdict:
-    finding = evidence.finding
-    if finding is not None and finding.margin <= 0 and finding.validation["ok"]:
+    if evidence.violation is not None:
         return "violated"
     return "cleared" if all(c.ok for c in checks) else "inconclusive"
 
@@ -230,8 +237,12 @@ def _sentence(
     if statistics and statistics["quantile"]:
         said = statistics["quantile"]["text"]
         chance += f" {said[0].upper()}{said[1:]}."
-    if verdict == "violated":
-        return f"{quantity} falls to or below {limit}. {worst} It was validated, and found in {how}.{chance}"
+    if evidence.violation is not None:
+        told = evidence.violation
+        shown = "It was validated, and found"
+        if told is not finding:
+            shown = f"Validation did not confirm it, but {told.label}, which has {number(told.cost)} {unit}; both were found"
+        return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{chance}"
     if verdict == "cleared":
         return f"{quantity} stayed above {limit} in all {how}. {worst}{chance} A search can miss a worse case."
     why = "; ".join(c.text for c in checks if not c.ok)

@@ -241,7 +241,8 @@ def _sentence(
         told = evidence.violation
         shown = "It was validated, and found"
         if told is not finding:
-            shown = f"Validation did not confirm it, but {told.label}, which has {number(told.cost)} {unit}; both were found"
+            milder = f"{told.label}, which has {number(told.cost)} {unit}"
+            shown = f"Validation did not confirm it, but {milder}; both were found"
         return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{chance}"
     if verdict == "cleared":
         return f"{quantity} stayed above {limit} in all {how}. {worst}{chance} A search can miss a worse case."

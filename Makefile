@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run test lint types bench search-bench reproduce frontend clean distclean
+.PHONY: help install run test lint types bench bench-pages search-bench reproduce frontend clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-12s %s\n", part[1], $$0}' Makefile
@@ -26,6 +26,10 @@ types: install ## mypy
 
 bench: install ## measure the speed, print a table, write build/bench.json
 	@.venv/bin/python -m tests.bench
+
+bench-pages: install ## measure the pages in a browser, print a table, write build/bench-pages.json
+	@tools/chromium.sh
+	@.venv/bin/python -m tests.bench.pages
 
 search-bench: install ## every search method on test functions, print a table, write build/search.json and search.md
 	@.venv/bin/python -m tests.bench.search_bench

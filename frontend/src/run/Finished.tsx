@@ -1,4 +1,5 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
+import { lazy, Suspense } from 'react'
 import { resultOf } from '../api/results'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { Banner } from './Banner'
@@ -24,6 +25,8 @@ import { StageStrip } from './StageStrip'
 import { Tornado } from './Tornado'
 import { ValidationCard } from './ValidationCard'
 
+const SpaceCard = lazy(() => import('../space/SpaceCard').then((module) => ({ default: module.SpaceCard })))
+
 export function Finished({ data }: { data: RunData }) {
   const { run } = data
   const { finding, chosen } = data
@@ -36,6 +39,7 @@ export function Finished({ data }: { data: RunData }) {
   const minima = searches.filter((search) => search.minima.length > 0)
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const failures = data.evaluations?.failures ?? []
+  const space = data.parameters.length > 0 && data.evaluations?.stages.some((stage) => stage.index.length > 0)
   const searched = run.stages.some((stage) => stage.kind === 'search' && stage.evaluations > 0)
   const methods = run.stages.filter((stage) => stage.kind === 'search').length
   // Without a validated finding the page shows the lowest flight, and says that it is no more than that.
@@ -51,6 +55,7 @@ export function Finished({ data }: { data: RunData }) {
     ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
     ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
+    ...(space ? [{ id: 'space', name: 'Parameter space' }] : []),
     ...(front ? [{ id: 'front', name: 'Front' }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
@@ -101,6 +106,14 @@ export function Finished({ data }: { data: RunData }) {
           {searched && <Convergence data={data} className="" />}
           {sample && <SampleCard data={data} sample={sample} grid={certified?.grid} className="" />}
         </div>
+        {space && (
+          // Loaded after the page; the height is kept for it, so that what follows does not jump.
+          <div className="c12" id="space" style={{ minHeight: 520 }}>
+            <Suspense>
+              <SpaceCard data={data} className="" />
+            </Suspense>
+          </div>
+        )}
         {front && <FrontCard data={data} className="c12" />}
         {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}

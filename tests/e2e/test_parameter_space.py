@@ -1,0 +1,148 @@
+"""The parameter space on a run's page: what is drawn, ranges by mouse and keys, switches, the data. Nothing is flown.
+
+Start reading at `finished`.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, expect
+
+from backend.db.engine import default_url, migrate
+from backend.settings import Settings
+from tests.api.catalogue import campaign
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.e2e.browser import PATIENCE, SCREENSHOTS, Visit, visiting
+from tests.e2e.test_whole_way import LOOKS
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+
+ALL = re.compile("^1.?000 of 1.?000 kept, lowest dmin 1.007 m")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service with one finished run: 1000 evaluations of two parameters, every tenth of them failed."""
+    settings = Settings(data=tmp_path_factory.mktemp("space"), pages=Settings.load().pages)
+    assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
+    migrate(default_url(settings.data))
+    service = Service(settings)
+    service.start()
+    service.publish()
+    with service.signed_in() as client:
+        assert client.post("/api/v1/runs", json={"campaign": campaign(), "name": "Space"}).status_code == 201
+        finish_fully(service)
+    yield service
+    service.stop()
+
+
+@pytest.fixture(scope="module")
+def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
+    with visiting(browser, finished.url) as visit:
+        visit.go(f"/login?code={finished.login_code()}")
+        visit.go("/runs/R-0001")
+        yield visit
+
+
+@pytest.fixture
+def card(visit: Visit) -> Locator:
+    """The card without any range."""
+    card = visit.page.locator("#space")
+    expect(card.get_by_test_id("kept")).to_be_visible()
+    card.get_by_role("slider").first.press("Escape")
+    return card
+
+
+def kept(card: Locator) -> Locator:
+    return card.get_by_test_id("kept")
+
+
+def drag(visit: Visit, area: Locator, start: tuple[float, float], end: tuple[float, float]) -> None:
+    """Drag between two places, in shares of an area's width and height."""
+    area.scroll_into_view_if_needed()
+    box = area.bounding_box()
+    assert box is not None
+    mouse = visit.page.mouse
+    mouse.move(box["x"] + start[0] * box["width"], box["y"] + start[1] * box["height"])
+    mouse.down()
+    mouse.move(box["x"] + end[0] * box["width"], box["y"] + end[1] * box["height"], steps=5)
+    mouse.up()
+
+
+def test_all_evaluations_are_drawn(visit: Visit, card: Locator) -> None:
+    expect(
+        card.get_by_role("group", name=re.compile("^Parallel coordinates of 1000 evaluations: d_min"))
+    ).to_be_visible()
+    expect(card.get_by_role("group", name=re.compile("^Scatter of 1000 evaluations"))).to_be_visible()
+    expect(card.get_by_role("img", name=re.compile("^Colour: d_min from 1.007 to 3 m"))).to_be_visible()
+    expect(kept(card)).to_have_text(ALL)
+    expect(card).to_contain_text("Failed 100")
+
+
+def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> None:
+    page = visit.page
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    for width, theme in LOOKS:
+        page.set_viewport_size({"width": width, "height": 900})
+        page.emulate_media(color_scheme=theme)
+        expect(page.locator("html")).to_have_attribute("data-theme", theme, timeout=PATIENCE)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        # The card alone: the 3D view above it takes seconds to be drawn without a graphics card.
+        card.screenshot(path=SCREENSHOTS / f"space-{width}-{theme}.png", animations="disabled")
+    page.set_viewport_size({"width": 1440, "height": 900})
+    page.emulate_media(color_scheme="light")
+
+
+def test_a_range_on_an_axis_keeps_what_lies_within_it_in_every_view(visit: Visit, card: Locator) -> None:
+    lines = card.get_by_role("group", name=re.compile("^Parallel"))
+    drag(visit, lines.locator(".hit").nth(1), (0.5, 0.2), (0.5, 0.6))
+    expect(kept(card)).not_to_have_text(ALL)
+    number = int(re.sub(r"\D", "", kept(card).inner_text().split(" of ")[0]))
+    assert 300 < number < 500
+    for view in ("Parallel coordinates", "Scatter"):
+        expect(card.get_by_role("group", name=re.compile(f"^{view} of {number} evaluations"))).to_be_visible()
+    card.screenshot(path=SCREENSHOTS / "space-range.png")
+    with visit.page.expect_download() as download:
+        card.get_by_role("button", name="Download CSV").click()
+    with Path(download.value.path()).open(newline="") as file:
+        rows = list(csv.reader(file))
+    assert len(rows) == number + 1
+    card.get_by_role("button", name="Clear brush").click()
+    expect(kept(card)).to_have_text(ALL)
+
+
+def test_a_rectangle_in_a_cell_is_a_range_on_both_axes(visit: Visit, card: Locator) -> None:
+    scatter = card.get_by_role("group", name=re.compile("^Scatter"))
+    drag(visit, scatter.locator(".hit").first, (0.25, 0.25), (0.75, 0.75))
+    expect(card.get_by_role("button", name=re.compile("^Clear range of"))).to_have_count(2)
+    number = int(re.sub(r"\D", "", kept(card).inner_text().split(" of ")[0]))
+    assert 200 < number < 300
+    card.get_by_role("button", name="Clear range of m", exact=True).click()
+    expect(card.get_by_role("button", name=re.compile("^Clear range of"))).to_have_count(1)
+
+
+def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
+    card.get_by_role("slider", name="d_min, to").press("PageDown")
+    expect(kept(card)).to_have_text(re.compile("^894 of 1.?000 kept, lowest dmin 1.007 m"))
+    expect(card.get_by_role("button", name="Clear range of d_min")).to_be_visible()
+    visit.page.keyboard.press("Escape")
+    expect(kept(card)).to_have_text(ALL)
+
+
+def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> None:
+    failed = card.get_by_role("button", name=re.compile("^Failed"))
+    failed.click()
+    expect(kept(card)).to_have_text(re.compile("^900 of 1.?000 kept"))
+    failed.click()
+    method = card.get_by_role("button", name=re.compile("^DIRECT"))
+    method.click()
+    expect(kept(card)).to_have_text(re.compile("^0 of 1.?000 kept, none with a value"))
+    expect(card).to_contain_text("Nothing is kept.")
+    method.click()
+    expect(kept(card)).to_have_text(ALL)

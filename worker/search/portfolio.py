@@ -42,12 +42,17 @@ class Part:
     again: bool = True
 
 
+SMALL = differential_evolution.Options(population=4, recombination=0.2)
+"""Within thousands of evaluations a small population that changes few parameters at a time gets much further than the
+usual one: it solves eight-dimensional Levy in 12 and five-dimensional Rastrigin in 10 of 12 seeds, the usual one in 1
+and in none."""
+
 MEMBERS = [
     Part(contrast_racing.method, contrast_racing.Options(abreast=4), 0.2, explores=True),
     Part(direct.method, direct.Options(), 0.1, explores=True, again=False),
     Part(mlsl.method, mlsl.Options(), 0.3, explores=True),
-    Part(cma_es.method, cma_es.Options(), 0.2),
-    Part(differential_evolution.method, differential_evolution.Options(), 0.02),
+    Part(cma_es.method, cma_es.Options(), 0.3),
+    Part(differential_evolution.method, SMALL, 0.2),
     Part(global_clustering.method, global_clustering.Options(), 0.02),
     Part(sqp.method, sqp.Options(), 0.1),
 ]

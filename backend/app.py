@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from anyio import to_thread
 from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
+from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
 from backend import errors, openapi, pages
 from backend.auth import Guard
@@ -30,6 +31,11 @@ from campaigns.version import VERSION
 
 API = "/api/v1"
 
+PACKED = 1
+"""Level of compression: a run's evaluations, 1.7 MB, shrink to less than half in the time that they take to be read."""
+UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-data")
+"""What is packed already, and what streams."""
+
 
 def create(settings: Settings) -> FastAPI:
     """The application over the settings' database, whose tables must be there (`backend.db.engine.migrate`)."""
@@ -48,7 +54,11 @@ def create(settings: Settings) -> FastAPI:
         version=VERSION,
         summary="Finds the worst case of an obstacle-avoidance system before the world does.",
         lifespan=lifespan,
-        middleware=[Middleware(Frame), Middleware(Guard, engine=engine, cookie=settings.cookie)],
+        middleware=[
+            Middleware(Frame),
+            Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
+            Middleware(Guard, engine=engine, cookie=settings.cookie),
+        ],
         openapi_url=f"{API}/openapi.json",
         docs_url=None,
         redoc_url=None,

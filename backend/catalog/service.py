@@ -27,9 +27,15 @@ RECENT_RUNS = 300
 
 def published(reader: sa.Connection) -> Catalogue | None:
     """The catalogue of the newest worker; None before any worker has started."""
-    newest = sa.select(CatalogueDocument.document).order_by(CatalogueDocument.published.desc()).limit(1)
-    document = reader.scalar(newest)
-    return None if document is None else Catalogue.model_validate(document)
+    document = sa.cast(CatalogueDocument.document, sa.Text)
+    text = reader.scalar(sa.select(document).order_by(CatalogueDocument.published.desc()).limit(1))
+    return None if text is None else _read(text)
+
+
+@functools.lru_cache(maxsize=4)
+def _read(text: str) -> Catalogue:
+    """Kept, because a live page asks for it several times a second and it is the largest document there is."""
+    return Catalogue.model_validate_json(text)
 
 
 def required(reader: sa.Connection) -> Catalogue:

@@ -1,5 +1,6 @@
 // The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
 import { IconExternalLink, IconLoader } from '@tabler/icons-react'
+import { useIsFetching } from '@tanstack/react-query'
 import { useEffect, useRef, useState } from 'react'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
@@ -10,6 +11,7 @@ export function Flight({ data, className }: { data: RunData; className: string }
   const theme = useTheme()
   const holder = useRef<HTMLDivElement>(null)
   const [near, setNear] = useState(false)
+  const calm = useCalm()
   const [loaded, setLoaded] = useState(false)
   // The worst flight is the viewer's own choice: one address, one kept page.
   const shown = data.chosen === 'F1' ? '' : `${data.chosen}/`
@@ -40,7 +42,7 @@ export function Flight({ data, className }: { data: RunData; className: string }
       }
     >
       <div className="flight" ref={holder}>
-        {near && <iframe key={address} src={address} title="Flight in 3D" onLoad={() => setLoaded(true)} />}
+        {near && calm && <iframe key={address} src={address} title="Flight in 3D" onLoad={() => setLoaded(true)} />}
         {!loaded && (
           <div className="poster" role="status">
             <span className="row">
@@ -51,6 +53,21 @@ export function Flight({ data, className }: { data: RunData; className: string }
       </div>
     </Card>
   )
+}
+
+/** The viewer takes the window's thread for a second or two as it starts: what the page shows itself comes first. */
+const CALM = 400
+
+/** True once everything asked for has come and been drawn for a moment; stays true. */
+function useCalm(): boolean {
+  const fetching = useIsFetching() > 0
+  const [calm, setCalm] = useState(false)
+  useEffect(() => {
+    if (fetching || calm) return
+    const timer = setTimeout(() => setCalm(true), CALM)
+    return () => clearTimeout(timer)
+  }, [fetching, calm])
+  return calm
 }
 
 const flights = (chosen: string): string =>

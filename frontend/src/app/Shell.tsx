@@ -84,12 +84,13 @@ function ThemeToggle() {
 function Session() {
   const { data } = useQuery(sessionQuery)
   if (!data) return null
+  const initials = data.user.slice(0, 2).toUpperCase()
   const leave = () => void endSession().then(signedOut, signedOut)
   return (
     <Menu position="bottom-end" width={220}>
       <Menu.Target>
-        <button type="button" className="ava" aria-label={`Session of ${data.user}`}>
-          {data.user.slice(0, 2).toUpperCase()}
+        <button type="button" className="ava" aria-label={`Session of ${data.user}, ${initials}`}>
+          {initials}
         </button>
       </Menu.Target>
       <Menu.Dropdown>

@@ -1,0 +1,179 @@
+"""Every page in light and in dark by axe: nothing serious or critical against WCAG 2.1, levels A and AA.
+
+Source: Deque, axe-core API, "axe.run". The pages stand on stored runs, nothing is flown. Start reading at `violations`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from backend.db.engine import default_url, migrate
+from backend.settings import Settings
+from campaigns import library, load_file
+from tests.api.catalogue import published_by_workers
+from tests.api.finished import Work
+from tests.api.reported import finish_fully
+from tests.api.server import Service
+from tests.e2e.browser import Visit, visiting
+from tests.faults.processes import REPOSITORY
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
+
+AXE = REPOSITORY / "frontend/node_modules/axe-core/axe.min.js"
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
+SERIOUS = ("serious", "critical")
+THEMES = ("light", "dark")
+
+PAGES = {
+    "runs": ("/runs", "tr[data-run=R-0004]"),
+    "runs-narrowed-to-nothing": ("/runs?q=no+such+run", "text=No run matches"),
+    "run": ("/runs/R-0001", "#separation canvas"),
+    "run-violated": ("/runs/R-0002", "#separation canvas"),
+    "run-live": ("/runs/R-0003", "[data-testid=best]"),
+    "run-queued": ("/runs/R-0004", "text=This run waits for a worker"),
+    "launch": ("/launch", "role=radio[name=/Unicycle, static/]"),
+    "launch-text": ("/launch?tab=yaml", "role=textbox[name='Campaign as YAML']"),
+    "compare": ("/compare?runs=R-0001,R-0002", "[data-testid=change]"),
+    "compare-nothing": ("/compare", "text=Choose two to 4 runs here"),
+    "help-methods": ("/help/methods", "#direct"),
+    "help-verdicts": ("/help", "role=heading[name=Verdicts]"),
+    "help-components": ("/help/components", "#vehicle-unicycle"),
+    "api": ("/docs", "#list_runs"),
+    "no-such-page": ("/no/such/page", "main"),
+}
+"""Each with its address and what is seen once it is there."""
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service without runs, with the catalogue of the components that are really there."""
+    settings = Settings(data=tmp_path_factory.mktemp("accessibility"), pages=Settings.load().pages)
+    assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
+    migrate(default_url(settings.data))
+    service = Service(settings)
+    service.start()
+    service.publish(published_by_workers())
+    yield service
+    service.stop()
+
+
+@pytest.fixture(scope="module")
+def visit(service: Service, browser: Browser) -> Iterator[Visit]:
+    """A browser that is signed in and brings axe along; the pages' policy stays as it is."""
+    with visiting(browser, service.url) as visit:
+        visit.page.emulate_media(reduced_motion="reduce")
+        visit.page.add_init_script(path=AXE)
+        # The 3D view is another project's page, and takes seconds to draw without a graphics card.
+        visit.page.route("**/view/**", lambda route: route.fulfill(body="", content_type="text/html"))
+        visit.go(f"/login?code={service.login_code()}")
+        yield visit
+
+
+@pytest.fixture(scope="module")
+def filled(service: Service) -> Service:
+    """The same service with a run that is cleared, one that is violated, one in work and one that waits."""
+    document = load_file(library()["unicycle_static"]).document()
+    with service.signed_in() as client:
+        submit(client, document, "Full box")
+        finish_fully(service, "cleared")
+        submit(client, document | {"seed": 2}, "Once more, with a name that is long enough to be cut")
+        finish_fully(service, "violated")
+        submit(client, document, "In work")
+        work = Work(service)
+        work.nominal()
+        work.search(0, 700)
+        submit(client, document, "Waits")
+    return service
+
+
+def submit(client: httpx.Client, document: dict[str, Any], name: str) -> None:
+    answer = client.post("/api/v1/runs", json={"campaign": document, "name": name, "tags": ["baseline"]})
+    assert answer.status_code == 201, answer.text
+
+
+def violations(page: Page) -> list[str]:
+    """What axe finds serious or critical: rule, place, and what it says of it. The 3D view's frame is not ours."""
+    found = page.evaluate(
+        "(rules) => axe.run(document, {runOnly: rules, resultTypes: ['violations'], iframes: false})", RULES
+    )
+    return [
+        f"{rule['id']} ({rule['impact']}): {node['target']}: {node['failureSummary']}"
+        for rule in found["violations"]
+        if rule["impact"] in SERIOUS
+        for node in rule["nodes"]
+    ]
+
+
+def seen(visit: Visit, theme: Any, path: str, mark: str) -> None:
+    """Open a page in a theme, and wait until it is there."""
+    visit.page.emulate_media(color_scheme=theme)
+    visit.go(path)
+    expect(visit.page.locator(mark).first).to_be_visible()
+    expect(visit.page.get_by_role("button", name="Session of")).to_be_visible()
+    expect(visit.page.locator("html")).to_have_attribute("data-theme", theme)
+
+
+def test_axe_sees_what_is_wrong(visit: Visit) -> None:
+    visit.go("/help")
+    expect(visit.page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
+    visit.page.locator("main").evaluate("main => main.append(document.createElement('button'))")
+    assert [line for line in violations(visit.page) if line.startswith("button-name (critical)")]
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_the_empty_list_is_accessible(visit: Visit, theme: str) -> None:
+    seen(visit, theme, "/runs", "role=heading[name='No runs yet']")
+    assert violations(visit.page) == []
+
+
+@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize("name", PAGES)
+def test_the_page_is_accessible(visit: Visit, filled: Service, name: str, theme: str) -> None:
+    seen(visit, theme, *PAGES[name])
+    assert violations(visit.page) == []
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_what_opens_over_a_page_is_accessible(visit: Visit, filled: Service, theme: str) -> None:
+    page = visit.page
+    seen(visit, theme, *PAGES["run"])
+    page.get_by_role("button", name="Export").click()
+    expect(page.get_by_role("menuitem", name="Evaluations, CSV")).to_be_visible()
+    assert violations(page) == []
+    page.keyboard.press("Escape")
+    page.keyboard.press("?")
+    expect(page.get_by_role("dialog", name="Keys")).to_be_visible()
+    assert violations(page) == []
+    page.keyboard.press("Escape")
+    page.locator("#signoff").get_by_role("button", name="Sign off").click()
+    expect(page.get_by_role("dialog").get_by_role("textbox", name="Name")).to_be_visible()
+    assert violations(page) == []
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_a_refused_entry_is_accessible(visit: Visit, filled: Service, theme: str) -> None:
+    seen(visit, theme, *PAGES["launch"])
+    visit.page.get_by_label("Mass, low").fill("-3")
+    expect(visit.page.locator("[data-problem='uncertain.vehicle.m.low']")).to_contain_text("lies within")
+    assert violations(visit.page) == []
+
+
+@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize("path", ["/runs", "/login?code=wrong"])
+def test_the_way_in_is_accessible(service: Service, browser: Browser, path: str, theme: str) -> None:
+    with visiting(browser, service.url) as stranger:
+        stranger.page.add_init_script(path=AXE)
+        stranger.page.emulate_media(color_scheme="light" if theme == "light" else "dark")
+        stranger.go(path)
+        expect(stranger.page.get_by_role("heading", level=1)).to_be_visible()
+        expect(stranger.page.locator("body")).to_contain_text("clearance login-link")
+        found = violations(stranger.page)
+        # The browser itself notes that the page was refused.
+        assert [wrong for wrong in stranger.wrong if "401" not in wrong and "403" not in wrong] == []
+        stranger.wrong.clear()
+    assert found == []

@@ -23,7 +23,7 @@ from tests.e2e.test_whole_way import LOOKS
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
-ALL = re.compile("^1.?000 of 1.?000 kept, lowest dmin 1.007 m")
+ALL = re.compile("^1.?000 of 1.?000 evaluations kept, lowest dmin 1.007 m")
 
 
 @pytest.fixture(scope="module")
@@ -129,8 +129,12 @@ def test_a_rectangle_in_a_cell_is_a_range_on_both_axes(visit: Visit, card: Locat
 
 def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
     card.get_by_role("slider", name="d_min, to").press("PageDown")
-    expect(kept(card)).to_have_text(re.compile("^894 of 1.?000 kept, lowest dmin 1.007 m"))
+    expect(kept(card)).to_have_text(re.compile("^894 of 1.?000 evaluations kept, lowest dmin 1.007 m"))
     expect(card.get_by_role("button", name="Clear range of d_min")).to_be_visible()
+    expect(visit.page).to_have_url(re.compile(r"brush=value:[\d.]+:[\d.]+"))
+    visit.page.reload()
+    expect(kept(card)).to_have_text(re.compile("^894 of"))
+    card.get_by_role("slider").first.focus()
     visit.page.keyboard.press("Escape")
     expect(kept(card)).to_have_text(ALL)
 
@@ -138,11 +142,11 @@ def test_a_range_is_set_by_keys(visit: Visit, card: Locator) -> None:
 def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> None:
     failed = card.get_by_role("button", name=re.compile("^Failed"))
     failed.click()
-    expect(kept(card)).to_have_text(re.compile("^900 of 1.?000 kept"))
+    expect(kept(card)).to_have_text(re.compile("^900 of 1.?000 evaluations kept"))
     failed.click()
     method = card.get_by_role("button", name=re.compile("^DIRECT"))
     method.click()
-    expect(kept(card)).to_have_text(re.compile("^0 of 1.?000 kept, none with a value"))
+    expect(kept(card)).to_have_text(re.compile("^0 of 1.?000 evaluations kept, none with a value"))
     expect(card).to_contain_text("Nothing is kept.")
     method.click()
     expect(kept(card)).to_have_text(ALL)

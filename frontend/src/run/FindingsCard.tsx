@@ -28,7 +28,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
     void navigate({
       to: '/runs/$id',
       params: { id: run.id },
-      search: { finding: name === findings[0]?.label ? undefined : name },
+      search: (before) => ({ ...before, finding: name === findings[0]?.label ? undefined : name }),
       hash: (hash) => hash ?? '',
       replace: true,
       resetScroll: false,

@@ -10,6 +10,12 @@ it('reads labels and the nominal flight, nothing else', () => {
   for (const finding of ['F0', 'f1', 'worst', '', 7, null]) expect(readChosen({ finding })).toEqual({})
 })
 
+it('reads ranges, one or several', () => {
+  expect(readChosen({ brush: 'vehicle.m:4:-5e-7' })).toEqual({ brush: ['vehicle.m:4:-5e-7'] })
+  expect(readChosen({ finding: 'F2', brush: ['value:0:1', 'm', 7, 'a:1'] })).toEqual({ finding: 'F2', brush: ['value:0:1'] })
+  expect(readChosen({ brush: true })).toEqual({})
+})
+
 it('shows the worst unless another one is known', () => {
   expect(chosenOf(undefined, found('F1', 'F2'))).toBe('F1')
   expect(chosenOf('F2', found('F1', 'F2'))).toBe('F2')

@@ -6,11 +6,17 @@ export const NOMINAL = 'nominal'
 export interface ChosenSearch {
   /** A finding's label, or `nominal`; the worst one where there is none. */
   finding?: string
+  /** Ranges in the parameter space, `path:from:to` each. */
+  brush?: string[]
 }
 
 export function readChosen(search: Record<string, unknown>): ChosenSearch {
-  const { finding } = search
-  return typeof finding === 'string' && /^(F[1-9]\d{0,2}|nominal)$/.test(finding) ? { finding } : {}
+  const { finding, brush } = search
+  const ranges = [brush].flat().filter((range) => typeof range === 'string' && /^[\w.]+:\S+:\S+$/.test(range)) as string[]
+  return {
+    ...(typeof finding === 'string' && /^(F[1-9]\d{0,2}|nominal)$/.test(finding) ? { finding } : {}),
+    ...(ranges.length > 0 ? { brush: ranges } : {}),
+  }
 }
 
 /** The label of what is shown: as asked for where there is such a finding, otherwise the worst. */

@@ -129,7 +129,7 @@ function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: 
       {first && <Upright axis={up} cell={cell} />}
       {last && <Level axis={across} cell={cell} />}
       {level !== null && <path className="cr" d={`M${left} ${level}H${right}`} />}
-      {level !== null && first && (
+      {level !== null && first && width > 160 && (
         <text className="lab halo" x={left + 4} y={level - 5}>
           Criterion
         </text>
@@ -148,8 +148,11 @@ function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: 
   )
 }
 
-const ticksOf = (axis: Axis, room: number, each: number): number[] =>
-  linearTicks(axis.low, axis.high, Math.max(2, Math.floor(room / each)))
+/** At least two, or an axis would say nothing of its scale. */
+function ticksOf({ low, high }: Axis, room: number, each: number): number[] {
+  const ticks = linearTicks(low, high, Math.max(2, Math.floor(room / each)))
+  return ticks.length > 1 ? ticks : linearTicks(low, high, 4)
+}
 
 function Upright({ axis, cell }: { axis: Axis; cell: Cell }) {
   const ticks = ticksOf(axis, cell.height, 40)

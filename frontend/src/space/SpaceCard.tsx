@@ -1,7 +1,8 @@
 // The parameter space: every stage's evaluations with their value as colour, in parallel coordinates and over pairs of
 // parameters. A range on an axis keeps what lies within it, in every view. Start reading at `SpaceCard`.
 import { IconX } from '@tabler/icons-react'
-import { useMemo, useState } from 'react'
+import { useNavigate, useSearch } from '@tanstack/react-router'
+import { useEffect, useMemo, useState } from 'react'
 import type { EvaluationSeries } from '../client'
 import { ChartCard } from '../charts/ChartCard'
 import { useHidden } from '../charts/Legend'
@@ -14,7 +15,7 @@ import { ColourBar } from './ColourBar'
 import type { Ink } from './paint'
 import { Parallel, type ViewProps } from './Parallel'
 import { Scatter } from './Scatter'
-import { type Axis, type Brush, brushed, FATES, keptOf, type Space, spaceOf, valueAxis, worstOf } from './space'
+import { type Axis, type Brush, brushed, brushOf, brushTexts, FATES, keptOf, type Space, spaceOf, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
 import './space.css'
 
@@ -32,7 +33,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
       catalogue?.methods.find((m) => m.name === method)?.title ?? method ?? kind.charAt(0).toUpperCase() + kind.slice(1)
     return spaceOf({ evaluations, axes: [value, ...parameters.map((p) => ({ ...p, key: p.path }))], titleOf, most: MOST })
   }, [evaluations, parameters, catalogue, run.quantity, run.unit, run.threshold])
-  const [brush, setBrush] = useState<Brush>({})
+  const [brush, setBrush] = useAddressedBrush(run.id, space.axes)
   const [hidden, toggle] = useHidden()
   const [over, setOver] = useState<number | null>(null)
   const [pair, setPair] = useState<readonly [number, number]>([1, 2])
@@ -95,6 +96,34 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
   )
 }
 
+/** The ranges, which stand in the address too: its copy shows the same. */
+function useAddressedBrush(id: string, axes: readonly Axis[]) {
+  const asked = useSearch({ from: '/runs/$id' }).brush
+  const navigate = useNavigate()
+  const [brush, setBrush] = useState<Brush>(() => brushOf(asked ?? [], axes))
+  const texts = brushTexts(brush).join(' ')
+  const there = asked?.join(' ') ?? ''
+  useEffect(() => {
+    if (texts === there) return
+    // The address follows once the range rests.
+    const timer = setTimeout(
+      () =>
+        void navigate({
+          to: '/runs/$id',
+          params: { id },
+          search: (before) => ({ ...before, brush: texts ? texts.split(' ') : undefined }),
+          hash: (hash) => hash ?? '',
+          replace: true,
+          resetScroll: false,
+          hashScrollIntoView: false,
+        }),
+      300,
+    )
+    return () => clearTimeout(timer)
+  }, [texts, there, id, navigate])
+  return [brush, setBrush] as const
+}
+
 interface RangesProps extends ViewProps {
   onClear: () => void
 }
@@ -107,7 +136,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
   return (
     <div className="ranges">
       <span className="small" aria-live="polite" data-testid="kept">
-        <b>{count(kept.length)}</b> of {count(space.count)} kept
+        <b>{count(kept.length)}</b> of {count(space.count)} {space.count < space.total ? 'drawn evaluations' : 'evaluations'} kept
         {lowest === null ? (
           ', none with a value'
         ) : (
@@ -186,7 +215,8 @@ function Reading({ space, at, lowest }: { space: Space; at: number | null; lowes
         return Number.isNaN(value) ? null : (
           <span key={axis.key} className="nw">
             {k > 0 && '; '}
-            <Sign text={axis.symbol} /> = {plain(value, 5)} {unitText(axis.unit)}
+            <Sign text={axis.symbol} /> = {plain(value, 5)}
+            {axis.unit && ` ${unitText(axis.unit)}`}
           </span>
         )
       })}

@@ -62,10 +62,12 @@ export function layersOf(space: Space, kept: Uint32Array, { low, high }: Ink): {
 
 /** The heights at which an evaluation crosses the axes [px]. */
 export function crossings(space: Space, i: number, { top, bottom, none }: Lines): number[] {
-  return space.axes.map((axis, k) => {
-    const value = space.columns[k]?.[i] as number
-    return Number.isNaN(value) ? none : bottom - shareOf(axis, value) * (bottom - top)
-  })
+  return space.axes.map((_, k) => crossing(space, i, k, { top, bottom, none }))
+}
+
+function crossing(space: Space, i: number, k: number, { top, bottom, none }: Omit<Lines, 'xs'>): number {
+  const value = space.columns[k]?.[i] as number
+  return Number.isNaN(value) ? none : bottom - shareOf(space.axes[k] as Axis, value) * (bottom - top)
 }
 
 export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Uint32Array, ink: Ink, lines: Lines): void {
@@ -91,7 +93,7 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
   ctx.setLineDash([1, 3])
   stroke(fates[2] ?? [])
   ctx.setLineDash([])
-  ctx.globalAlpha = kept.length > 2000 ? 0.3 : kept.length > 400 ? 0.5 : 0.85
+  ctx.globalAlpha = kept.length > 2000 ? 0.15 : kept.length > 400 ? 0.4 : 0.85
   const palette = shades(ink.theme)
   for (let shade = SHADES - 1; shade >= 0; shade--) {
     ctx.strokeStyle = palette[shade] as string
@@ -155,8 +157,7 @@ export function lineNear(space: Space, kept: Uint32Array, lines: Lines, x: numbe
   const share = (x - from) / (to - from)
   let [nearest, least]: [number | null, number] = [null, reach]
   for (const i of kept) {
-    const at = crossings(space, i, lines)
-    const off = Math.abs((at[right - 1] as number) * (1 - share) + (at[right] as number) * share - y)
+    const off = Math.abs(crossing(space, i, right - 1, lines) * (1 - share) + crossing(space, i, right, lines) * share - y)
     if (off <= least) [nearest, least] = [i, off]
   }
   return nearest

@@ -156,10 +156,10 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
             key={axis.key}
             type="button"
             className="chip on"
-            aria-label={`Clear range of ${symbolText(axis.symbol)}`}
             onClick={() => onBrush(axis, null)}
           >
             <span>
+              <span className="sr">Clear range of </span>
               <Sign text={axis.symbol} /> {fixed(from, decimals)} to {fixed(to, decimals)} {unitText(axis.unit)}
             </span>
             <IconX className="i" aria-hidden />

@@ -75,6 +75,7 @@ class Method:
     `repeats`: it may ask for a point twice; the driver answers the second time from memory.
     `extend`: the options under which a finished search goes on for at least so many evaluations more, the same ones
     first; None where it cannot be continued.
+    `compiles`: it compiles parts of itself when it first runs; the driver lets it do so before time is counted.
     """
 
     name: str
@@ -88,6 +89,7 @@ class Method:
     repeats: bool = False
     starts: bool = False
     extend: Callable[[Any, int], Any] | None = None
+    compiles: bool = False
 
 
 AT_ONCE = 256

@@ -204,4 +204,5 @@ method = Method(
     evaluations=5000,
     options=Options,
     search=search,
+    compiles=True,
 )

@@ -226,6 +226,7 @@ method = Method(
     evaluations=5000,
     options=Options,
     search=search,
+    compiles=True,
     repeats=True,
     extend=lambda options, more: options,
 )

@@ -6,6 +6,8 @@ missed. Start reading at `run`.
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ from pydantic import TypeAdapter
 
 from campaigns.stages import Search as Asked
 from worker.catalog import methods
-from worker.search.base import Floats, Method, Minimum, Space
+from worker.search.base import Batch, Floats, Method, Minimum, Space
 from worker.stages import front, gap, sample
 from worker.stages.base import Context, Driven, drive
 from worker.stages.members import Members
@@ -37,11 +39,28 @@ def run(context: Context, position: int, index: int) -> dict[str, Any]:
         confidence=context.campaign.confidence,
     )
     options: Any = TypeAdapter(method.options).validate_python(asked.options)
+    if method.compiles:
+        _warm(method.name, space.dimension)
     search = members.listening(method.search(space, options))
     driven = drive(context, position, search, asked.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
     told = _result(context, method, options, driven, minima)
     return told | {"members": members.told(driven.columns) if driven.columns else []}
+
+
+@cache
+def _warm(name: str, dimension: int) -> None:
+    """Let a method compile what it compiles, on a bowl of its own: that is no time of the search, and done once."""
+    method, budget = methods()[name], 100 * dimension
+    bowl = Space(dimension, budget, np.random.default_rng(0), np.empty((0, dimension)), lambda u: u, lambda m: None)
+    search = method.search(bowl, method.options())
+    with suppress(StopIteration):
+        points = next(search)
+        while budget > 0:
+            budget -= len(points)
+            costs = ((points - 0.4) ** 2).sum(axis=1, keepdims=True)
+            points = search.send(Batch(costs, np.zeros(len(points), dtype=np.uint8)))
+    search.close()
 
 
 def stream(seed: int, index: int) -> np.random.Generator:

@@ -1,5 +1,6 @@
 // What the cards of a run's page share: the run with its answers, and small readings of them. Start reading at `RunData`.
-import { keepPreviousData, useQuery } from '@tanstack/react-query'
+import { keepPreviousData, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useEffect, useRef } from 'react'
 import { asCampaign, type Campaign } from '../api/campaign'
 import {
   catalogueQuery,
@@ -56,6 +57,7 @@ export interface RunData {
 /** Everything the page shows of a run; what is still on its way is empty or undefined. */
 export function useRunData(run: RunDetail, asked?: string): RunData {
   const over = !isLive(run)
+  useFreshAtEnd(run.id, over)
   const catalogue = useQuery(catalogueQuery).data
   const stages = useQuery(stagesQuery(run.id)).data ?? []
   const evaluations = useQuery(evaluationsQuery(run.id))
@@ -87,6 +89,18 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
     finding: findings.find((finding) => finding.label === chosen) ?? null,
     findingTrace: chosen === NOMINAL ? undefined : findingTrace,
   }
+}
+
+/** However this page learns that the run has ended, by the stream or by asking: what it knows of the run is old then. */
+function useFreshAtEnd(id: string, over: boolean): void {
+  const cache = useQueryClient()
+  const live = useRef(!over)
+  useEffect(() => {
+    if (live.current && over)
+      for (const key of ['stages', 'evaluations', 'findings', 'traces', 'trace'])
+        void cache.invalidateQueries({ queryKey: [key, id] })
+    live.current = !over
+  }, [cache, id, over])
 }
 
 /** The uncertain parameters in the campaign's order, as the catalogue of today describes them. */

@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, ConsoleMessage, Error, Page, Playwright, Request, WebSocket
+from playwright.sync_api import Browser, ConsoleMessage, Error, Page, Playwright, Request, WebSocket, expect
 
 from tests.faults.processes import REPOSITORY
 
@@ -36,6 +36,7 @@ VIEWER_EVAL = "'wasm-unsafe-eval'"
 
 PATIENCE = 60_000
 """[ms]"""
+expect.set_options(timeout=PATIENCE / 2)  # a 3D view drawn in software holds its page for seconds
 
 
 def chromium() -> str:

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
 from backend.db.records import Columns, Finding, StagePlan, StageRecord, Trace, join
-from backend.db.store import EXCLUDED, FAILED, TIMEOUT, as_columns, blobs, lowest
+from backend.db.store import EXCLUDED, FAILED, TIMEOUT, as_columns, as_finding, blobs, lowest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
@@ -49,8 +49,8 @@ def evaluations(connection: sa.Connection, run_id: int) -> dict[int, Columns]:
 
 def findings(connection: sa.Connection, run_id: int) -> list[Finding]:
     """The findings of a run, the worst first."""
-    rows = connection.execute(sa.select(FindingRow).where(FindingRow.run_id == run_id).order_by(FindingRow.cost))
-    return [Finding(**{key: value for key, value in row._mapping.items() if key != "run_id"}) for row in rows]
+    of = sa.select(FindingRow.__table__).where(FindingRow.run_id == run_id).order_by(FindingRow.cost)
+    return [as_finding(row) for row in connection.execute(of).mappings()]
 
 
 def traces(connection: sa.Connection, run_id: int) -> list[Trace]:

@@ -92,7 +92,7 @@ class RunStore:
         of = sa.select(FindingRow.__table__).where(FindingRow.run_id == self._run).order_by(FindingRow.cost)
         with read(self.engine) as connection:
             rows = connection.execute(of).mappings().all()
-        return [Finding(**{key: value for key, value in row.items() if key != "run_id"}) for row in rows]
+        return [as_finding(row) for row in rows]
 
     def conclude(self, conclusion: Conclusion) -> None:
         """Store the verdict; the run is done."""
@@ -188,6 +188,11 @@ def as_columns(row: Any) -> Columns:
     )
     reasons = {int(index): reason for index, reason in row.reasons.items()}
     return Columns(points, costs, np.frombuffer(row.status, dtype=np.uint8).copy(), seconds[:, 0], reasons)
+
+
+def as_finding(row: sa.RowMapping) -> Finding:
+    """A row of the table of findings as a record."""
+    return Finding(**{key: value for key, value in row.items() if key != "run_id"})
 
 
 def plain(value: Any) -> Any:

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import optimize
 
 from campaigns import library, load_file
-from tests.unit.functions import OnUnitCube, on_unit_cube
+from tests.unit.functions import PUBLISHED, OnUnitCube, on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.catalog import methods
 from worker.kernels.assemble import Loop
@@ -27,19 +27,6 @@ from worker.search.base import Floats, Method
 EVALUATIONS = 10_000
 DIMENSION = 8
 REPEATS = 3
-
-PUBLISHED = {
-    "Shekel 5": (103, 155),
-    "Shekel 7": (97, 145),
-    "Shekel 10": (97, 145),
-    "Hartman 3": (83, 199),
-    "Hartman 6": (213, 571),
-    "Branin": (63, 195),
-    "Goldstein-Price": (101, 191),
-    "six-hump camel": (113, 285),
-    "Shubert": (2883, 2967),
-}
-"""Jones, Perttunen, Stuckman (1993), table 2: evaluations to within 1 % and 0.01 % of the minimum."""
 
 
 def measure() -> dict[str, float]:

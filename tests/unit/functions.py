@@ -230,3 +230,16 @@ FUNCTIONS: dict[str, TestFunction] = {
         _on("excluded region", excluded, 0, 1, -1.0, VALLEY),
     )
 }  # fmt: skip
+
+PUBLISHED = {
+    "Shekel 5": (103, 155),
+    "Shekel 7": (97, 145),
+    "Shekel 10": (97, 145),
+    "Hartman 3": (83, 199),
+    "Hartman 6": (213, 571),
+    "Branin": (63, 195),
+    "Goldstein-Price": (101, 191),
+    "six-hump camel": (113, 285),
+    "Shubert": (2883, 2967),
+}
+"""Jones, Perttunen, Stuckman (1993), table 2: evaluations of DIRECT to within 1 % and 0.01 % of the minimum."""

@@ -230,3 +230,10 @@ def test_any_worker_goes_on_with_it_when_this_process_is_gone(data: Path) -> Non
     with pytest.raises(LostLease):
         RunStore(engine, mine).begin(0)
     engine.dispose()
+
+
+def test_a_database_that_is_not_there_is_not_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    nowhere = tmp_path / "nowhere"
+    assert invoke(["run", "--continue", "R-0001", "--budget", "+10", "--data", str(nowhere)]) == WRONG_INPUT
+    assert "there is no database at" in capsys.readouterr().err
+    assert not nowhere.exists()

@@ -12,25 +12,13 @@ import numpy as np
 import pytest
 
 from tests.unit.cases import campaign, case1
-from tests.unit.functions import on_unit_cube
+from tests.unit.functions import PUBLISHED, on_unit_cube
 from tests.unit.searching import Searched, batch, run, space
 from worker.search import direct, direct_l
 from worker.search.base import Batch, Floats, Method
 from worker.search.direct import method
 from worker.stages.base import Context, Driven, drive
 from worker.store import Columns, MemoryStore, StagePlan
-
-PUBLISHED = {
-    "Shekel 5": (103, 155),
-    "Shekel 7": (97, 145),
-    "Shekel 10": (97, 145),
-    "Hartman 3": (83, 199),
-    "Hartman 6": (213, 571),
-    "Branin": (63, 195),
-    "Goldstein-Price": (101, 191),
-    "six-hump camel": (113, 285),
-    "Shubert": (2883, 2967),
-}
 
 
 def counted(name: str, within: float) -> int:

@@ -25,7 +25,7 @@ from campaigns.load import load_document
 from campaigns.plan import plan
 from worker.cli import WrongInputError
 from worker.cli._results import read_folder
-from worker.cli._where import url_of
+from worker.cli._where import existing_url_of
 from worker.continuation import Budget, CannotContinue, carried, continued, preloaded
 from worker.runner import Cancelled
 from worker.store import Columns, Conclusion, MemoryStore, StagePlan, Store
@@ -62,7 +62,7 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
     try:
         asked = Budget.read(budget)
         if re.fullmatch(r"R-\d{1,15}|\d{1,15}", run) and not Path(run).is_dir():
-            return _of_database(int(run.removeprefix("R-")), asked, url_of(data, database), execute)
+            return _of_database(int(run.removeprefix("R-")), asked, existing_url_of(data, database), execute)
         return _of_folder(Path(run), asked, execute)
     except CannotContinue as error:
         raise WrongInputError(f"{run} cannot be continued: {error}") from None

@@ -38,13 +38,18 @@ def url_of(data: Path, database: str) -> str:
     return url
 
 
+def existing_url_of(data: Path, database: str) -> str:
+    """The same of a database that is there already; a file that is missing is `WrongInputError`, and is not made."""
+    file = data / "clearance.sqlite3"
+    if not (database or file.exists()):
+        raise WrongInputError(f"there is no database at {file}; --data names the folder that `clearance serve` uses")
+    return url_of(data, database)
+
+
 @contextmanager
 def opened(data: Path, database: str, *, create: bool = False) -> Iterator[sa.Connection]:
     """A write transaction on the database; unless it is to be created, a missing one is `WrongInputError`."""
-    file = data / "clearance.sqlite3"
-    if not (database or create or file.exists()):
-        raise WrongInputError(f"there is no database at {file}; --data names the folder that `clearance serve` uses")
-    url = url_of(data, database)
+    url = url_of(data, database) if create else existing_url_of(data, database)
     migrate(url)
     engine = connect(url)
     try:

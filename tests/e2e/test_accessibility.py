@@ -12,14 +12,13 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from backend.db.engine import default_url, migrate
-from backend.settings import Settings
 from campaigns import library, load_file
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
+from tests.e2e.stored import served
 from tests.faults.processes import REPOSITORY
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
@@ -52,14 +51,8 @@ PAGES = {
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service without runs, with the catalogue of the components that are really there."""
-    settings = Settings(data=tmp_path_factory.mktemp("accessibility"), pages=Settings.load().pages)
-    assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
-    migrate(default_url(settings.data))
-    service = Service(settings)
-    service.start()
-    service.publish(published_by_workers())
-    yield service
-    service.stop()
+    with served(tmp_path_factory.mktemp("accessibility"), published_by_workers()) as service:
+        yield service
 
 
 @pytest.fixture(scope="module")

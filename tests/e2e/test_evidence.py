@@ -18,12 +18,11 @@ import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Download, expect
 
-from backend.db.engine import default_url, migrate
-from backend.settings import Settings
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
+from tests.e2e.stored import served
 from tests.e2e.test_whole_way import looks
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
@@ -32,18 +31,12 @@ pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with two finished runs that differ in the mass and in the budget."""
-    settings = Settings(data=tmp_path_factory.mktemp("evidence"), pages=Settings.load().pages)
-    assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
-    migrate(default_url(settings.data))
-    service = Service(settings)
-    service.start()
-    service.publish()
-    with service.signed_in() as client:
-        for mass, verdict in ((5.0, "cleared"), (5.5, "inconclusive")):
-            submit(client, mass)
-            finish_fully(service, verdict)
-    yield service
-    service.stop()
+    with served(tmp_path_factory.mktemp("evidence")) as service:
+        with service.signed_in() as client:
+            for mass, verdict in ((5.0, "cleared"), (5.5, "inconclusive")):
+                submit(client, mass)
+                finish_fully(service, verdict)
+        yield service
 
 
 def submit(client: httpx.Client, mass: float) -> None:

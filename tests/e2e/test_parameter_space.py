@@ -13,12 +13,11 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
-from backend.db.engine import default_url, migrate
-from backend.settings import Settings
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, SCREENSHOTS, Visit, visiting
+from tests.e2e.stored import served
 from tests.e2e.test_whole_way import LOOKS
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
@@ -29,17 +28,11 @@ ALL = re.compile("^1.?000 of 1.?000 evaluations kept, lowest dmin 1.007 m")
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with one finished run: 1000 evaluations of two parameters, every tenth of them failed."""
-    settings = Settings(data=tmp_path_factory.mktemp("space"), pages=Settings.load().pages)
-    assert (settings.pages / "index.html").is_file(), "the pages are not built: make install"
-    migrate(default_url(settings.data))
-    service = Service(settings)
-    service.start()
-    service.publish()
-    with service.signed_in() as client:
-        assert client.post("/api/v1/runs", json={"campaign": campaign(), "name": "Space"}).status_code == 201
-        finish_fully(service)
-    yield service
-    service.stop()
+    with served(tmp_path_factory.mktemp("space")) as service:
+        with service.signed_in() as client:
+            assert client.post("/api/v1/runs", json={"campaign": campaign(), "name": "Space"}).status_code == 201
+            finish_fully(service)
+        yield service
 
 
 @pytest.fixture(scope="module")

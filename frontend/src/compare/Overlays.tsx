@@ -8,10 +8,10 @@ import type { Line, PlotSpec, Point } from '../charts/spec'
 import type { Catalogue, TraceData } from '../client'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { convergenceOf, searchesOf } from '../run/data'
-import { Seg } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
+import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { type Compared, closestOf, unitOf } from './data'
 
 export const RunKeys = ({ runs }: { runs: Compared[] }) => (
@@ -41,7 +41,7 @@ interface Drawn {
 }
 
 export function SeparationOverlay({ runs, className }: CardProps) {
-  const [window, setWindow] = useState<'encounter' | 'all'>('encounter')
+  const [window, setWindow] = useState<Shown>('encounter')
   const drawn = useMemo(() => runs.flatMap(drawnOf), [runs])
   const spec = useMemo(() => separationSpec(drawn, runs, window), [drawn, runs, window])
   const name = runs.map(({ id }) => id).join('-')
@@ -61,15 +61,7 @@ export function SeparationOverlay({ runs, className }: CardProps) {
       right={
         <>
           <RunKeys runs={runs} />
-          <Seg
-            label="Time shown"
-            options={[
-              { value: 'encounter', label: 'Encounter' },
-              { value: 'all', label: 'Whole flight' },
-            ]}
-            value={window}
-            onChange={setWindow}
-          />
+          <WindowSeg label="Time shown" value={window} onChange={setWindow} />
         </>
       }
     >
@@ -122,7 +114,7 @@ function curveOf(trace: TraceData): Curve {
   return { x: columnOf(trace, 'time').map((value) => value ?? 0), y: columnOf(trace, 'separation') }
 }
 
-function separationSpec(drawn: Drawn[], runs: Compared[], window: 'encounter' | 'all'): PlotSpec {
+function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSpec {
   const curves = drawn.map(({ trace }) => curveOf(trace))
   const xs = union(curves)
   const unit = unitOf(runs) ?? ''

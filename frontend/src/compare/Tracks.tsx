@@ -4,8 +4,8 @@ import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'
 import type { TraceData } from '../client'
 import { fixed } from '../format/numbers'
-import { Seg } from '../ui/Card'
 import { useWidth } from '../ui/useWidth'
+import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import type { Compared } from './data'
 import { RunKeys } from './Overlays'
 import { metaOf, type Place, placeOf, type Scale, scaleOf, trackOf } from './places'
@@ -21,7 +21,7 @@ interface Flight {
 }
 
 export function Tracks({ runs, className }: { runs: Compared[]; className: string }) {
-  const [window, setWindow] = useState<'encounter' | 'all'>('encounter')
+  const [window, setWindow] = useState<Shown>('encounter')
   const flights = runs.flatMap((of) => {
     const pairs: [string, string, TraceData | undefined][] = [
       ['nominal', 'var(--c-nom)', of.nominal],
@@ -47,15 +47,7 @@ export function Tracks({ runs, className }: { runs: Compared[]; className: strin
       right={
         <>
           <RunKeys runs={runs} />
-          <Seg
-            label="Part shown"
-            options={[
-              { value: 'encounter', label: 'Encounter' },
-              { value: 'all', label: 'Whole flight' },
-            ]}
-            value={window}
-            onChange={setWindow}
-          />
+          <WindowSeg label="Part shown" value={window} onChange={setWindow} />
         </>
       }
     >

@@ -7,7 +7,7 @@ import { type Curve, linesOn, union } from '../charts/series'
 import type { PlotSpec, Point } from '../charts/spec'
 import type { TraceData } from '../client'
 import { decimalsFor, fixed, plain } from '../format/numbers'
-import { Seg } from '../ui/Card'
+import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { calledOf } from './chosen'
 import type { RunData } from './data'
 
@@ -21,7 +21,7 @@ interface Drawn {
 export function SeparationCard({ data, className }: { data: RunData; className: string }) {
   const { run, nominalTrace, findingTrace, chosen } = data
   const called = calledOf(chosen)
-  const [window, setWindow] = useState<'encounter' | 'all'>('encounter')
+  const [window, setWindow] = useState<Shown>('encounter')
   const [hidden, toggle] = useHidden()
   const spec = useMemo(
     () =>
@@ -56,15 +56,7 @@ export function SeparationCard({ data, className }: { data: RunData; className: 
       right={
         <>
           <Legend keys={keys} hidden={hidden} onToggle={toggle} />
-          <Seg
-            label="Time shown"
-            options={[
-              { value: 'encounter', label: 'Encounter' },
-              { value: 'all', label: 'Whole flight' },
-            ]}
-            value={window}
-            onChange={setWindow}
-          />
+          <WindowSeg label="Time shown" value={window} onChange={setWindow} />
         </>
       }
     >
@@ -89,7 +81,7 @@ const closestOf = (trace: TraceData | undefined): Closest | null => {
   return typeof closest?.time === 'number' && typeof closest.value === 'number' ? (closest as Closest) : null
 }
 
-function specOf(all: Drawn[], threshold: number | null, unit: string, window: 'encounter' | 'all'): PlotSpec {
+function specOf(all: Drawn[], threshold: number | null, unit: string, window: Shown): PlotSpec {
   const drawn = all.flatMap(({ trace, ...rest }) => (trace ? [{ ...rest, trace, curve: curveOf(trace) }] : []))
   const xs = union(drawn.map(({ curve }) => curve))
   const near = drawn.flatMap(({ trace }) => closestOf(trace) ?? [])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -237,3 +238,16 @@ def test_a_database_that_is_not_there_is_not_made(tmp_path: Path, capsys: pytest
     assert invoke(["run", "--continue", "R-0001", "--budget", "+10", "--data", str(nowhere)]) == WRONG_INPUT
     assert "there is no database at" in capsys.readouterr().err
     assert not nowhere.exists()
+
+
+def test_evaluations_that_are_not_what_the_search_asks_for_are_refused(
+    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "changed"
+    shutil.copytree(first, folder)
+    with np.load(folder / "evaluations.npz") as held:
+        arrays = dict(held)
+    arrays["points_2"][5] += 0.01
+    np.savez(folder / "evaluations.npz", **arrays)
+    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
+    assert "no longer asks for the point stored as evaluation" in capsys.readouterr().err

@@ -27,7 +27,7 @@ from worker.cli import WrongInputError
 from worker.cli._results import read_folder
 from worker.cli._where import existing_url_of
 from worker.continuation import Budget, CannotContinue, carried, continued, preloaded
-from worker.runner import Cancelled
+from worker.runner import Cancelled, ReplayMismatch
 from worker.store import Columns, Conclusion, MemoryStore, StagePlan, Store
 
 Execute = Callable[[Campaign, Store, Callable[[], bool]], Conclusion]
@@ -64,7 +64,7 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
         if re.fullmatch(r"R-\d{1,15}|\d{1,15}", run) and not Path(run).is_dir():
             return _of_database(int(run.removeprefix("R-")), asked, existing_url_of(data, database), execute)
         return _of_folder(Path(run), asked, execute)
-    except CannotContinue as error:
+    except (CannotContinue, ReplayMismatch) as error:
         raise WrongInputError(f"{run} cannot be continued: {error}") from None
 
 

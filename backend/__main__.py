@@ -31,13 +31,14 @@ GRACE = 1
 
 
 class Server(uvicorn.Server):
-    """Ends the event streams and 3D views first when it stops; they would otherwise hold it up."""
+    """Ends event streams, 3D views and previews first when it stops; they would otherwise hold it up."""
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         app = self.config.app
         assert isinstance(app, FastAPI)
         app.state.hub.stop()
         app.state.viewers.stop()
+        app.state.previews.stop()
         await super().shutdown(sockets)
 
 

@@ -14,11 +14,14 @@ from backend import errors, openapi, pages
 from backend.auth import Guard
 from backend.catalog import endpoints as catalog
 from backend.db.engine import connect
+from backend.drafts import endpoints as drafts
 from backend.events import endpoints as events
 from backend.events.hub import Hub
 from backend.exports import endpoints as exports
 from backend.frame import Frame
 from backend.health import endpoints as health
+from backend.previews import endpoints as previews
+from backend.previews.service import Previews
 from backend.reports import endpoints as reports
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
@@ -47,6 +50,7 @@ def create(settings: Settings) -> FastAPI:
         yield
         await hub.close()
         await to_thread.run_sync(live.close)
+        await to_thread.run_sync(app.state.previews.stop)
         engine.dispose()
 
     app = FastAPI(
@@ -66,10 +70,11 @@ def create(settings: Settings) -> FastAPI:
         separate_input_output_schemas=False,
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
+    app.state.previews = Previews()
     app.state.viewers = scenes.Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
-    for feature in (health, sessions, catalog, runs, results, exports, reports, signoffs, events):
+    for feature in (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events):
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

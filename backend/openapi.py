@@ -30,7 +30,9 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
 )
-_PARTIAL = frozenset({"RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"})
+_PARTIAL = frozenset(
+    {"RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest", "DraftContent", "DraftReplace"}
+)
 """All others are answers, and answers have every field."""
 _CAMPAIGN_BODY = {
     "type": "object",
@@ -46,6 +48,7 @@ TAGS = [
     {"name": "service", "description": "Health"},
     {"name": "session", "description": "Who is signed in"},
     {"name": "catalog", "description": "Components, methods, the library of campaigns"},
+    {"name": "drafts", "description": "Campaigns that are being prepared, as they were typed"},
     {"name": "runs", "description": "Submitting, listing, watching, cancelling, notes"},
     {"name": "results", "description": "Evaluations, findings, traces"},
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},

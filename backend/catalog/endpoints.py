@@ -58,12 +58,13 @@ async def check_campaign(request: Request, engine: Engine) -> Checked:
 
     def work() -> Checked:
         with read(engine) as reader:
-            return service.checked(reader, _given(body, yaml))
+            return service.checked(reader, given(body, yaml))
 
     return await run_in_threadpool(work)
 
 
-def _given(body: bytes, yaml: bool) -> Campaign | CampaignError:
+def given(body: bytes, yaml: bool) -> Campaign | CampaignError:
+    """The campaign of a request's body, or everything that is wrong with it."""
     try:
         if yaml:
             return bodies.yaml_campaign(body)

@@ -1,4 +1,4 @@
-"""The tables: campaigns, runs (the queue), stages, evaluations in column chunks, findings, traces, access.
+"""The tables: campaigns, drafts, runs (the queue), stages, evaluations in column chunks, findings, traces, access.
 
 Arrays are little-endian float64 in BLOBs, row-major. Start reading at `Run`; the lease columns are explained in
 `backend.db.queue`.
@@ -258,6 +258,28 @@ class Signoff(Base):
     withdrawn: orm.Mapped[float | None]
     withdrawn_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
     withdrawn_reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
+
+
+class Draft(Base):
+    """A campaign that is being prepared, as it was typed: it may be incomplete or wrong. Anybody may go on with it."""
+
+    __tablename__ = "drafts"
+    id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
+    version: orm.Mapped[int] = orm.mapped_column(default=1)
+    """Goes up with every save; a save that names an older one is refused."""
+    name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
+    tags: orm.Mapped[list[Any]]
+    text: orm.Mapped[str] = orm.mapped_column(sa.Text)
+    """YAML or JSON."""
+    owner: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    """Who made it."""
+    created: orm.Mapped[float]
+    saved: orm.Mapped[float] = orm.mapped_column(index=True)
+    saved_by: orm.Mapped[str] = orm.mapped_column(sa.String(64))
+    run_id: orm.Mapped[int | None] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="SET NULL"))
+    """The run that was last started from it."""
+    # A number is never given again: an address that named a deleted draft must not lead to another one.
+    __table_args__ = ({"sqlite_autoincrement": True},)
 
 
 class Audit(Base):

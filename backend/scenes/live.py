@@ -36,6 +36,10 @@ class LiveError(RuntimeError):
     """A flight could not be made; the message is a sentence for the viewer."""
 
 
+class FlightRefusedError(LiveError):
+    """The simulation process works and says that this flight cannot be made."""
+
+
 @dataclass
 class _Asked:
     campaign: str
@@ -187,7 +191,7 @@ class _Child:
         if asked is None:
             return self.over
         if "error" in message:
-            asked.answer.set_exception(LiveError(str(message["error"])))
+            asked.answer.set_exception(FlightRefusedError(str(message["error"])))
         else:
             self.flown.add(asked.campaign)
             asked.answer.set_result(message)

@@ -40,8 +40,9 @@ def test_every_operation_is_described(path: str, method: str, operation: dict[st
     assert operation["description"]
     assert "application/problem+json" in operation["responses"]["default"]["content"]
     takes_body = ("/api/v1/runs", "/api/v1/runs/cancel", "/api/v1/campaigns/check")
+    takes_body += ("/api/v1/campaigns/preview", "/api/v1/drafts")
     takes_body += ("/api/v1/runs/{run}/signoffs", "/api/v1/runs/{run}/signoffs/{signoff}/withdraw")
-    assert ("requestBody" in operation) == (method == "patch" or (path in takes_body and method == "post"))
+    assert ("requestBody" in operation) == (method in ("patch", "put") or (path in takes_body and method == "post"))
 
 
 def test_operation_ids_are_short_and_distinct() -> None:
@@ -96,6 +97,7 @@ def test_answers_are_as_described(service: Service, client: httpx.Client) -> Non
     submit(client)
     finish(service)
     submit(client, seed=2)
+    client.post("/api/v1/drafts", json={"name": "", "text": "name:"})
     seen = 0
     for path, method, operation in OPERATIONS:
         if method != "get" or path.endswith("/events"):
@@ -103,7 +105,8 @@ def test_answers_are_as_described(service: Service, client: httpx.Client) -> Non
         content = operation["responses"]["200"]["content"]
         if "application/json" not in content:  # files are held in test_exports and test_reports
             continue
-        address = path.replace("{run}", "R-0001").replace("{name}", "F1" if "traces" in path else "unicycle_static")
+        address = path.replace("{run}", "R-0001").replace("{draft}", "D-0001")
+        address = address.replace("{name}", "F1" if "traces" in path else "unicycle_static")
         answer = client.get(address)
         assert answer.status_code == 200, address
         conforms(answer.json(), content["application/json"]["schema"], address)

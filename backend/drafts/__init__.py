@@ -1,0 +1,1 @@
+"""Campaigns that are being prepared and kept as they were typed."""

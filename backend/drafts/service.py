@@ -1,0 +1,109 @@
+"""Drafts: kept as they were typed, saved over only by who has seen the newest version. Start reading at `replace`."""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db import audit
+from backend.db.access import Visitor
+from backend.db.engine import now
+from backend.db.tables import Draft as Row
+from backend.db.tables import Run
+from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
+from backend.errors import RefusedError, not_found
+from backend.runs import listing, service
+
+MOST = 1000
+"""So many drafts are kept at most: a program that saves one each time is stopped before it fills the disk."""
+
+_ID = re.compile(r"D-(\d{1,9})")
+_LISTED = [getattr(Row, name) for name in ("id", "version", "name", "tags", "owner", "created", "saved", "saved_by")]
+
+
+def name(draft_id: int) -> str:
+    """D-0001 of 1."""
+    return f"D-{draft_id:04d}"
+
+
+def number(draft: str) -> int:
+    """The number of a draft from its name, D-0001; 404 for anything else."""
+    match = _ID.fullmatch(draft)
+    if match is None:
+        raise not_found("draft", draft)
+    return int(match[1])
+
+
+def listed(reader: sa.Connection) -> list[DraftSummary]:
+    """All drafts without their texts, the one saved last first."""
+    query = sa.select(*_LISTED, Row.run_id).order_by(Row.saved.desc(), Row.id.desc())
+    return [DraftSummary(**_told(dict(row))) for row in reader.execute(query).mappings()]
+
+
+def one(reader: sa.Connection, draft_id: int) -> Draft:
+    """A draft with its text, or 404."""
+    query = sa.select(*_LISTED, Row.run_id, Row.text).where(Row.id == draft_id)
+    row = reader.execute(query).mappings().one_or_none()
+    if row is None:
+        raise not_found("draft", name(draft_id))
+    return Draft(**_told(dict(row)))
+
+
+def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
+    """Keep a new draft; 409 where there are too many."""
+    with engine.begin() as writer:
+        if (writer.scalar(sa.select(sa.func.count()).select_from(Row)) or 0) >= MOST:
+            raise RefusedError(409, "too-many-drafts", f"there are {MOST} drafts already: delete some first")
+        at = now(writer)
+        who = {"owner": visitor.user, "saved_by": visitor.user, "created": at, "saved": at}
+        values = given.model_dump() | who | {"version": 1}
+        draft_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
+        return one(writer, draft_id)
+
+
+def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visitor) -> Draft:
+    """Save a draft over the version that is named; 409 where another was saved meanwhile, 404 for none."""
+    values: dict[str, Any] = given.model_dump(exclude={"version", "run"})
+    with engine.begin() as writer:
+        if given.run is not None:
+            values["run_id"] = _run(writer, given.run)
+        values |= {"version": given.version + 1, "saved": now(writer), "saved_by": visitor.user}
+        same = (Row.id == draft_id, Row.version == given.version)
+        if writer.execute(sa.update(Row).where(*same).values(**values)).rowcount != 1:
+            raise _overtaken(one(writer, draft_id), given.version)
+        return one(writer, draft_id)
+
+
+def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visitor) -> None:
+    """Delete a draft; 404 for none, 409 where `version` is given and is not the newest."""
+    with engine.begin() as writer:
+        draft = one(writer, draft_id)
+        if version is not None and version != draft.version:
+            raise _overtaken(draft, version)
+        writer.execute(sa.delete(Row).where(Row.id == draft_id))
+        told = {"name": draft.name, "owner": draft.owner, "version": draft.version}
+        audit.note(writer, visitor, "draft.deleted", draft.id, told)
+
+
+def _run(reader: sa.Connection, given: str) -> int:
+    run_id = service.number(given)
+    if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
+        raise not_found("run", given)
+    return run_id
+
+
+def _overtaken(draft: Draft, version: int) -> RefusedError:
+    when = datetime.fromtimestamp(draft.saved, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    detail = (
+        f"{draft.id} was saved by {draft.saved_by or 'somebody'} at {when} after you opened it (version "
+        f"{draft.version}, yours is {version}): open it again, or keep yours as a new draft"
+    )
+    return RefusedError(409, "draft-changed", detail)
+
+
+def _told(row: dict[str, Any]) -> dict[str, Any]:
+    run_id = row.pop("run_id")
+    return row | {"id": name(row["id"]), "run": None if run_id is None else listing.name(run_id)}

@@ -1,0 +1,1 @@
+"""The nominal flight of a campaign that is still being edited."""

@@ -1,0 +1,40 @@
+"""POST /campaigns/preview: the nominal flight of a campaign, nothing stored. Start reading at `preview_campaign`."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from fastapi.concurrency import run_in_threadpool
+
+from backend import bodies
+from backend.catalog.endpoints import CHECK_BODY, given
+from backend.deps import Engine
+from backend.previews import service
+from backend.previews.schemas import Preview
+from campaigns import Campaign, CampaignError
+from campaigns.catalogue import ComponentEntry
+
+router = APIRouter(tags=["catalog"])
+
+
+@router.post("/campaigns/preview", openapi_extra={"requestBody": CHECK_BODY})
+async def preview_campaign(request: Request, engine: Engine) -> Preview:
+    """Fly the nominal case of a campaign, as `{"campaign": ...}` or as YAML; stores nothing.
+
+    A loop of components that were never flown together is compiled first, which takes many seconds. 422 for a campaign
+    that cannot be run, 503 where no simulation can be made.
+    """
+    yaml = bodies.is_yaml(request)
+    body = await request.body()
+
+    def work() -> tuple[Campaign, ComponentEntry]:
+        try:
+            campaign = given(body, yaml)
+            if isinstance(campaign, CampaignError):
+                raise campaign
+            return campaign, service.checked(engine, campaign)
+        except CampaignError as error:
+            raise bodies.invalid(error) from None
+
+    campaign, criterion = await run_in_threadpool(work)
+    answer, seconds = await request.app.state.previews.fly(campaign, request.is_disconnected)
+    return service.told(campaign, criterion, answer, seconds)

@@ -1,0 +1,122 @@
+"""Flies the nominal case of an edited campaign, one at a time, in a process that no viewer waits for.
+
+Who has gone away while waiting is not flown for, so that of many edits only the newest costs anything. Start reading at
+`Previews.fly`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from anyio import to_thread
+
+from backend.catalog.service import required
+from backend.db.engine import read
+from backend.deps import Engine
+from backend.errors import RefusedError
+from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
+from backend.scenes.live import FlightRefusedError, Live, LiveError
+from campaigns import Campaign, CampaignError, check
+from campaigns.catalogue import ComponentEntry
+
+ROWS = 240
+"""A preview has about so many points."""
+
+WAITING = 8
+"""So many previews may wait for the one that is flown."""
+
+LIMIT = 90.0
+"""How long a preview may take [s]: every edit is a new campaign, and its loop may have to be compiled."""
+
+_BUSY = "other previews are being flown and enough are waiting: try again in a few seconds"
+
+
+class Previews:
+    """The simulation process of the previews and who waits for it; used on one event loop."""
+
+    def __init__(self, live: Live | None = None) -> None:
+        self.live = live or Live(limit=LIMIT, first_limit=LIMIT)
+        self._turn = asyncio.Lock()
+        self._waiting = 0
+
+    async def fly(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[dict[str, Any], float]:
+        """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
+
+        gone: whether who asked has gone away; asked again when it is their turn.
+        """
+        if self._waiting >= WAITING:
+            raise RefusedError(503, "preview-busy", _BUSY, headers={"Retry-After": "3"})
+        self._waiting += 1
+        try:
+            async with self._turn:
+                if await gone():
+                    raise RefusedError(503, "preview-overtaken", "nobody waits for this preview any more")
+                began = time.monotonic()
+                answer = await to_thread.run_sync(self._flown, campaign)
+                return answer, time.monotonic() - began
+        finally:
+            self._waiting -= 1
+
+    def stop(self) -> None:
+        """End the simulation process; whoever waits for it is refused."""
+        self.live.close()
+
+    def _flown(self, campaign: Campaign) -> dict[str, Any]:
+        try:
+            return self.live.fly(campaign.document(), campaign.digest, {}, ROWS)
+        except FlightRefusedError as error:
+            raise RefusedError(422, "not-flyable", f"this campaign cannot be flown: {error}") from None
+        except LiveError as error:
+            raise RefusedError(503, "preview-failed", f"the nominal flight could not be made: {error}") from None
+
+
+def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
+    """The criterion of a campaign that can be run; raises `CampaignError`, or 503 before any worker came."""
+    with read(engine) as reader:
+        catalogue = required(reader)
+    problems = check(campaign, catalogue)
+    if problems:
+        raise CampaignError("request", problems)
+    criterion = catalogue.component("criterion", campaign.criterion.component)
+    assert criterion is not None
+    return criterion
+
+
+def told(campaign: Campaign, criterion: ComponentEntry, answer: Mapping[str, Any], seconds: float) -> Preview:
+    """What a page draws and says of a flight."""
+    data, meta = answer["data"], answer["meta"]
+    moving = [i for i, obstacle in enumerate(meta["obstacles"]) if obstacle["moving"]]
+    intruders = [PreviewIntruder(obstacle=i, **{a: data[f"obstacle.{i}.{a}"] for a in "xyz"}) for i in moving]
+    return Preview(
+        digest=campaign.digest,
+        status=answer["status"],
+        reason=answer["reason"],
+        value=answer["cost"],
+        margin=answer["margin"],
+        threshold=meta["threshold"],
+        quantity=criterion.quantity,
+        unit=criterion.unit,
+        frame=meta["frame"],
+        t=data["t"],
+        x=data["x"],
+        y=data["y"],
+        z=data["z"],
+        heading=data["yaw"],
+        intruders=intruders,
+        closest=_closest(meta.get("closest")),
+        realisation=_realisation(meta.get("realisation")),
+        seconds=seconds,
+    )
+
+
+def _closest(given: Mapping[str, Any] | None) -> PreviewClosest | None:
+    return None if given is None else PreviewClosest(**{name: given[name] for name in PreviewClosest.model_fields})
+
+
+def _realisation(given: Mapping[str, Any] | None) -> PreviewRealisation | None:
+    if given is None:
+        return None
+    return PreviewRealisation(seed=given["seed"], seeds=given["seeds"], combine=given["combine"], value=given["cost"])

@@ -13,6 +13,7 @@ import numpy as np
 
 from worker.problem import Floats, Problem
 from worker.search.base import FAILED, STATUS
+from worker.stages import front
 from worker.store import Trace
 
 POSE = 6
@@ -52,6 +53,7 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
         "status": STATUS[int(batch.status[0])],
         "reason": reasons.get(0, ""),
         "cost": _known(batch.costs[0, 0]),
+        "values": _values(problem, batch.costs[:1]),
     }
     if problem.realisations.places:
         meta["realisation"] = _realisation(problem, shown, flown.costs[shown, 0])
@@ -69,8 +71,14 @@ def _realisation(problem: Problem, shown: int, cost: float) -> dict[str, Any]:
     }
 
 
+def _values(problem: Problem, costs: Floats) -> dict[str, float | None]:
+    """By every criterion's name its value, in its own sign; costs (1, k)."""
+    names = [c["name"] for c in front.criteria(problem)]
+    return dict(zip(names, map(_known, front.values(problem, costs)[0]), strict=True))
+
+
 def _known(cost: float) -> float | None:
-    return None if np.isnan(cost) else float(cost)
+    return float(cost) if np.isfinite(cost) else None
 
 
 class _Seen:
@@ -144,6 +152,7 @@ def _closest(problem: Problem, seen: _Seen) -> dict[str, Any] | None:
         "row": row,
         "value": seen.cost(np.full(seen.channels.shape[1], lowest)),
         "position": _between(seen.columns[:, :3], row, shift),
+        "speed": _speed(seen.columns[:, :3], row, shift, problem.step),
         "obstacle": obstacle,
         "obstacle_position": _between(seen.centres[:, obstacle], row, shift),
     }
@@ -156,6 +165,15 @@ def _between(places: Floats, row: int, shift: float) -> list[float]:
         back, ahead = places[row - 1], places[row + 1]
         here = here + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * here + ahead)
     return [float(c) for c in here]
+
+
+def _speed(places: Floats, row: int, shift: float, step: float) -> float | None:
+    """Over ground and through space, on the parabola through a row and its neighbours; None at the ends [m/s]."""
+    if not 0 < row < len(places) - 1:
+        return None
+    back, here, ahead = places[row - 1 : row + 2]
+    moved = 0.5 * (ahead - back) + shift * (back - 2 * here + ahead)
+    return _known(float(np.linalg.norm(moved)) / step)
 
 
 def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> Any:

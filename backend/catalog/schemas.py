@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -40,6 +40,19 @@ class CheckedParameter(Schema):
     nominal: float | None
     low: float | None
     high: float | None
+
+
+class CriterionOut(Schema):
+    """A criterion of a campaign, by the name that results know it by: `goal_miss`, a second one `goal_miss#2`."""
+
+    name: str
+    component: str
+    title: str
+    quantity: str
+    """d_goal"""
+    unit: str
+    worse: Literal["low", "high"]
+    """Which end is sought. Stored costs are all lower when worse; values told have their own sign."""
 
 
 class Checked(Schema):

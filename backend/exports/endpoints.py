@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import sqlalchemy as sa
@@ -49,11 +49,18 @@ def export_evaluations(run: str, request: Request, engine: Engine) -> Response:
     return _answer(request, engine, run_id, "evaluations.csv", lambda: service.evaluations_csv(engine, run_id))
 
 
+@router.get("/runs/{run}/exports/findings.csv", response_class=Response, responses=_described("findings.csv"))
+def export_findings(run: str, request: Request, engine: Engine) -> Response:
+    """The nominal flight and every finding as CSV, a row each, with the values of all criteria."""
+    run_id = number(run)
+    return _answer(request, engine, run_id, "findings.csv", lambda: _whole(engine, run_id, service.findings_csv))
+
+
 @router.get("/runs/{run}/exports/traces.csv", response_class=Response, responses=_described("traces.csv"))
 def export_traces(run: str, request: Request, engine: Engine) -> Response:
     """The stored flights as CSV, every row of them; `flight` says which one a row is of."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id))
+    return _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id, service.traces_csv))
 
 
 @router.get("/runs/{run}/exports/traces.mat", response_class=Response, responses=_described("traces.mat"))
@@ -68,9 +75,9 @@ def export_mat(run: str, request: Request, engine: Engine) -> Response:
     return _answer(request, engine, run_id, "traces.mat", made)
 
 
-def _whole(engine: sa.Engine, run_id: int) -> bytes:
+def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], Iterator[bytes]]) -> bytes:
     with read(engine) as reader:
-        return b"".join(service.traces_csv(reader, run_id))
+        return b"".join(made(reader, run_id))
 
 
 def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: Any) -> Response:

@@ -21,7 +21,7 @@ from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, Trace
 from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
-from backend.exports.sheet import Flown, Sheet, sheet
+from backend.exports.sheet import Flown, Sheet, headings, sheet
 from backend.reports import pdf
 from backend.results import service as results
 from backend.results.digest import results_digest
@@ -61,6 +61,13 @@ FILES = (
         "Evaluations, CSV",
         "One row for each evaluation of every stage, parameters in their units",
         "text/csv",
+    ),
+    Kind(
+        "findings.csv",
+        "Findings, CSV",
+        "Nominal flight and every finding: all criteria, closest approach, parameters, validation",
+        "text/csv",
+        flights=True,
     ),
     Kind("traces.csv", "Flights, CSV", "Nominal flight and every finding over time", "text/csv", flights=True),
     Kind(
@@ -121,6 +128,26 @@ def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
         told = [stage.position, stage.kind, stage.method]
         for block in found.rows(engine, stage):
             yield _lines([told + row for row in block])
+
+
+def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
+    """One row for the nominal flight and one for each finding, with every criterion's value."""
+    asked = runs.detail(reader, run_id)
+    found = {finding.label: finding for finding in results.findings(reader, run_id)}
+    flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
+    paths = list(asked.campaign["uncertain"])
+    heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
+    yield _lines([["flight", *heads, "margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths]])
+    for name, meta in flights.items():
+        closest, finding = meta.get("closest") or {}, found.get(name)
+        values = meta.get("values") or {asked.criteria[0].name: meta.get("cost")}
+        told = [values.get(criterion.name) for criterion in asked.criteria]
+        margin = None if told[0] is None or asked.threshold is None else told[0] - asked.threshold
+        of = finding.parameters if finding else meta.get("parameters", {})
+        by = " ".join(finding.methods) if finding else ""
+        ok = finding.validation.get("ok") if finding else None
+        row = [name, *told, margin, closest.get("time"), closest.get("speed"), ok, by, *(of.get(p) for p in paths)]
+        yield _lines([row])
 
 
 def traces_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:

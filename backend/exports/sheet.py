@@ -13,12 +13,14 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.catalog.criteria import criteria
+from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, published
 from backend.db.engine import read
 from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.evaluations import STATUS, Bounds, in_units
-from campaigns import Campaign, Catalogue
+from campaigns import Campaign
 from campaigns.check import parameters
 
 BLOCK = 16
@@ -93,36 +95,25 @@ def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
     units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations)
     rows = reader.execute(query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position))
-    criteria = _criteria(asked, catalogue, _width(reader, run_id))
+    told = criteria(asked.document(), catalogue)[: _width(reader, run_id)]
     return Sheet(
         run_id=run_id,
         stages=[Flown(*row) for row in rows],
-        criteria=criteria,
-        turned=[_turned(name, catalogue) for name in _components(asked)[: len(criteria)]],
+        criteria=headings(told),
+        turned=[c.worse == "high" for c in told],
         parameters=[(path, units.get(path, "") if path in limits else SHARE) for path in asked.uncertain],
         limits=limits,
     )
 
 
-def _criteria(asked: Campaign, catalogue: Catalogue | None, width: int) -> list[tuple[str, str]]:
-    """Quantity and unit of every criterion that has values, each name once."""
+def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
+    """Quantity and unit of every criterion, each name once."""
     named: list[tuple[str, str]] = []
-    for component in _components(asked)[:width]:
-        entry = None if catalogue is None else catalogue.component("criterion", component)
-        quantity, unit = ("", "") if entry is None else (entry.quantity, entry.unit)
-        name = quantity or component
+    for criterion in told:
+        name = criterion.quantity or criterion.component
         again = sum(known.partition(" ")[0] == name for known, _ in named)
-        named.append((f"{name} {again + 1}" if again else name, unit))
+        named.append((f"{name} {again + 1}" if again else name, criterion.unit))
     return named
-
-
-def _components(asked: Campaign) -> list[str]:
-    return [asked.criterion.component, *(o.component for o in asked.objectives)]
-
-
-def _turned(component: str, catalogue: Catalogue | None) -> bool:
-    entry = None if catalogue is None else catalogue.component("criterion", component)
-    return entry is not None and entry.worse == "high"
 
 
 def _width(reader: sa.Connection, run_id: int) -> int:

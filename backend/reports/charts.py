@@ -71,7 +71,7 @@ def _convergence(held: Held) -> Markup | None:
 
 def _slices(held: Held) -> dict[str, dict[str, Any]]:
     """The curves through the worst case by path, where they were flown."""
-    told = held.findings[0].validation.get("slices") if held.findings else None
+    told = held.after(held.findings[0].label).get("slices") if held.findings else None
     return {curve["path"]: curve for curve in (told or {}).get("curves", [])}
 
 

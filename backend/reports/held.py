@@ -42,6 +42,8 @@ class Held:
     findings: list[FindingDetail]
     evaluations: Evaluations
     cases: list[Case]
+    nominal: dict[str, Any]
+    """What is told of the nominal flight; empty while it is not stored."""
     signoffs: Signoffs
 
     @property
@@ -67,6 +69,10 @@ class Held:
         """The result of the stage of a kind; empty where there is none."""
         found = self.results(kind)
         return found[0][1] if found else {}
+
+    def after(self, label: str) -> dict[str, Any]:
+        """What was flown around a finding after it was found: slices through it, and the boundary of a violation."""
+        return dict((self.result("validate").get("after") or {}).get(label) or {})
 
     def entry(self, path: str) -> ParameterEntry | None:
         """What the catalogue says of a parameter."""
@@ -107,6 +113,7 @@ def load(reader: sa.Connection, run_id: int) -> Held:
     """Read it all in one snapshot; 404 for no run."""
     campaign, catalogue = runs.campaign(reader, run_id), published(reader)
     found = results.findings(reader, run_id)
+    flown = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
     return Held(
         run=runs.detail(reader, run_id),
         campaign=campaign,
@@ -116,14 +123,14 @@ def load(reader: sa.Connection, run_id: int) -> Held:
         stages=runs.stages(reader, run_id),
         findings=found,
         evaluations=evaluations.read(reader, run_id, 100, None),
-        cases=_cases(reader, run_id, [finding.label for finding in found]),
+        cases=_cases(reader, run_id, [finding.label for finding in found], set(flown)),
+        nominal=flown.get("nominal", {}),
         signoffs=signoffs.listed(reader, run_id),
     )
 
 
-def _cases(reader: sa.Connection, run_id: int, labels: list[str]) -> list[Case]:
+def _cases(reader: sa.Connection, run_id: int, labels: list[str], stored: set[str]) -> list[Case]:
     """The nominal flight and those of the first findings, as far as they are stored; the worst is the last."""
-    stored = {flight.name for flight in results.traces(reader, run_id)}
     named = [("nominal", "Nominal", NOMINAL)]
     named += [(label, label, colour) for label, colour in zip(labels[1:4], FURTHER, strict=False)]
     named += [(label, f"Worst, {label}" if len(labels) > 1 else "Worst", WORST) for label in labels[:1]]

@@ -194,10 +194,30 @@ def findings(held: Held) -> list[Row]:
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
             "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
             "validated": _VALIDATED.get(str(f.validation.get("ok")), "not validated"),
-            "boundary": (f.validation.get("boundary") or {}).get("text", ""),
+            "boundary": (held.after(f.label).get("boundary") or {}).get("text", ""),
         }
         for f in held.findings
     ]
+
+
+def criteria(held: Held) -> list[Row]:
+    """Every criterion of a campaign with several: its value in the nominal flight and in each worst case."""
+    if len(held.run.criteria) < 2:
+        return []
+    rows = []
+    for i, criterion in enumerate(held.run.criteria):
+        flown = [(held.nominal.get("values") or {}).get(criterion.name)]
+        flown += [finding.values.get(criterion.name) for finding in held.findings]
+        decimals = words.decimals_apart(flown, 4, 6)
+        rows.append({
+            "title": criterion.title,
+            "symbol": words.sign(criterion.quantity),
+            "unit": words.unit(criterion.unit),
+            "worse": "more is worse" if criterion.worse == "high" else "less is worse",
+            "decides": i == 0,
+            "values": [words.fixed(value, decimals) for value in flown],
+        })  # fmt: skip
+    return rows
 
 
 def validation(held: Held) -> list[Row]:

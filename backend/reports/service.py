@@ -85,6 +85,7 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "of": held.of,
         "parts": sections.components(held),
         "uncertain": sections.uncertain(held),
+        "criteria": sections.criteria(held),
         "correlations": sections.correlations(held),
         "model": sections.model(held),
         "methods": sections.methods(held),

@@ -10,6 +10,8 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
+from backend.catalog.criteria import criteria
+from backend.catalog.schemas import CriterionOut
 from backend.catalog.service import bounds, published
 from backend.db.records import Columns, join
 from backend.db.store import as_columns
@@ -27,17 +29,19 @@ Bounds = Mapping[str, tuple[float, float, float]]
 def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
     """Every stage's evaluations, at most `most` of each, and the first failures with their reasons; 404 for no run."""
     asked = campaign(reader, run_id)
-    limits = bounds(asked, published(reader))
+    catalogue = published(reader)
+    limits = bounds(asked, catalogue)
+    told = criteria(asked.document(), catalogue)
     paths = list(asked.uncertain)
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations, Stage.failed, Stage.excluded)
     query = query.where(Stage.run_id == run_id, Stage.evaluations > 0).order_by(Stage.position)
     if position is not None:
         query = query.where(Stage.position == position)
-    found = Evaluations(stages=[], failures=[])
+    found = Evaluations(criteria=told, stages=[], failures=[])
     for stage in reader.execute(query).all():
         columns = _columns(reader, run_id, stage.position)
         if columns is not None:
-            found.stages.append(_series(stage, columns, most, paths, limits))
+            found.stages.append(_series(stage, columns, most, paths, limits, told))
             found.failures += _failures(stage.position, columns, paths, limits)[: MOST_FAILURES - len(found.failures)]
     return found
 
@@ -48,7 +52,9 @@ def _columns(reader: sa.Connection, run_id: int, position: int) -> Columns | Non
     return join([as_columns(row) for row in rows])
 
 
-def _series(stage: Any, columns: Columns, most: int, paths: list[str], limits: Bounds) -> EvaluationSeries:
+def _series(
+    stage: Any, columns: Columns, most: int, paths: list[str], limits: Bounds, told: list[CriterionOut]
+) -> EvaluationSeries:
     costs = np.where(columns.status == 0, columns.costs[:, 0], np.nan)
     better = thin.improvements(costs)
     chosen = thin.with_kept(len(costs), most, better)
@@ -58,14 +64,29 @@ def _series(stage: Any, columns: Columns, most: int, paths: list[str], limits: B
         method=stage.method,
         total=stage.evaluations,
         failed=stage.failed,
+        timeouts=int((columns.status == STATUS.index("timeout")).sum()),
         excluded=stage.excluded,
         index=chosen.tolist(),
         seconds=columns.seconds[chosen].tolist(),
-        cost=[None if math.isnan(cost) else cost for cost in costs[chosen].tolist()],
+        cost=_known(costs[chosen]),
+        further=_further(columns, chosen, told),
         status=[cast(Any, STATUS[code]) for code in columns.status[chosen].tolist()],
         parameters=in_units(columns.points[chosen], paths, limits),
         improvements=improved(costs, columns.seconds, better),
     )
+
+
+def _further(columns: Columns, chosen: thin.Indices, told: list[CriterionOut]) -> dict[str, list[float | None]]:
+    """What the other criteria say of the chosen evaluations; costs are all lower when worse, values have their sign."""
+    found = {}
+    for k, criterion in enumerate(told[1 : columns.costs.shape[1]], 1):
+        costs = np.where(columns.status[chosen] == 0, columns.costs[chosen, k], np.nan)
+        found[criterion.name] = _known(0.0 - costs if criterion.worse == "high" else costs)
+    return found
+
+
+def _known(values: thin.Floats) -> list[float | None]:
+    return [value if math.isfinite(value) else None for value in values.tolist()]
 
 
 def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> dict[str, list[float]]:

@@ -6,6 +6,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
+from backend.catalog.schemas import CriterionOut
+
 
 class Schema(BaseModel):
     model_config = ConfigDict(extra="forbid")
@@ -22,10 +24,15 @@ class EvaluationSeries(Schema):
     method: str | None
     total: int
     failed: int
+    """Timeouts among them."""
+    timeouts: int
     excluded: int
     index: list[int]
     seconds: list[float]
     cost: list[float | None]
+    """By the criterion that decides."""
+    further: dict[str, list[float | None]]
+    """{name: values} of the other criteria, each in its own sign; empty where there are none."""
     status: list[Literal["ok", "failed", "timeout", "excluded"]]
     parameters: dict[str, list[float]]
     """{path: values} in the parameters' units."""
@@ -42,6 +49,8 @@ class EvaluationFailure(Schema):
 
 
 class Evaluations(Schema):
+    criteria: list[CriterionOut]
+    """The one that decides first; `cost` and `further` are in their units."""
     stages: list[EvaluationSeries]
     failures: list[EvaluationFailure]
     """At most 200 of them."""
@@ -67,6 +76,8 @@ class FindingDetail(Schema):
     methods: list[str]
     found: list[FoundBy]
     """Empty where no search came to it by itself, only polishing did."""
+    values: dict[str, float | None]
+    """{name: value} of every criterion in its own sign, as the stored flight tells it; empty where it does not."""
     at_bounds: dict[str, Literal["low", "high"]]
     validation: dict[str, Any]
 

@@ -22,14 +22,16 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     limits = bounds(campaign(reader, run_id), published(reader))
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
-    return [_finding(row, limits) for row in ordered]
+    flown = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
+    return [_finding(row, limits, flown.get(row.label, {})) for row in ordered]
 
 
-def _finding(row: Any, limits: dict[str, tuple[float, float, float]]) -> FindingDetail:
+def _finding(row: Any, limits: dict[str, tuple[float, float, float]], meta: dict[str, Any]) -> FindingDetail:
     nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
     columns = ("label", "cost", "margin", "parameters", "methods", "found", "at_bounds", "validation")
     values = {column: getattr(row, column) for column in columns}
-    return FindingDetail.model_validate(values | {"nominal": nominal, "low": low, "high": high})
+    told = {"nominal": nominal, "low": low, "high": high, "values": meta.get("values", {})}
+    return FindingDetail.model_validate(values | told)
 
 
 def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:

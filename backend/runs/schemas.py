@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from backend.catalog.schemas import CriterionOut
+
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
 VerdictWord = Literal["cleared", "violated", "inconclusive"]
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
@@ -128,6 +130,8 @@ class RunDetail(RunSummary):
     notes: str
     """In Markdown."""
     campaign: dict[str, Any]
+    criteria: list[CriterionOut]
+    """The one that decides first, then the objectives."""
     stages: list[StageProgress]
     summary: dict[str, Any]
     """Parts of the verdict (`scope`, `checks`), statistics, versions; see `worker.stages.verdict`."""

@@ -10,7 +10,8 @@ import sqlalchemy as sa
 from pydantic import ValidationError
 
 from backend import bodies
-from backend.catalog.service import required
+from backend.catalog.criteria import criteria
+from backend.catalog.service import published, required
 from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import now, read
@@ -133,6 +134,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         **base.model_dump(),
         notes=notes,
         campaign=document,
+        criteria=criteria(document, published(reader)),
         stages=stages,
         summary=parts,
         rate=rate,

@@ -73,7 +73,10 @@ CATALOGUE = Catalogue.model_validate(
                 "circle",
                 [parameter("position.x", "m"), parameter("position.y", "m"), parameter("radius", "m", 0.0)],
             ),
-            component("criterion", "separation", [], dimension=None, unit="m", quantity="d_min"),
+            component("criterion", "separation", [], dimension=None, unit="m", quantity="d_min", worse="low"),
+            component(
+                "criterion", "goal_miss", [], dimension=None, unit="m", quantity="d_goal", worse="high", of="goal"
+            ),
         ],
         "methods": [method("direct", "global"), method("sqp", "local"), method("monte_carlo", "random")],
     }

@@ -30,11 +30,14 @@ def flight(name: str, rows: int = 3001, passing: float = 0.9) -> Trace:
     distance[-1] = np.nan
     zero = 0 * t
     row = int(np.nanargmin(distance))
-    closest = {"time": t[row], "value": distance[row], "position": [x[row], y[row], 0.0]}
+    closest = {"time": t[row], "value": distance[row], "position": [x[row], y[row], 0.0], "speed": 0.4}
     closest |= {"obstacle": 0, "obstacle_position": [4.0, 4.0, 0.0], "row": row}
     meta = {"frame": "enu", "closest": closest, "status": "ok", "reason": "", "cost": distance[row], "threshold": 0.5}
+    meta |= {"obstacles": [{"title": "Circle", "position": [4.0, 4.0, 0.0], "radius": 0.5, "moving": False}]}
+    meta |= {"values": {"separation": distance[row], "goal_miss": 1.5 - passing}}
     described = [{"name": n, "symbol": n, "unit": u, "group": g} for n, u, g in COLUMNS]
-    return Trace(name, described, np.column_stack([t, x, y, zero, zero, zero, zero, zero, zero, distance]), meta)
+    speed, force = 0.4 + 0.05 * np.sin(t), 0.25 * np.cos(t) * passing
+    return Trace(name, described, np.column_stack([t, x, y, zero, zero, zero, zero, speed, force, distance]), meta)
 
 
 def encounter(name: str, frame: str, intruder: Any, rows: int = 401, parameters: Any = None) -> Trace:
@@ -72,14 +75,18 @@ def turned(wxyz: Any, vector: Any) -> Any:
     return vector + 2 * np.cross(axis, np.cross(axis, vector) + w * vector)
 
 
-def search(first: int, count: int) -> Columns:
-    """Evaluations of two parameters whose cost falls slowly, every tenth of them failed."""
+def search(first: int, count: int, criteria: int = 1) -> Columns:
+    """Evaluations of two parameters whose cost falls slowly, every tenth of them failed.
+
+    A second criterion's cost, lower when worse as all are, rises with the first parameter.
+    """
     index = first + np.arange(count)
     points = np.column_stack([(0.37 * index) % 1.0, (0.61 * index) % 1.0])
     failed = index % 10 == 9
     costs = np.where(failed, np.nan, 1.0 + 1.0 / (1 + index // 7) + 1.0 * (index % 7 > 0))
     reasons = {int(i): f"the speed exceeds 1000 m/s at {i} s" for i in index[failed]}
-    return Columns(points, costs[:, None], failed.astype(np.uint8), 0.001 * (1 + index), reasons)
+    every = np.column_stack([costs, np.where(failed, np.nan, points[:, 0] - 2.0)])[:, :criteria]
+    return Columns(points, every, failed.astype(np.uint8), 0.001 * (1 + index), reasons)
 
 
 class Work:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,9 @@ SENTENCE = "d_min stayed above 0.5 m in all 1\u202f000 evaluations. A search can
 PARAMETERS = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 
 
-def finish_fully(service: Service, verdict: Any = "cleared", text: str = SENTENCE, checked: str = "holds") -> None:
+def finish_fully(
+    service: Service, verdict: Any = "cleared", text: str = SENTENCE, checked: str = "holds", criteria: int = 1
+) -> None:
     """Work off the next run in the queue, with every kind of result; `text` and `checked` stand in the verdict."""
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
@@ -31,12 +34,13 @@ def finish_fully(service: Service, verdict: Any = "cleared", text: str = SENTENC
     store.plan(PLAN)
     for position in range(len(PLAN)):
         store.begin(position)
-    store.append(2, 0, search(0, 1000))
+    store.append(2, 0, search(0, 1000, criteria))
     store.finish(0, {"cost": 1.4, "margin": 0.9, "status": "ok"}, 0.01, traces=[flight("nominal", 301)])
     store.finish(1, sensitivity(), 0.1)
     store.finish(2, searched(), 1.0)
     store.finish(3, {"sample": sample(), "grid": None, "stop": ENDED, "text": ""}, 2.0)
-    store.finish(4, validated(), 0.5, findings=[finding()], traces=[flight("F1", 301, 0.8)])
+    found = [finding(), replace(finding(), label="F2", cost=1.32, margin=0.82)]
+    store.finish(4, validated(), 0.5, findings=found, traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)])
     summary = {
         "verdict": verdict,
         "sentence": text,
@@ -66,16 +70,16 @@ def searched() -> dict[str, Any]:
 
 def sensitivity() -> dict[str, Any]:
     """Two curves; one value of the second is not known."""
+    return {"points": 21, "morris": None, "sobol": None, "curves": curves(1.4)}
+
+
+def curves(middle: float) -> list[dict[str, Any]]:
+    """One for each parameter, through `middle`; the last value of the second is not known."""
     mass, inertia = np.linspace(4, 6, 21), np.linspace(0.04, 0.06, 21)
-    costs: list[float | None] = (1.4 - 0.05 * (mass - 5)).tolist()
+    costs: list[float | None] = (middle - 0.05 * (mass - 5)).tolist()
     missing = [*costs[:-1], None]
-    curves = [("vehicle.m", mass.tolist(), costs), ("vehicle.J", inertia.tolist(), missing)]
-    return {
-        "points": 21,
-        "morris": None,
-        "sobol": None,
-        "curves": [{"path": p, "values": v, "costs": c, "status": ["ok"] * 21} for p, v, c in curves],
-    }
+    drawn = [("vehicle.m", mass.tolist(), costs), ("vehicle.J", inertia.tolist(), missing)]
+    return [{"path": p, "values": v, "costs": c, "status": ["ok"] * 21} for p, v, c in drawn]
 
 
 def sample() -> dict[str, Any]:
@@ -120,4 +124,6 @@ def validated() -> dict[str, Any]:
     named = {"position": 2, "method": "direct", "title": "DIRECT", "kind": "global", "best": 1.3}
     beside = {**named, **COUNTS, "to_near_best": 55, "findings": ["F1"]}
     text = "half the step and DOP853 agree for nominal and F1"
-    return {"ok": True, "text": text, "tolerance": 1e-3, "cases": cases, "comparison": [beside]}
+    through = {"curves": curves(1.31), "at": PARAMETERS}
+    after = {"F1": {"slices": through, "boundary": None}}
+    return {"ok": True, "text": text, "tolerance": 1e-3, "cases": cases, "comparison": [beside], "after": after}

@@ -43,6 +43,7 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) ->
         "safety-case-report.pdf",
         "run.json",
         "evaluations.csv",
+        "findings.csv",
         "traces.csv",
         "traces.mat",
     )

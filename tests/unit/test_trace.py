@@ -59,6 +59,9 @@ def test_it_is_the_flight_that_was_counted(values: dict[str, float]) -> None:
     assert closest["row"] == row
     assert 0 <= separation[row] - closest["value"] < 1e-4
     assert abs(closest["time"] - row * 0.005) <= 0.0025
+    near = np.hypot(*(np.gradient(column(shown, n), 0.005)[row - 1 : row + 2] for n in "xy"))
+    assert near.min() - 1e-6 <= closest["speed"] <= near.max() + 1e-6
+    assert shown.meta["values"] == {"separation": cost}
     place = np.array(closest["position"])
     assert np.hypot(*(place - closest["obstacle_position"])[:2]) == pytest.approx(cost, abs=1e-6)
 

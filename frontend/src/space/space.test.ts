@@ -35,7 +35,7 @@ function series(position: number, cost: (number | null)[], a: number[], status?:
 }
 
 const made = (stages: EvaluationSeries[], most = 100) =>
-  spaceOf({ evaluations: { stages, failures: [] }, axes: AXES, titleOf: (s) => s.method ?? '', most })
+  spaceOf({ evaluations: { criteria: [], stages, failures: [] }, axes: AXES, titleOf: (s) => s.method ?? '', most })
 
 const TWO = made([
   series(2, [3, 1, null, null], [1, 2, 3, 4], ['ok', 'ok', 'timeout', 'excluded']),
@@ -128,7 +128,7 @@ it('reads values back from a place on the axis', () => {
 })
 
 it('has the criterion on the axis of values where it is near', () => {
-  const found: Evaluations = { stages: [series(2, [2, 3, null], [1, 2, 3])], failures: [] }
+  const found: Evaluations = { criteria: [], stages: [series(2, [2, 3, null], [1, 2, 3])], failures: [] }
   expect(valueAxis(found, 'd', 'm', 1.5).low).toBeLessThan(1.5)
   expect(valueAxis(found, 'd', 'm', -50).low).toBeGreaterThan(1.9)
   expect(valueAxis(undefined, 'd', 'm', null).high).toBeGreaterThan(0)

@@ -1,0 +1,36 @@
+"""The criteria of a campaign as the catalogue describes them: the one that decides, then the objectives.
+
+They are named as results name them (`worker.stages.front.criteria`), in the order of the costs' columns.
+Start reading at `criteria`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from backend.catalog.schemas import CriterionOut
+from campaigns import Catalogue
+
+
+def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[CriterionOut]:
+    """Every criterion of a campaign's document, each name once; what the catalogue does not know (any more) is bare."""
+    found: list[CriterionOut] = []
+    for component in _components(document):
+        alike = sum(c.component == component for c in found)
+        entry = None if catalogue is None else catalogue.component("criterion", component)
+        found.append(
+            CriterionOut(
+                name=f"{component}#{alike + 1}" if alike else component,
+                component=component,
+                title=entry.title if entry else component,
+                quantity=entry.quantity if entry else "",
+                unit=entry.unit if entry else "",
+                worse="high" if entry and entry.worse == "high" else "low",
+            )
+        )
+    return found
+
+
+def _components(document: Mapping[str, Any]) -> list[str]:
+    return [str(part["component"]) for part in (document["criterion"], *document.get("objectives", []))]

@@ -25,8 +25,10 @@ from backend.previews.service import Previews
 from backend.reports import endpoints as reports
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
+from backend.scenes import channel as views
 from backend.scenes import endpoints as scenes
 from backend.scenes.live import Live
+from backend.scenes.viewers import Viewers
 from backend.sessions import endpoints as sessions
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs
@@ -71,10 +73,11 @@ def create(settings: Settings) -> FastAPI:
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
     app.state.previews = Previews()
-    app.state.viewers = scenes.Viewers(settings.max_viewers)
+    app.state.viewers = Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
-    for feature in (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events):
+    features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events, views)
+    for feature in features:
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

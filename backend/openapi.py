@@ -31,7 +31,10 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (RunSubmit, "validation"),
 )
 _PARTIAL = frozenset(
-    {"RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest", "DraftContent", "DraftReplace"}
+    {
+        *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
+        *("DraftContent", "DraftReplace", "ViewChange"),
+    }
 )
 """All others are answers, and answers have every field."""
 _CAMPAIGN_BODY = {
@@ -54,6 +57,7 @@ TAGS = [
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
     {"name": "reports", "description": "The report for a safety case"},
     {"name": "signoffs", "description": "Reviewers' words on a run's results"},
+    {"name": "views", "description": "The 3D views that this visitor has open"},
     {"name": "events", "description": "Progress as it happens"},
 ]
 SECURITY = {

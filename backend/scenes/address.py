@@ -1,4 +1,4 @@
-"""What a view's address says beside the run: `/view/R-0001/F2/t/3.2/dark`. Start reading at `parse`.
+"""What a view's address says beside the run: `/view/R-0001/F2/t/3.2/cam/chase/dark`. Start reading at `parse`.
 
 In the path, because the viewer's socket keeps the page's path and drops its query.
 """
@@ -10,8 +10,12 @@ import re
 from dataclasses import dataclass, replace
 from typing import Literal, cast
 
-Camera = Literal["overview", "top", "side", "encounter"]
-CAMERAS: tuple[Camera, ...] = ("overview", "top", "side", "encounter")
+Camera = Literal["overview", "encounter", "top", "side", "chase", "intruder"]
+CAMERAS: tuple[Camera, ...] = ("overview", "encounter", "top", "side", "chase", "intruder")
+
+KEY = r"[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}"
+"""A random UUID (RFC 9562, version 4) in small letters, by which a page steers the viewer that it has opened."""
+FLIGHT = r"nominal|F[1-9]\d{0,2}"
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,8 @@ class Address:
     camera: Camera = "overview"
     flight: str = "F1"
     """A finding's label; "nominal" for the nominal flight alone."""
+    key: str | None = None
+    """By which the page that opened it may steer it; None: nobody may."""
 
 
 def parse(rest: str) -> Address:
@@ -34,12 +40,14 @@ def parse(rest: str) -> Address:
         word = parts.pop(0)
         if word in ("dark", "light"):
             address = replace(address, dark=word == "dark")
-        elif word == "nominal" or re.fullmatch(r"F[1-9]\d{0,2}", word):
+        elif re.fullmatch(FLIGHT, word):
             address = replace(address, flight=word)
         elif word == "t" and parts:
             address = replace(address, time=_time(parts.pop(0)))
         elif word == "cam" and parts and parts[0] in CAMERAS:
             address = replace(address, camera=cast(Camera, parts.pop(0)))
+        elif word == "key" and parts and re.fullmatch(KEY, parts[0]):
+            address = replace(address, key=parts.pop(0))
         else:
             raise ValueError(f"{word!r} is not part of a view's address")
     return address

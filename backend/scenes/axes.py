@@ -77,3 +77,10 @@ def along(direction: Floats) -> Floats:
         return np.array([1.0, 0.0, 0.0, 0.0])
     x, y, z = direction
     return quaternion(np.array([0.0, -np.arctan2(z, np.hypot(x, y)), np.arctan2(y, x)]))
+
+
+def rotated(turn: Floats, vector: Floats) -> Floats:
+    """A vector (3,) turned by w, x, y, z."""
+    w, axis = turn[0], turn[1:]
+    found: Floats = vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
+    return found

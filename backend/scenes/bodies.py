@@ -52,6 +52,10 @@ class Body:
         step: Floats = steps[moved[max(int(np.searchsorted(moved, now, side="right")) - 1, 0)]]
         return step
 
+    def velocity(self, time: float) -> Floats:
+        """Of its centre at a time (3,) [m/s]; zero for what never moves."""
+        return np.zeros(3) if self.flight is None else self.flight.obstacle_velocity(self.number, time)
+
     @property
     def track(self) -> Floats:
         """Where its centre goes (m, 3); one point where it stands."""
@@ -87,6 +91,16 @@ def _apart(one: Body, other: Body) -> float:
     end = min(one.flight.time[-1], other.flight.time[-1])
     times = np.linspace(0.0, end, 200)
     return max(float(np.linalg.norm(one.at(time) - other.at(time))) for time in times)
+
+
+def bodies_of(count: int, values: Mapping[str, float], flight: Flight) -> list[Body]:
+    """So many obstacles as that flight has them; `values` are the nominal parameters by path."""
+    return [body_of(number, {**values, **flight.parameters}, flight.axes, flight) for number in range(count)]
+
+
+def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:
+    """The one whose centre is nearest to a place at a time [s]."""
+    return min(bodies, key=lambda body: float(np.linalg.norm(body.at(time) - place)), default=None)
 
 
 def body_of(number: int, values: Mapping[str, float], axes: Axes, flight: Flight | None) -> Body:

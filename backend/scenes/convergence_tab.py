@@ -12,6 +12,7 @@ from viser import uplot
 
 from backend.results.improvements import Improvements
 from backend.scenes.palette import Palette
+from backend.scenes.part import Part
 from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
@@ -37,26 +38,35 @@ def _best(curve: Improvements, grid: Floats) -> Floats:
     return np.where(grid <= curve.read, known[count], np.nan)
 
 
-class ConvergenceTab:
+class ConvergenceTab(Part):
     """One plot, drawn again while the search goes on."""
 
     def __init__(self, gui: viser.GuiApi, setting: Setting, palette: Palette, curves: dict[int, Improvements]) -> None:
         self._curves = [curves[position] for position, _, _ in setting.methods]
-        described = [(title, palette.method(name)) for _, name, title in setting.methods]
-        series = [uplot.Series(label="evaluation")]
-        series += [
-            uplot.Series(label=title, stroke=colour, width=2, points={"show": False}) for title, colour in described
-        ]
+        self._methods = setting.methods
         unit = f" [{setting.unit}]" if setting.unit else ""
         self._plot: Any = gui.add_uplot(
             columns(self._curves),
-            tuple(series),
+            self._series(palette),
             title=f"Best {setting.quantity} so far{unit}",
             scales={"x": uplot.Scale(time=False, distr=3), "y": uplot.Scale(auto=True)},
             axes=(uplot.Axis(label="Evaluations"), uplot.Axis(size=64)),
             aspect=1.15,
         )
 
-    def refresh(self) -> None:
+    def changed(self) -> None:
         """Bring the plot up to date."""
-        self._plot.data = columns(self._curves)
+        data = columns(self._curves)
+        if any(not np.array_equal(new, old, equal_nan=True) for new, old in zip(data, self._plot.data, strict=True)):
+            self._plot.data = data
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self._plot.series = self._series(palette)
+
+    def _series(self, palette: Palette) -> tuple[uplot.Series, ...]:
+        lines = [
+            uplot.Series(label=title, stroke=palette.method(name), width=2, points={"show": False})
+            for _, name, title in self._methods
+        ]
+        return (uplot.Series(label="evaluation"), *lines)

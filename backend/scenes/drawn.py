@@ -5,19 +5,25 @@ In space a flight has a shadow on the ground and stems at even times, so that he
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 import viser
 
 from backend.scenes import shapes
+from backend.scenes.bodies import Body, bodies_of
 from backend.scenes.flight import Closest, Flight
 from backend.scenes.palette import rgb, shade
 from backend.scenes.setting import Setting
+from backend.scenes.trail import Trail
 from backend.scenes.world import World
 
 Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
+
+
+DOTS = 9
+"""About so many dots are on a path, and in space as many stems under it."""
 
 
 @dataclass(frozen=True)
@@ -41,22 +47,50 @@ class Drawn:
     def __init__(self, server: viser.ViserServer, setting: Setting, world: World, style: Style) -> None:
         self._scene, self._setting, self._world, self.style = server.scene, setting, world, style
         self.flight: Flight | None = None
+        self.bodies: list[Body] = []
+        """The obstacles as this flight had them."""
         self.visible = True
         """Whether it is to be seen once there is one."""
         self._root = self._scene.add_frame(f"/flights/{style.key}", show_axes=False, visible=False)
         self._vehicle: Any = None
+        self.trail = Trail(server, f"/flights/{style.key}", (5.0, 3.0, 2.0)[style.layer])
 
     def draw(self, flight: Flight, time: float) -> None:
         """Show this flight instead of the one before, the vehicle where it is at that time."""
-        self._line("path", shapes.polyline(flight.position + self._lift), (5.0, 3.0, 2.0)[self.style.layer])
+        dots = np.arange(0.0, flight.time[-1] + 1e-9, shapes.even_step(self._setting.horizon, DOTS))
+        self.trail.draw(flight.time, flight.position + self._lift, dots, self.style.colour, self._world.frame.unit)
         if not self._setting.planar:
-            self._stand(flight)
+            self._stand(flight, dots)
         if self._vehicle is None:
             self._vehicle = self._build_vehicle()
         self.flight = flight
+        self.bodies = bodies_of(len(self._setting.moving), self._setting.values, flight)
         self._closest(flight.closest)
         self._root.visible = self.visible
         self.move(time)
+
+    def clear(self) -> None:
+        """Show no flight until there is another one."""
+        self.flight, self.bodies = None, []
+        self._root.visible = False
+
+    def restyle(self, time: float, title: str | None = None, colour: str | None = None) -> None:
+        """The same flight under another name or in another colour."""
+        self.style = replace(self.style, title=title or self.style.title, colour=colour or self.style.colour)
+        if colour is not None:
+            self._vehicle = None
+        if self.flight is not None:
+            self.draw(self.flight, time)
+
+    def place(self, time: float) -> Any:
+        """Where the vehicle is drawn at a time (3,); only while there is a flight."""
+        assert self.flight is not None
+        return self.flight.at(time)[0] + self._lift
+
+    @property
+    def seen(self) -> bool:
+        """Whether there is a flight and it is to be seen."""
+        return self.visible and self.flight is not None
 
     def move(self, time: float) -> None:
         """Put the vehicle where it is at that time [s]."""
@@ -64,6 +98,7 @@ class Drawn:
             position, turn, _ = self.flight.at(time)
             self._vehicle.position = position + self._lift
             self._vehicle.wxyz = turn
+            self.trail.move(time, position + self._lift)
 
     def show(self, visible: bool) -> None:
         """Show or hide it."""
@@ -75,12 +110,11 @@ class Drawn:
         """Off the ground in the plane, the flights above one another."""
         return np.array([0.0, 0.0, 0.004 * self._world.frame.span * (1 + self.style.layer) * self._setting.planar])
 
-    def _stand(self, flight: Flight) -> None:
+    def _stand(self, flight: Flight, dots: Any) -> None:
         """Its shadow on the ground, and stems down to it at even times."""
         shadow = flight.position * (1.0, 1.0, 0.0) + (0.0, 0.0, self._world.ground)
         self._line("shadow", shapes.dashed(shadow, self._world.frame.span / 200), 1.0, soft=True)
-        step = shapes.even_step(self._setting.horizon, 9)
-        feet = [flight.at(time)[0] for time in np.arange(0.0, flight.time[-1] + 1e-9, step)]
+        feet = [flight.at(time)[0] for time in dots]
         stems = np.array([(foot, (foot[0], foot[1], self._world.ground)) for foot in feet])
         self._line("stems", stems, 1.0, soft=True)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import gzip
 import logging
@@ -21,6 +20,7 @@ from backend.scenes import setting
 from backend.scenes.address import Address, parse
 from backend.scenes.relay import relay
 from backend.scenes.viewer import Viewer
+from backend.scenes.viewers import Handle, Viewers
 
 router = APIRouter(include_in_schema=False)
 
@@ -71,7 +71,6 @@ async def view_socket_at_root(socket: WebSocket, run: str) -> None:
 @router.websocket("/view/{run}/{rest:path}")
 async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
     """One viewer; the visitor and the Origin were checked by the guard."""
-    state = socket.app.state
     if socket.query_params or not socket.scope["subprotocols"]:
         await socket.close(REFUSED)
         return
@@ -80,11 +79,20 @@ async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
     except (RefusedError, ValueError):
         await socket.close(REFUSED)
         return
-    if not state.viewers.enter():
+    viewers: Viewers = socket.app.state.viewers
+    if not viewers.enter():
         await socket.close(BUSY)
         return
     try:
-        await relay(socket, lambda server: _build(server, socket, run_id, address), state.viewers.stopping)
+        with contextlib.ExitStack() as offered:
+
+            def opened(viewer: Viewer) -> None:
+                if address.key is not None:
+                    handle = Handle(socket.state.visitor, run_id, address.key)
+                    viewers.offer(handle, viewer)
+                    offered.callback(viewers.withdraw, handle, viewer)
+
+            await relay(socket, lambda server: _build(server, socket, run_id, address), opened, viewers.stopping)
     except RefusedError:
         await socket.close(REFUSED)
     except Exception:
@@ -92,7 +100,7 @@ async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):
             await socket.close(FAILED)
     finally:
-        state.viewers.leave()
+        viewers.leave()
 
 
 def _address(rest: str) -> Address:
@@ -100,7 +108,7 @@ def _address(rest: str) -> Address:
         return parse(rest)
     except ValueError as error:
         raise RefusedError(
-            404, "not-found", f"{error}: /view/RUN/F2/t/SECONDS/cam/top/dark, each part if wanted"
+            404, "not-found", f"{error}: /view/RUN/F2/t/SECONDS/cam/chase/dark/key/UUID, each part if wanted"
         ) from None
 
 
@@ -111,28 +119,3 @@ def _build(server: viser.ViserServer, socket: WebSocket, run_id: int, address: A
         progress = setting.Progress(fixed, run_id, address.flight)
         progress.look(reader)
     return Viewer(server, state.engine, state.live, fixed, progress, address)
-
-
-class Viewers:
-    """Counts the viewers that are open; only ever used on the event loop."""
-
-    def __init__(self, most: int) -> None:
-        self.open, self._most = 0, most
-        self.stopping = asyncio.Event()
-        """Set when all of them are to end."""
-
-    def enter(self) -> bool:
-        """Whether there is room for one more, which then counts."""
-        if self.open >= self._most:
-            return False
-        self.open += 1
-        return True
-
-    def stop(self) -> None:
-        """End all of them, and let none in any more."""
-        self._most = 0
-        self.stopping.set()
-
-    def leave(self) -> None:
-        """One is gone."""
-        self.open -= 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,8 @@ class Closest:
     value: float
     position: Floats
     obstacle: Floats
+    number: int = 0
+    """Which obstacle it was."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +65,38 @@ class Flight:
     def obstacle(self, number: int, time: float) -> Floats:
         """Where the centre of a moving obstacle was at a time."""
         return _between(time, self.time, self.tracks[number])
+
+    def velocity(self, time: float) -> Floats:
+        """Velocity over ground at a time (3,), as drawn [m/s]: how fast the stored place changes, wind included."""
+        return _between(time, self.time, self._velocity)
+
+    def obstacle_velocity(self, number: int, time: float) -> Floats:
+        """Velocity of a moving obstacle's centre at a time (3,), as drawn [m/s]."""
+        return _between(time, self.time, self._track_velocities[number])
+
+    @property
+    def typical_speed(self) -> float:
+        """The median of the speed over the stored rows [m/s]."""
+        return float(np.median(np.linalg.norm(self._velocity, axis=1)))
+
+    @cached_property
+    def _velocity(self) -> Floats:
+        return rate(self.time, self.position)
+
+    @cached_property
+    def _track_velocities(self) -> dict[int, Floats]:
+        return {number: rate(self.time, track) for number, track in self.tracks.items()}
+
+
+def rate(time: Floats, rows: Floats) -> Floats:
+    """Change of rows (m, k) over time (m,), at each of them: the slope of the parabola through a row and its two
+    neighbours, of the line at the ends. Rows at one and the same time share their slope."""
+    distinct, first = np.unique(time, return_index=True)
+    if len(distinct) < 2:
+        return np.zeros_like(rows)
+    slopes = np.gradient(rows[first], distinct, axis=0)
+    found: Floats = slopes[np.searchsorted(distinct, time)]
+    return found
 
 
 def _between(time: float, times: Floats, rows: Floats) -> Floats:
@@ -119,4 +154,5 @@ def _closest(meta: Mapping[str, Any] | None, axes: Axes) -> Closest | None:
     if not meta or meta.get("value") is None or meta.get("obstacle_position") is None:
         return None
     position, obstacle = (np.array(meta[key], dtype=np.float64) for key in ("position", "obstacle_position"))
-    return Closest(float(meta["time"]), float(meta["value"]), axes.drawn(position), axes.drawn(obstacle))
+    number = int(meta.get("obstacle") or 0)
+    return Closest(float(meta["time"]), float(meta["value"]), axes.drawn(position), axes.drawn(obstacle), number)

@@ -5,7 +5,7 @@ Where flights differ in an obstacle, each has its own; where they agree, it is d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,6 +30,8 @@ class _Group:
     members: list[Drawn] = field(default_factory=list)
     own: bool = False
     """Whether other flights have it otherwise."""
+    titles: list[str] = field(default_factory=list)
+    """What its flights were called when it was drawn."""
     nodes: list[Any] = field(default_factory=list)
     root: Any = None
     heading: Any = None
@@ -38,14 +40,18 @@ class _Group:
     def visible(self) -> bool:
         return not self.members or any(one.visible for one in self.members)
 
+    @property
+    def called(self) -> list[str]:
+        return [one.style.title for one in self.members]
+
     def takes_over(self, before: dict[str, _Group], span: float) -> bool:
         """Go on with what is drawn already, where that looks the same; it is no longer among those before."""
         old = before.get(self.name)
-        if old is None or old.own != self.own or old.members != self.members:
+        if old is None or old.own != self.own or old.members != self.members or old.titles != self.called:
             return False
         if not old.body.like(self.body, span) or _longer(self.body, old.body):
             return False
-        self.nodes, self.root, self.heading = old.nodes, old.root, old.heading
+        self.nodes, self.root, self.heading, self.titles = old.nodes, old.root, old.heading, old.titles
         del before[self.name]
         return True
 
@@ -87,6 +93,23 @@ class Obstacles:
             for node in group.nodes:
                 node.visible = group.visible
 
+    def moving(self) -> Iterator[tuple[Body, Rgb]]:
+        """Those to be seen that move, each with its colour."""
+        for group in self._groups:
+            if group.visible and group.body.flight is not None:
+                yield group.body, shade(self._colour(group), 0.8)
+
+    def paint(self, palette: Palette, time: float) -> None:
+        """The same in other colours."""
+        self._palette = palette
+        for group in self._groups:
+            for node in group.nodes:
+                node.remove()
+            group.nodes = []
+            self._draw(group)
+        self.show()
+        self.move(time)
+
     def _grouped(self, flown: Sequence[Drawn]) -> list[_Group]:
         found: list[_Group] = []
         for number, moving in enumerate(self._setting.moving):
@@ -115,6 +138,7 @@ class Obstacles:
 
     def _draw(self, group: _Group) -> None:
         body, colour = group.body, self._colour(group)
+        group.titles = group.called
         group.root = self._scene.add_frame(group.name, show_axes=False, position=body.place)
         group.nodes = [group.root]
         if self._setting.planar:
@@ -185,7 +209,9 @@ class Obstacles:
         if body.flight is not None:
             words.append("intruder" if len(setting.moving) == 1 else f"intruder {body.number + 1}")
         if group.own:
-            words += [one.style.title.lower() for one in group.members]
+            words += [
+                one.style.title if one.style.title.startswith("F") else one.style.title.lower() for one in group.members
+            ]
         if group is self._groups[0]:
             words.append(f"{setting.quantity or 'limit'} > {setting.threshold:g} {setting.unit}")
         if not words:

@@ -32,6 +32,7 @@ class Palette:
     what_if: str
     obstacle: str
     goal: str
+    relative: str
     methods: dict[str, str]
 
     def method(self, name: str) -> str:
@@ -50,6 +51,7 @@ LIGHT = Palette(
     what_if="#0072b2",
     obstacle="#56b4e9",
     goal="#009e73",
+    relative="#aa3377",
     methods={
         "direct": "#0072b2",
         "hybrid": "#2b8fcb",
@@ -70,6 +72,7 @@ DARK = Palette(
     what_if="#3f9bdb",
     obstacle="#56b4e9",
     goal="#17b88a",
+    relative="#e07fb5",
     methods={
         "direct": "#3f9bdb",
         "hybrid": "#8ccbf2",

@@ -44,8 +44,16 @@ def open_server(secret: str) -> viser.ViserServer:
     return server
 
 
-async def relay(socket: WebSocket, build: Callable[[viser.ViserServer], Viewer], stopping: asyncio.Event) -> None:
-    """Serve one viewer until its browser goes or the service stops, and clear everything away."""
+async def relay(
+    socket: WebSocket,
+    build: Callable[[viser.ViserServer], Viewer],
+    opened: Callable[[Viewer], None],
+    stopping: asyncio.Event,
+) -> None:
+    """Serve one viewer until its browser goes or the service stops, and clear everything away.
+
+    `opened` is called with it once its browser has it.
+    """
     secret = secrets.token_urlsafe(32)
     server: viser.ViserServer | None = None
     viewer: Viewer | None = None
@@ -62,6 +70,7 @@ async def relay(socket: WebSocket, build: Callable[[viser.ViserServer], Viewer],
             proxy=None,
         ) as back:
             await socket.accept(subprotocol=back.subprotocol)
+            opened(viewer)
             await _carry(socket, back, stopping)
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):  # the browser closed it
             await socket.close(GOING_AWAY)

@@ -177,6 +177,19 @@ class Progress:
         self.over = False
         self._seen: dict[str, Any] = {}
 
+    @property
+    def choices(self) -> list[str]:
+        """What may be shown beside the nominal flight, or the nominal flight alone."""
+        return [*self.findings, NOMINAL]
+
+    def show(self, label: str, reader: sa.Connection) -> None:
+        """Have another flight beside the nominal one; the one before is forgotten."""
+        if self.shown != NOMINAL:
+            self.flights.pop(self.shown, None)
+            self._seen.pop(self.shown, None)
+        self.shown = label
+        self.look(reader)
+
     def look(self, reader: sa.Connection) -> bool:
         """Read what is new; whether there was anything."""
         before = self._state()

@@ -132,7 +132,7 @@ def dashed(points: Floats, dash: float, most: int = 400) -> Floats:
     return np.stack(at, axis=1)
 
 
-def even_step(span: float, count: int) -> float:
+def even_step(span: float, count: float) -> float:
     """The 1, 2 or 5 times a power of ten that divides a span into about so many."""
     raw = span / count
     power = 10.0 ** np.floor(np.log10(raw))

@@ -6,6 +6,7 @@ import html
 import math
 from collections.abc import Sequence
 
+from backend.scenes import vectors
 from backend.scenes.drawn import Drawn
 from backend.scenes.setting import Setting
 
@@ -24,17 +25,24 @@ def number(value: float | None, decimals: int) -> str:
 
 def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
     """Separation now, its minimum, and the margin of every flight that is shown."""
-    head = ("now", html.escape(setting.quantity or "min"), "margin")
-    unit = f'<th style="text-align:left;font-weight:500;opacity:0.7">[{html.escape(setting.unit)}]</th>'
     rows = [
-        _row(one, one.style.title, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)), setting)
+        _row(one, one.style.title, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)), setting.decimals)
         for one in drawn
         if one.flight is not None
     ]
     if not rows:
         return note("No flight is stored yet.")
-    heads = "".join(f"<th {_HEAD}>{text}</th>" for text in head)
-    return f"<table {_TABLE}><tr>{unit}{heads}</tr>{''.join(rows)}</table>"
+    heads = _heads(("now", setting.quantity or "min", "margin"))
+    return f"<table {_TABLE}><tr>{_unit(setting.unit)}{heads}</tr>{''.join(rows)}</table>"
+
+
+def speeds(drawn: Sequence[Drawn], time: float, decimals: int) -> str:
+    """How fast every flight that is shown is, over ground and relative to the nearest obstacle."""
+    found = [(one, vectors.speeds(one, time)) for one in drawn if one.flight is not None]
+    if not found:
+        return ""
+    rows = "".join(_row(one, one.style.title, (at.ground, at.relative), decimals) for one, at in found)
+    return f"<table {_TABLE}><tr>{_unit('m/s')}{_heads(('over ground', 'v rel'))}</tr>{rows}</table>"
 
 
 def outcome(drawn: Drawn, setting: Setting) -> str:
@@ -44,8 +52,8 @@ def outcome(drawn: Drawn, setting: Setting) -> str:
         return note("Move a slider to fly the case.")
     if flight.status != "ok":
         return note(f"{flight.status}: {flight.reason}", strong=True)
-    rows = _row(drawn, setting.quantity or "value", (flight.cost,), setting, setting.unit)
-    rows += _row(drawn, "margin", (_margin(drawn, setting),), setting, setting.unit)
+    rows = _row(drawn, setting.quantity or "value", (flight.cost,), setting.decimals, setting.unit)
+    rows += _row(drawn, "margin", (_margin(drawn, setting),), setting.decimals, setting.unit)
     word = "Clear of" if (_margin(drawn, setting) or 0.0) > 0 else "At or below"
     limit = f"{word} the limit of {setting.threshold:g} {setting.unit}."
     return f"<table {_TABLE}>{rows}</table>" + note(limit)
@@ -57,13 +65,21 @@ def note(text: str, strong: bool = False) -> str:
     return f'<p style="{weight}margin:6px 10px;font-size:0.85em">{html.escape(text)}</p>'
 
 
+def _unit(text: str) -> str:
+    return f'<th style="text-align:left;font-weight:500;opacity:0.7">[{html.escape(text)}]</th>'
+
+
+def _heads(texts: Sequence[str]) -> str:
+    return "".join(f"<th {_HEAD}>{html.escape(text)}</th>" for text in texts)
+
+
 def _margin(drawn: Drawn, setting: Setting) -> float | None:
     flight = drawn.flight
     return None if flight is None or flight.cost is None else flight.cost - setting.threshold
 
 
-def _row(drawn: Drawn, title: str, values: Sequence[float | None], setting: Setting, unit: str = "") -> str:
+def _row(drawn: Drawn, title: str, values: Sequence[float | None], decimals: int, unit: str = "") -> str:
     mark = f'<span style="color:{drawn.style.colour}">■</span> {html.escape(title)}'
-    texts = [number(value, setting.decimals) for value in values]
+    texts = [number(value, decimals) for value in values]
     cells = "".join(f"<td {_NUMBER}>{text} {html.escape(unit)}</td>" for text in texts)
     return f'<tr><td style="white-space:nowrap">{mark}</td>{cells}</tr>'

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import logging
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import sqlalchemy as sa
 import viser
@@ -13,18 +14,18 @@ import viser
 from backend.db.engine import read
 from backend.scenes.address import Address, Camera
 from backend.scenes.convergence_tab import ConvergenceTab
-from backend.scenes.drawn import Drawn, Style
 from backend.scenes.flight import Flight
-from backend.scenes.flight_tab import FlightTab
+from backend.scenes.flight_tab import STEP, FlightTab
+from backend.scenes.flights import Flights
+from backend.scenes.following import FRAME, Following
 from backend.scenes.live import Live
-from backend.scenes.obstacles import Obstacles
-from backend.scenes.palette import DARK, LIGHT, Palette, rgb
-from backend.scenes.setting import NOMINAL, WORST, Progress, Setting
+from backend.scenes.palette import DARK, LIGHT, rgb
+from backend.scenes.part import Part
+from backend.scenes.schemas import ViewChange, ViewState
+from backend.scenes.setting import Progress, Setting
+from backend.scenes.vectors import Vectors
 from backend.scenes.what_if_tab import WhatIfTab
-from backend.scenes.world import World, move_camera, place_first_camera
-
-FRAME = 1 / 30
-"""Time between pictures while playing [s]."""
+from backend.scenes.world import World
 
 LOOK = 1.0
 """Time between looks at a run that is not over [s]."""
@@ -32,8 +33,16 @@ LOOK = 1.0
 _log = logging.getLogger(__name__)
 
 
+class GoneError(Exception):
+    """The viewer has been closed."""
+
+
+class UnknownFlightError(ValueError):
+    """The run has no such finding; the message says which it has."""
+
+
 class Viewer:
-    """Builds the scene, then keeps it moving and up to date until closed."""
+    """Builds the scene, then keeps it moving and up to date until closed; it drives its parts (`Driver`)."""
 
     def __init__(
         self,
@@ -45,84 +54,175 @@ class Viewer:
         address: Address,
     ) -> None:
         self._server, self._engine, self._setting, self._progress = server, engine, setting, progress
-        palette = DARK if address.dark else LIGHT
-        server.gui.configure_theme(
-            dark_mode=address.dark,
-            show_logo=False,
-            show_share_button=False,
-            control_width="small",
-            brand_color=rgb(palette.soft),
-        )
-        server.gui.main_panel.dock_right()
-        server.gui.set_panel_label(f"{setting.run} · {setting.title}")
         self._lock = threading.RLock()
-        with server.atomic():
-            self._world = World(server, setting, palette)
-            self._obstacles = Obstacles(server, setting, palette, self._world)
-            self._nominal = self._drawn(Style("nominal", "Nominal", palette.nominal, 0, "bottom"))
-            called = "Worst" if address.flight == WORST else address.flight
-            self._worst = self._drawn(Style("worst", called, palette.worst, 1, "top"))
-            self._what_if = self._drawn(Style("what-if", "What-if", palette.what_if, 2, "beyond"))
-            alone = address.flight == NOMINAL
-            self._all = tuple(
-                d for d in (self._nominal, self._worst, self._what_if) if not alone or d is not self._worst
-            )
-            self._draw_stored(address.time or 0.0)
         self._wake = threading.Event()
         self._stopped = False
-        self._panel(live, palette, address)
-        closest = self._encounter()
-        place_first_camera(server, self._world, address.camera, closest.closest if closest else None)
+        self._dark = address.dark
+        self._theme()
+        server.gui.main_panel.dock_right()
+        server.gui.set_panel_label(f"{setting.run} · {setting.title}")
+        palette = DARK if address.dark else LIGHT
+        with server.atomic():
+            self._world = World(server, setting, palette)
+            self._flights = Flights(server, setting, self._world, palette, progress)
+            self._vectors = Vectors(server, setting, self._world, palette, self._flights)
+            self._following = Following(server, self._world, self._flights, address.camera, self.wake)
+            self._parts: list[Part] = [self._flights, self._vectors, self._following]
+            self._flights.moved(address.time or 0.0)
+            self._flights.stored()
+            self._panel(live, address)
         self._thread = threading.Thread(target=self._run, name=f"viewer of {setting.run}", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """Stop moving and flying."""
-        self._stopped = True
-        self._wake.set()
-        self._tab_what_if.stop()
+        with self._lock:
+            self._stopped = True
+        self.wake()
+        for part in self._parts:
+            part.stop()
         self._thread.join()
 
-    def _drawn(self, style: Style) -> Drawn:
-        return Drawn(self._server, self._setting, self._world, style)
-
-    def _panel(self, live: Live, palette: Palette, address: Address) -> None:
-        gui = self._server.gui
+    def _panel(self, live: Live, address: Address) -> None:
+        """The tabs, each a part in a file of its own."""
+        gui, setting, flights = self._server.gui, self._setting, self._flights
         tabs = gui.add_tab_group()
         with tabs.add_tab("Flight"):
-            self._tab_flight = FlightTab(
-                gui,
-                self._setting,
-                self._all,
-                address.time or 0.0,
-                self._camera,
-                self._wake.set,
-                self._moved,
-                self._obstacles.show,
+            self._tab = FlightTab(
+                gui, setting, flights, self._vectors, self, address.time or 0.0, address.camera, self._progress.shown
             )
+        self._following.on_own = lambda: self._tab.camera(None)
+        self._parts.append(self._tab)
         with tabs.add_tab("What-if"):
-            self._tab_what_if = WhatIfTab(gui, self._setting, live, self._what_if, self._fly)
-            self._tab_what_if.offer(self._progress.findings)
+            self._parts.append(WhatIfTab(gui, setting, live, flights.what_if, self._fly, self._progress))
         with tabs.add_tab("Convergence"):
-            self._tab_convergence = ConvergenceTab(gui, self._setting, palette, self._progress.curves)
-        if address.time is None:
-            self._tab_flight.go_to_closest()
+            palette = DARK if self._dark else LIGHT
+            self._parts.append(ConvergenceTab(gui, setting, palette, self._progress.curves))
+        closest = self._tab.closest_time()
+        self._tab.go_to(closest if address.time is None and closest is not None else self._tab.time)
+        self._following.first(self._tab.time)
+        self._changed()
+
+    @contextmanager
+    def drawing(self) -> Iterator[None]:
+        """One change of scene and panel: nobody else changes them meanwhile, and it is seen at once."""
+        with self._lock, self._server.atomic():
+            yield
+
+    def wake(self) -> None:
+        """There is something to do for the viewer's own thread."""
+        self._wake.set()
+
+    def moved(self, time: float) -> None:
+        """Show everything at this time [s]."""
+        with self.drawing():
+            for part in self._parts:
+                part.moved(time)
+
+    def shown(self) -> None:
+        """What is to be seen of the flights has changed."""
+        with self.drawing():
+            self._flights.obstacles.show()
+            self._changed()
+
+    def look_from(self, camera: Camera | None) -> None:
+        """Look from there; from None: stay, and follow nothing."""
+        self._following.set(camera)
+        with self.drawing():
+            self._tab.camera(camera)
+
+    def choose(self, flight: str) -> None:
+        """Show this finding beside the nominal flight, or that one alone; from one closest approach to the next."""
+        with self.drawing():
+            if flight == self._progress.shown:
+                return
+            if self._progress.findings and flight not in self._progress.choices:
+                known = ", ".join(self._progress.choices)
+                raise UnknownFlightError(f"{self._setting.run} has no finding {flight!r}: choose one of {known}")
+            closest = self._tab.closest_time()
+            with read(self._engine) as reader:
+                self._progress.show(flight, reader)
+            self._flights.choose()
+            after = self._tab.closest_time()
+            if None not in (closest, after) and abs(self._tab.time - (closest or 0.0)) <= STEP:
+                self._tab.go_to(after or 0.0)
+            self._changed()
+
+    def steer(self, change: ViewChange) -> ViewState:
+        """Do what the page asks, all of it in one picture; raises `GoneError`, and `UnknownFlightError` for a finding.
+
+        Going to a time stops the play, unless it is asked to go on in the same breath.
+        """
+        with self.drawing():
+            if self._stopped:
+                raise GoneError
+            if change.flight is not None:
+                self.choose(change.flight)
+            if change.theme is not None and (change.theme == "dark") != self._dark:
+                self._paint(change.theme == "dark")
+            self._steer_time(change)
+            if change.camera is not None:
+                self.look_from(change.camera)
+            return self.state()
+
+    def _steer_time(self, change: ViewChange) -> None:
+        if change.closest:
+            self._tab.go_to_closest()
+        if change.time is not None or change.step is not None:
+            self._tab.play(False)
+            self._tab.go_to((self._tab.time if change.time is None else change.time) + (change.step or 0.0))
+        if change.playing is not None:
+            self._tab.play(change.playing)
+
+    def state(self) -> ViewState:
+        """What is shown now; raises `GoneError`."""
+        with self._lock:
+            if self._stopped:
+                raise GoneError
+            return ViewState(
+                flight=self._progress.shown,
+                time=self._tab.time,
+                camera=self._following.camera,
+                playing=self._tab.playing,
+                theme="dark" if self._dark else "light",
+            )
+
+    def _paint(self, dark: bool) -> None:
+        self._dark = dark
+        self._theme()
+        palette = DARK if dark else LIGHT
+        self._world.paint(palette)
+        for part in self._parts:
+            part.paint(palette)
+        self._changed()
+
+    def _theme(self) -> None:
+        self._server.gui.configure_theme(
+            dark_mode=self._dark,
+            show_logo=False,
+            show_share_button=False,
+            control_width="small",
+            brand_color=rgb((DARK if self._dark else LIGHT).soft),
+        )
 
     def _run(self) -> None:
         """Advance time while playing, look at the run while it is not over, sleep otherwise."""
         then = looked = time.monotonic()
         while not self._stopped:
-            playing = self._tab_flight.playing
-            self._wake.wait(FRAME if playing else None if self._progress.over else LOOK)
-            self._wake.clear()
+            playing = self._tab.playing
+            busy = playing or self._following.due
+            self._wake.wait(FRAME if busy else None if self._progress.over else LOOK)
             now = time.monotonic()
-            if playing and not self._stopped:
-                with self._lock, self._server.atomic():
-                    self._tab_flight.advance(now - then)
+            with self.drawing():
+                if playing and self._tab.playing and not self._stopped:  # it may have been stopped while this waited
+                    self._tab.advance(now - then)
+            self._following.work(now)
             if not self._progress.over and now - looked >= LOOK:
                 looked = now
                 self._look()
             then = now
+            # Cleared last: what is done here wakes, too; whoever else did has noted before what there is to do.
+            self._wake.clear()
 
     def _look(self) -> None:
         try:
@@ -132,43 +232,16 @@ class Viewer:
         except sa.exc.SQLAlchemyError:
             _log.exception("the run could not be read for its 3D view; trying again")
             return
-        with self._lock, self._server.atomic():
-            self._draw_stored(self._tab_flight.time)
-            self._tab_what_if.offer(self._progress.findings)
-            self._tab_convergence.refresh()
-            self._tab_flight.refresh()
-
-    def _draw_stored(self, time: float) -> None:
-        new = {
-            drawn: flight
-            for name, drawn in {self._progress.shown: self._worst, NOMINAL: self._nominal}.items()
-            if (flight := self._progress.flights.get(name)) is not None and flight is not drawn.flight
-        }
-        first = all(drawn.flight is None for drawn in self._all)
-        if first and new:
-            self._world.fit(list(new.values()))
-        for drawn, flight in new.items():
-            drawn.draw(flight, time)
-        if new or first:
-            self._obstacles.update(self._all, time)
+        with self.drawing():
+            self._flights.stored()
+            self._changed()
 
     def _fly(self, flight: Flight) -> None:
-        with self._lock, self._server.atomic():
-            time = self._tab_flight.time
-            self._what_if.draw(flight, time)
-            self._obstacles.update(self._all, time)
-            self._tab_flight.refresh()
+        with self.drawing():
+            self._flights.fly(flight)
+            self._changed()
 
-    def _moved(self, time: float) -> None:
-        with self._lock, self._server.atomic():
-            for drawn in self._all:
-                drawn.move(time)
-            self._obstacles.move(time)
-
-    def _encounter(self) -> Flight | None:
-        return self._worst.flight or self._nominal.flight
-
-    def _camera(self, kind: Camera) -> None:
-        flight = self._encounter()
-        with contextlib.suppress(KeyError):  # the browser has just gone
-            move_camera(self._server, self._world, kind, flight.closest if flight else None)
+    def _changed(self) -> None:
+        self._tab.offer(self._progress.findings, self._progress.shown)
+        for part in self._parts:
+            part.changed()

@@ -12,19 +12,27 @@ from backend.scenes.drawn import Drawn
 from backend.scenes.flight import ROWS, Flight, from_live
 from backend.scenes.latest import Latest
 from backend.scenes.live import Live, LiveError
-from backend.scenes.setting import NOMINAL, Setting, Uncertain
+from backend.scenes.part import Part
+from backend.scenes.setting import NOMINAL, Progress, Setting, Uncertain
 
 STEPS = 400
 """How finely a slider divides its range; the buttons set values at full precision."""
 
 
-class WhatIfTab:
+class WhatIfTab(Part):
     """A slider for each uncertain parameter; the newest position is flown, whatever was overtaken is not."""
 
     def __init__(
-        self, gui: viser.GuiApi, setting: Setting, live: Live, drawn: Drawn, show: Callable[[Flight], None]
+        self,
+        gui: viser.GuiApi,
+        setting: Setting,
+        live: Live,
+        drawn: Drawn,
+        show: Callable[[Flight], None],
+        progress: Progress,
     ) -> None:
         self._gui, self._setting, self._live, self._drawn, self._show = gui, setting, live, drawn, show
+        self._progress = progress
         self._values = {one.path: one.nominal for one in setting.uncertain}
         self._offered = {NOMINAL: dict(self._values)}
         self._latest: Latest[dict[str, float]] = Latest(self._fly)
@@ -36,9 +44,9 @@ class WhatIfTab:
         with self._cases:
             self._sets(gui.add_button("Nominal"), NOMINAL)
 
-    def offer(self, findings: dict[str, dict[str, float]]) -> None:
+    def changed(self) -> None:
         """A button for each finding."""
-        for label, parameters in findings.items():
+        for label, parameters in self._progress.findings.items():
             new = label not in self._offered
             self._offered[label] = parameters
             if new:

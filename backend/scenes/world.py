@@ -1,4 +1,4 @@
-"""Draws what no flight changes: ground, start and goal or course, north; and knows the camera's places.
+"""Draws what no flight changes: ground, start and goal or course, north; and knows the box that holds everything.
 
 Start reading at `World`.
 """
@@ -14,17 +14,14 @@ import viser
 from numpy.typing import NDArray
 
 from backend.scenes import shapes
-from backend.scenes.address import Camera
 from backend.scenes.bodies import body_of
-from backend.scenes.flight import Closest, Flight
+from backend.scenes.cameras import Scene
+from backend.scenes.flight import Flight
 from backend.scenes.palette import Palette, rgb
 from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 
-FIELD_OF_VIEW = np.radians(40.0)
-ASPECT = 1.1
-"""Width by height that the scene has to fit into, beside the panel."""
 LINE = 2.0
 """Width of a drawn line [pixels]."""
 
@@ -54,8 +51,19 @@ class World:
 
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette) -> None:
         self._scene, self._setting, self.palette = server.scene, setting, palette
-        server.scene.set_background_image(np.full((1, 1, 3), rgb(palette.background), dtype=np.uint8))
+        self._background()
         self.fit([])
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self.palette = palette
+        self._background()
+        self._draw()
+
+    @property
+    def whole(self) -> Scene:
+        """What a camera has to hold."""
+        return Scene(self.frame.middle, self._points, self._setting.threshold, self.frame.unit)
 
     def fit(self, flights: Sequence[Flight]) -> None:
         """Draw it so that it holds these flights, and everything that stands in their way."""
@@ -65,6 +73,9 @@ class World:
         low = min(float(p[..., 2].min()) for p in points)
         self.ground = -0.002 * self.frame.span if self._setting.planar else low - 0.04 * self.frame.span
         """The height of the ground [m]."""
+        self._draw()
+
+    def _draw(self) -> None:
         self._ground()
         self._places()
         if self._setting.axes.frame == "ned":
@@ -87,6 +98,9 @@ class World:
             yield from flight.tracks.values()
             if flight.closest is not None:
                 yield from (flight.closest.obstacle + sign * setting.threshold for sign in (-1, 1))
+
+    def _background(self) -> None:
+        self._scene.set_background_image(np.full((1, 1, 3), rgb(self.palette.background), dtype=np.uint8))
 
     def _ground(self) -> None:
         cell = shapes.even_step(self.frame.span, 10)
@@ -145,46 +159,3 @@ class World:
 
     def _name(self, name: str, text: str, place: Floats, anchor: Any = "top-center") -> None:
         self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=0.8)
-
-    def camera(self, kind: Camera, closest: Closest | None) -> tuple[Floats, Floats]:
-        """Where the camera stands, and what it looks at."""
-        middle, points = self.frame.middle, self._points
-        if kind == "encounter" and closest is not None:
-            middle = (closest.position + closest.obstacle) / 2
-            reach = max(1.1 * max(closest.value, self._setting.threshold), 2 * self.frame.unit)
-            points = middle + reach * np.array([*np.eye(3), *-np.eye(3)])
-        towards = {
-            "overview": (-0.25, -0.75, 0.8),
-            "encounter": (-0.35, -0.7, 0.75),
-            "top": (0.0, -1e-3, 1.0),
-            "side": (0.0, -1.0, 0.12),
-        }[kind]
-        direction = np.array(towards) / np.linalg.norm(towards)
-        return middle + _distance(points - middle, direction) * direction, middle
-
-
-def _distance(points: Floats, direction: Floats) -> float:
-    """How far off a camera must stand in that direction to see all these points about what it looks at [m]."""
-    right = np.cross((0.0, 0.0, 1.0), direction)
-    right /= np.linalg.norm(right)
-    up = np.cross(direction, right)
-    across = np.maximum(np.abs(points @ right) / ASPECT, np.abs(points @ up))
-    return float((1.15 * across / np.tan(FIELD_OF_VIEW / 2) + points @ direction).max())
-
-
-def place_first_camera(server: viser.ViserServer, world: World, kind: Camera, closest: Closest | None) -> None:
-    """Where the camera stands when the page opens, and goes back to on "Reset View"."""
-    camera: Any = server.initial_camera
-    camera.fov = FIELD_OF_VIEW
-    camera.position, camera.look_at = world.camera(kind, closest)
-    # viser draws the background one metre off: nothing of it would be left behind a farther near plane.
-    camera.near, camera.far = min(0.005 * world.frame.span, 0.5), 100 * world.frame.span
-
-
-def move_camera(server: viser.ViserServer, world: World, kind: Camera, closest: Closest | None) -> None:
-    """Move the viewer's camera to one of its places."""
-    position, look_at = world.camera(kind, closest)
-    for client in server.get_clients().values():
-        with client.atomic():
-            client.camera.position = position
-            client.camera.look_at = look_at

@@ -102,6 +102,8 @@ def test_answers_are_as_described(service: Service, client: httpx.Client) -> Non
     for path, method, operation in OPERATIONS:
         if method != "get" or path.endswith("/events"):
             continue
+        if "{key}" in path:  # of a view that is open: held in test_view_channel
+            continue
         content = operation["responses"]["200"]["content"]
         if "application/json" not in content:  # files are held in test_exports and test_reports
             continue

@@ -8,8 +8,9 @@ import pytest
 from backend.scenes import shapes
 from backend.scenes.axes import Axes, along
 from backend.scenes.bodies import body_of
+from backend.scenes.cameras import distance
 from backend.scenes.flight import from_live
-from backend.scenes.world import Frame, _distance
+from backend.scenes.world import Frame
 from tests.api.finished import encounter, straight, turned
 
 TO_EAST_NORTH_UP = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
@@ -129,7 +130,7 @@ def test_a_capsule_keeps_its_radius_about_its_axis() -> None:
 def test_the_camera_sees_every_point(direction: tuple[float, float, float]) -> None:
     points = np.random.default_rng(1).uniform(-1, 1, (50, 3)) * (400, 30, 80)
     towards = np.array(direction) / np.linalg.norm(direction)
-    eye = _distance(points, towards) * towards
+    eye = distance(points, towards) * towards
     seen = points - eye
     ahead = -seen @ towards
     off = np.linalg.norm(seen + np.outer(ahead, towards), axis=1)

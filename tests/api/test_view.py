@@ -17,7 +17,7 @@ from tests.api.finished import Work, finish
 from tests.api.server import Service, until
 from tests.api.test_access import problem
 from tests.api.test_runs import submit
-from tests.api.viewing import PROTOCOL, Panel, frames_until, viewing
+from tests.api.viewing import KEY, PROTOCOL, Panel, frames_until, viewing
 
 
 def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: httpx.Client) -> None:
@@ -47,6 +47,9 @@ def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: h
         ("/view/R-0001/t/", 404),
         ("/view/R-0001/purple", 404),
         ("/view/R-0001/F0", 404),
+        ("/view/R-0001/cam/behind", 404),
+        ("/view/R-0001/key/", 404),
+        ("/view/R-0001/key/0", 404),
     ],
 )
 def test_other_addresses_are_refused(service: Service, client: httpx.Client, path: str, status: int) -> None:
@@ -175,9 +178,10 @@ def test_nothing_of_a_viewer_is_left_when_its_browser_goes(service: Service, cli
     finish(service)
 
     def open_and_close() -> None:
-        with viewing(service, client, f"/view/{run}/") as connection:
+        with viewing(service, client, f"/view/{run}/cam/chase/key/{KEY}") as connection:
             frames_until(connection, b"/flights/nominal/path")
         until(lambda: service.app.state.viewers.open == 0)
+        assert service.app.state.viewers.steered == {}
 
     open_and_close()
     known = set(threading.enumerate())

@@ -28,6 +28,8 @@ CAMERA = {
     "look_at": (0.0, 0.0, 0.0),
     "up_direction": (0.0, 0.0, 1.0),
 }
+KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"
+"""By which a page steers the viewer that it has opened."""
 PROTOCOL = f"viser-v{viser.__version__}"
 
 
@@ -92,7 +94,29 @@ class Panel:
             if last in self._elements:
                 break
         # The page says first where its camera stands; before that viser hears nothing else.
-        self._say(type="ViewerCameraMessage", **CAMERA)
+        self.look(CAMERA["position"], CAMERA["look_at"])
+
+    def look(self, position: Any, look_at: Any) -> None:
+        """What the page says when its camera has come to another place, by whomever it was moved."""
+        moved = {"position": tuple(map(float, position)), "look_at": tuple(map(float, look_at))}
+        self._say(type="ViewerCameraMessage", **(CAMERA | moved))
+
+    def told(self, seconds: float = 10.0) -> tuple[Any, Any]:
+        """Where the page is next told to place its camera, and what to look at."""
+        position = look_at = None
+        for frame in frames(self._connection, seconds):
+            for message in msgspec.msgpack.decode(frame)["messages"]:
+                if message.get("initial"):  # where it opens, and goes back to
+                    continue
+                if message["type"] == "SetCameraPositionMessage":
+                    position = np.array(message["position"])
+                if message["type"] == "SetCameraLookAtMessage":
+                    look_at = np.array(message["look_at"])
+            if position is not None and look_at is not None:
+                break
+        assert position is not None
+        assert look_at is not None
+        return position, look_at
 
     def places(self, time: float, *nodes: str) -> dict[str, Node]:
         """Nodes of the scene once the slider stands at a time, the position of each told anew."""

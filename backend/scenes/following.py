@@ -1,0 +1,118 @@
+"""The camera of one viewer: set to a place, going with the vehicle, or the visitor's own. Start reading at `Following`.
+
+The browser tells every movement of its camera, also those that it was told to make. What it was told is remembered, so
+that a movement to anywhere else is known to be the visitor's own: it ends the following.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from backend.scenes.address import Camera
+from backend.scenes.cameras import FIELD_OF_VIEW, MOVING, Floats, Pose, pose
+from backend.scenes.flights import Flights
+from backend.scenes.part import Part
+from backend.scenes.world import World
+
+FRAME = 1 / 30
+"""Time between movements of the camera at least [s]."""
+REMEMBERED = 300
+"""So many places told to a browser are remembered: 10 s of them for one that is slow to draw."""
+OWN = 1e-3
+"""A place further off than this share of its distance from what is looked at is not the one told."""
+
+
+class Following(Part):
+    """Holds where the camera stands by name: None once the visitor has moved it."""
+
+    def __init__(
+        self, server: viser.ViserServer, world: World, flights: Flights, camera: Camera, wake: Callable[[], None]
+    ) -> None:
+        self.camera: Camera | None = camera
+        self.on_own: Callable[[], None] = lambda: None
+        """Called when the visitor has moved the camera."""
+        self._server, self._world, self._flights, self._wake = server, world, flights, wake
+        self._told: deque[Floats] = deque(maxlen=REMEMBERED)
+        self._heard = False
+        self._lock = threading.Lock()
+        self._time, self._due, self._last = 0.0, False, 0.0
+        server.on_client_connect(self._connected)
+
+    def first(self, time: float) -> None:
+        """Where the camera stands when the page opens, and goes back to on "Reset View"."""
+        self._time = time
+        span = self._world.frame.span
+        initial: Any = self._server.initial_camera
+        initial.fov = FIELD_OF_VIEW
+        initial.position, initial.look_at = self._remembered(self._pose(self.camera or "overview"))
+        # viser draws the background one metre off: nothing of it would be left behind a farther near plane.
+        initial.near, initial.far = min(0.005 * span, 0.5), 100 * span
+
+    def set(self, camera: Camera | None) -> None:
+        """Go there, and follow where it moves."""
+        with self._lock:
+            self.camera, self._heard, self._due = camera, False, camera is not None
+        self._wake()
+
+    def moved(self, time: float) -> None:
+        """Go along, as soon as may be."""
+        self._time = time
+        if self.camera in MOVING:
+            self._due = True
+            self._wake()
+
+    def changed(self) -> None:
+        """Another flight has another closest approach."""
+        if self.camera in (*MOVING, "encounter"):
+            self._due = True
+            self._wake()
+
+    @property
+    def due(self) -> bool:
+        """Whether the camera is not where it should be."""
+        return self._due
+
+    def work(self, now: float) -> None:
+        """Move the camera, if that is due and the last movement long enough ago."""
+        with self._lock:
+            if not self._due or now - self._last < 0.9 * FRAME or self.camera is None:
+                return
+            self._due, self._last = False, now
+            eye, target = self._remembered(self._pose(self.camera))
+        for client in self._server.get_clients().values():
+            with client.atomic():
+                client.camera.position = eye
+                client.camera.look_at = target
+
+    def _pose(self, camera: Camera) -> Pose:
+        return pose(camera, self._world.whole, self._flights.sight(self._time))
+
+    def _remembered(self, found: Pose) -> Pose:
+        self._told.append(found[0])
+        return found
+
+    def _connected(self, client: viser.ClientHandle) -> None:
+        client.camera.on_update(self._seen)
+        with self._lock:
+            self._due = self.camera is not None
+        self._wake()
+
+    def _seen(self, camera: viser.CameraHandle) -> None:
+        """The browser's camera has moved: as told, or not."""
+        eye, target = np.array(camera.position), np.array(camera.look_at)
+        near = OWN * float(np.linalg.norm(eye - target))
+        with self._lock:
+            if any(float(np.linalg.norm(eye - told)) <= near for told in self._told):
+                self._heard = True
+                return
+            # Until the browser has come to where it was sent, this is where it was before.
+            if not self._heard or self.camera is None:
+                return
+            self.camera, self._due = None, False
+        self.on_own()

@@ -1,0 +1,74 @@
+"""The viewers that are open: how many, and which of them a page may steer. Start reading at `Viewers`.
+
+Only ever used on the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+
+from backend.db.access import Visitor
+from backend.scenes.viewer import Viewer
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A viewer as a page knows it: its own key is good for its visitor and its run alone."""
+
+    visitor: Visitor
+    run_id: int
+    key: str
+
+
+class Viewers:
+    """Counts the viewers that are open, and finds those that were opened with a key."""
+
+    def __init__(self, most: int) -> None:
+        self.open, self._most = 0, most
+        self.stopping = asyncio.Event()
+        """Set when all of them are to end."""
+        self.steered: dict[Handle, Viewer] = {}
+        self._changed = asyncio.Event()
+
+    def enter(self) -> bool:
+        """Whether there is room for one more, which then counts."""
+        if self.open >= self._most:
+            return False
+        self.open += 1
+        return True
+
+    def leave(self) -> None:
+        """One is gone."""
+        self.open -= 1
+
+    def stop(self) -> None:
+        """End all of them, and let none in any more."""
+        self._most = 0
+        self.stopping.set()
+        self._tell()
+
+    def offer(self, handle: Handle, viewer: Viewer) -> None:
+        """From now on this key leads to this viewer; where it led to another one, the newer is meant."""
+        self.steered[handle] = viewer
+        self._tell()
+
+    def withdraw(self, handle: Handle, viewer: Viewer) -> None:
+        """The viewer is gone; a newer one of the same key stays."""
+        if self.steered.get(handle) is viewer:
+            del self.steered[handle]
+
+    async def find(self, handle: Handle, wait: float) -> Viewer | None:
+        """The viewer with this key, once it is open, within `wait` [s]."""
+        deadline = asyncio.get_running_loop().time() + wait
+        while (found := self.steered.get(handle)) is None and not self.stopping.is_set():
+            remaining = deadline - asyncio.get_running_loop().time()
+            try:
+                await asyncio.wait_for(self._changed.wait(), max(remaining, 0.0))
+            except TimeoutError:
+                return None
+        return found
+
+    def _tell(self) -> None:
+        self._changed.set()
+        self._changed = asyncio.Event()

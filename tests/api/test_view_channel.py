@@ -1,0 +1,190 @@
+"""A page steers the 3D view that it has opened, and nobody else's."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+
+from tests.api.finished import Work, finish, flight
+from tests.api.server import Service, until
+from tests.api.test_access import problem
+from tests.api.test_runs import submit
+from tests.api.viewing import KEY, Panel, frames_until, viewing
+
+OTHER = "ffffffff-ffff-4fff-bfff-ffffffffffff"
+
+
+@pytest.fixture
+def run(service: Service, client: httpx.Client) -> str:
+    """A finished run with two findings, of which the second passes further off."""
+    run = submit(client)
+    work = Work(service)
+    work.nominal()
+    work.found(("F1",))
+    work.found(("F2",), flight("F2", passing=0.85))
+    work.conclude()
+    return run
+
+
+def address(run: str, key: str = KEY) -> str:
+    return f"/api/v1/runs/{run}/views/{key}"
+
+
+def steer(client: httpx.Client, run: str, key: str = KEY, **change: Any) -> dict[str, Any]:
+    """Have the open view show something else; what it says it shows."""
+    answer = client.patch(address(run, key), json=change, params={"wait": 10})
+    assert answer.status_code == 200, answer.text
+    return dict(answer.json())
+
+
+def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, client: httpx.Client, run: str) -> None:
+    with viewing(service, client, f"/view/{run}/t/2/key/{KEY}/") as connection:
+        shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
+        assert client.get(address(run), params={"wait": 10}).json() == shown
+        panel = Panel(connection, last="Camera")
+        assert steer(client, run, flight="F2", time=7.25) == shown | {"flight": "F2", "time": 7.25}
+        received = frames_until(connection, b"F2 0.8500 m", b"Show F2")
+        assert b"/flights/worst/path" in received
+        assert b"/flights/nominal/path" not in received, "only what is new is drawn"
+        steer(client, run, theme="dark", camera="top")
+        frames_until(connection, b"ThemeConfigurationMessage", b"/flights/nominal/path", b"/obstacles/0/ring")
+        assert steer(client, run, step=-0.25)["time"] == 7.0
+        assert steer(client, run, time=1e9)["time"] == 15.0
+        assert steer(client, run, step=-1e9)["time"] == 0.0
+        assert steer(client, run, playing=True)["playing"]
+        until(lambda: client.get(address(run)).json()["time"] > 0.05)
+        assert steer(client, run, closest=True) == {
+            "flight": "F2",
+            "time": pytest.approx(10.0, abs=0.01),
+            "camera": "top",
+            "playing": False,
+            "theme": "dark",
+        }
+        assert steer(client, run, flight="F1")["time"] == pytest.approx(10.0, abs=0.01)
+        panel.set("Finding", "Nominal alone")
+        until(lambda: client.get(address(run)).json()["flight"] == "nominal")
+
+
+def test_a_request_may_wait_for_the_view_to_open(service: Service, client: httpx.Client, run: str) -> None:
+    answers: list[dict[str, Any]] = []
+    asking = threading.Thread(target=lambda: answers.append(steer(client, run, flight="F2")))
+    asking.start()
+    with viewing(service, client, f"/view/{run}/key/{KEY}") as connection:
+        frames_until(connection, b"F2 0.8500 m")
+        asking.join(10)
+    assert [answer["flight"] for answer in answers] == ["F2"]
+
+
+def test_the_camera_follows_until_the_visitor_moves_it(service: Service, client: httpx.Client, run: str) -> None:
+    with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
+        panel = Panel(connection, last="Camera")
+        panel.told()
+        steer(client, run, camera="chase")
+        before = panel.told()
+        panel.look(*before)
+        steer(client, run, time=7.0)
+        eye, target = panel.told()
+        assert eye - before[0] == pytest.approx(np.array([0.4 * 5, 0, 0]), abs=1e-6), "along with the vehicle"
+        assert target - before[1] == pytest.approx(np.array([0.4 * 5, 0, 0]), abs=1e-6)
+        assert client.get(address(run)).json()["camera"] == "chase"
+        panel.look(eye + np.array([0.0, 0.5, 0.0]), target)
+        until(lambda: client.get(address(run)).json()["camera"] is None)
+        steer(client, run, time=9.0)
+        with pytest.raises(TimeoutError):
+            panel.told(seconds=0.3)
+        panel.set("Camera", "Intruder")
+        eye, target = panel.told()
+        vehicle = np.array([0.4 * 9, 4.8, target[2]])
+        assert target == pytest.approx(vehicle, abs=1e-3)
+        assert np.linalg.norm(eye[:2] - (4, 4)) < np.linalg.norm(eye[:2] - vehicle[:2]), "the obstacle is between"
+
+
+@pytest.mark.parametrize("camera", ["chase", "intruder", "encounter"])
+def test_a_camera_of_the_address_is_there_from_the_first(
+    service: Service, client: httpx.Client, run: str, camera: str
+) -> None:
+    with viewing(service, client, f"/view/{run}/t/2/cam/{camera}/key/{KEY}") as connection:
+        panel = Panel(connection, last="Camera")
+        eye, target = panel.told()
+        panel.look(eye, target)
+        assert client.get(address(run)).json()["camera"] == camera
+
+
+def test_a_key_is_good_for_its_run_and_its_visitor_alone(service: Service, client: httpx.Client, run: str) -> None:
+    other = submit(client)
+    token = service.token("ci")
+    with (
+        viewing(service, client, f"/view/{run}/key/{KEY}"),
+        viewing(service, client, f"/view/{other}/key/{OTHER}"),
+        service.visitor(Authorization=f"Bearer {token}") as stranger,
+    ):
+        steer(client, run, time=1.0)
+        steer(client, other, OTHER, time=1.0)
+        for asking, path in (
+            (client, address(run, OTHER)),
+            (client, address(other, KEY)),
+            (client, address("R-0099")),
+            (stranger, address(run)),
+        ):
+            said = problem(asking.patch(path, json={"time": 2.0}), 404)["detail"]
+            assert "no 3D view of" in said
+            problem(asking.get(path), 404)
+        assert steer(client, run)["time"] == 1.0
+    until(lambda: service.app.state.viewers.open == 0)
+    problem(client.get(address(run)), 404)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"flight": "F9"},
+        {"flight": "F0"},
+        {"time": -1.0},
+        {"time": "nan"},
+        {"camera": "behind"},
+        {"closest": True, "time": 1.0},
+        {"theme": "purple"},
+        {"speed": 2.0},
+    ],
+    ids=str,
+)
+def test_what_cannot_be_shown_is_refused(
+    service: Service, client: httpx.Client, run: str, change: dict[str, Any]
+) -> None:
+    with viewing(service, client, f"/view/{run}/key/{KEY}"):
+        before = steer(client, run)
+        said = problem(client.patch(address(run), json=change), 422)["detail"]
+        assert said
+        assert client.get(address(run)).json() == before
+    problem(client.patch(address(run, "x"), json={}), 422)
+
+
+def test_of_two_views_with_one_key_the_newer_is_meant(service: Service, client: httpx.Client, run: str) -> None:
+    path = f"/view/{run}/key/{KEY}"
+    with viewing(service, client, path):
+        steer(client, run, time=1.0)
+        with viewing(service, client, path):
+            until(lambda: client.get(address(run)).json()["time"] > 5, 5)
+            steer(client, run, time=2.0)
+        until(lambda: service.app.state.viewers.open == 1)
+        problem(client.get(address(run)), 404)
+    with viewing(service, client, path):
+        steer(client, run, time=3.0)
+        with viewing(service, client, path) as newer:
+            frames_until(newer, b"/flights/nominal/path")
+            until(lambda: service.app.state.viewers.open == 2)
+    until(lambda: service.app.state.viewers.open == 0)
+    assert service.app.state.viewers.steered == {}
+
+
+def test_a_run_without_findings_takes_any_label(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    other = submit(client)
+    with viewing(service, client, f"/view/{other}/key/{KEY}"):
+        assert steer(client, other, flight="F7")["flight"] == "F7"
+    assert run != other

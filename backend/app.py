@@ -27,6 +27,7 @@ from backend.results import endpoints as results
 from backend.runs import endpoints as runs
 from backend.scenes import channel as views
 from backend.scenes import endpoints as scenes
+from backend.scenes import recordings
 from backend.scenes.live import Live
 from backend.scenes.viewers import Viewers
 from backend.sessions import endpoints as sessions
@@ -73,6 +74,7 @@ def create(settings: Settings) -> FastAPI:
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
     app.state.previews = Previews()
+    app.state.recordings = recordings.Recordings(engine)
     app.state.viewers = Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
@@ -81,6 +83,7 @@ def create(settings: Settings) -> FastAPI:
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)
+    app.include_router(recordings.router)  # before the viewer, whose addresses may end in anything
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)
     openapi.install(app)

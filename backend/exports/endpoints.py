@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Literal
 
 import sqlalchemy as sa
 from fastapi import APIRouter, Request, Response
@@ -15,6 +15,7 @@ from backend.exports import service
 from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
 from backend.runs.service import number, summary
+from backend.scenes import recordings
 
 router = APIRouter(tags=["exports"])
 _KINDS = {kind.file: kind for kind in service.FILES}
@@ -27,6 +28,12 @@ def _described(file: str) -> dict[int | str, dict[str, Any]]:
         schema["format"] = "binary"
     unchanged = {"description": "The file is the one that `If-None-Match` names."}
     return {200: {"description": _KINDS[file].text, "content": {media: {"schema": schema}}}, 304: unchanged}
+
+
+_RECORDING: dict[int | str, dict[str, Any]] = {
+    200: {"description": "One self-contained file.", "content": {"text/html": {"schema": {"type": "string"}}}},
+    304: {"description": "The file is the one that `If-None-Match` names."},
+}
 
 
 @router.get("/runs/{run}/exports")
@@ -73,6 +80,16 @@ def export_mat(run: str, request: Request, engine: Engine) -> Response:
             return service.traces_mat(reader, run_id)
 
     return _answer(request, engine, run_id, "traces.mat", made)
+
+
+@router.get("/runs/{run}/exports/flight-{flight}.html", response_class=Response, responses=_RECORDING)
+def export_flight(run: str, flight: str, request: Request, theme: Literal["light", "dark"] = "light") -> Response:
+    """A stored flight in 3D as one HTML file with a play bar, the nominal flight beside it; `flight` F1 or nominal.
+
+    It opens offline and asks for nothing. What it says of itself stands in the page: parameters with all their digits,
+    criterion, digests, versions.
+    """
+    return recordings.answer(request, run, flight, dark=theme == "dark", how="attachment")
 
 
 def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], Iterator[bytes]]) -> bytes:

@@ -83,8 +83,16 @@ FILES = (
 def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     """What the run can be taken away as; 404 for no run."""
     run = runs.summary(reader, run_id)
-    flights = reader.scalar(sa.select(sa.func.count()).select_from(Trace).where(Trace.run_id == run_id))
-    return [_file(run, kind, bool(flights)) for kind in (*REPORTS, *FILES)]
+    flights = list(reader.scalars(sa.select(Trace.name).where(Trace.run_id == run_id)))
+    return [_file(run, kind, bool(flights)) for kind in (*REPORTS, *FILES, _recording(flights))]
+
+
+def _recording(flights: list[str]) -> Kind:
+    """The recording of the worst flight that is stored; those of the others are had in the same way."""
+    label = min((name for name in flights if name != "nominal"), key=lambda name: (len(name), name), default="nominal")
+    title = "Nominal flight" if label == "nominal" else f"Flight {label}"
+    text = "A recording with a play bar; one file that opens offline"
+    return Kind(f"flight-{label}.html", f"{title} in 3D, HTML", text, "text/html", flights=True)
 
 
 def _file(run: RunSummary, kind: Kind, flown: bool) -> ExportFile:

@@ -46,6 +46,7 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) ->
         "findings.csv",
         "traces.csv",
         "traces.mat",
+        "flight-F1.html",
     )
     assert [file["name"] for file in listed] == [f"R-0001-unicycle-past-a-pillar-{file}" for file in kinds]
     for file in listed:
@@ -54,7 +55,7 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) ->
             continue
         answer = client.get(file["href"])
         assert answer.status_code == 200
-        how = "inline" if file["media_type"] == "text/html" else "attachment"
+        how = "inline" if "report" in file["name"] else "attachment"
         assert answer.headers["content-disposition"] == f'{how}; filename="{file["name"]}"'
         assert answer.headers["content-type"].partition(";")[0] == file["media_type"]
 

@@ -6,6 +6,10 @@ import { useState } from 'react'
 import { getExports, getFile } from '../api/calls'
 import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
+import { RecordingEntries } from './Recording'
+
+/** The address of a recorded flight, and which one it is of. */
+const RECORDING = /\/exports\/flight-(\w+)\.html$/
 
 const exportsQuery = (id: string, state: string) =>
   queryOptions({ queryKey: ['exports', id, state], queryFn: () => getExports(id) })
@@ -13,7 +17,8 @@ const exportsQuery = (id: string, state: string) =>
 export function ExportMenu({ run }: { run: RunDetail }) {
   const [opened, setOpened] = useState(false)
   const { data, error } = useQuery({ ...exportsQuery(run.id, run.state), enabled: opened })
-  const files = data?.filter((file) => file.media_type !== 'application/pdf')
+  const recording = data?.find((file) => RECORDING.test(file.href) && file.unavailable === null)
+  const files = data?.filter((file) => file.media_type !== 'application/pdf' && !RECORDING.test(file.href))
   const pdf = data?.find((file) => file.media_type === 'application/pdf')
   return (
     <>
@@ -36,6 +41,8 @@ export function ExportMenu({ run }: { run: RunDetail }) {
           {files?.map((file) => (
             <Entry key={file.href} file={file} />
           ))}
+          {recording && <Menu.Label>Flight in 3D</Menu.Label>}
+          {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} />}
           {!data && <Menu.Item disabled>{error ? error.message : 'Asking what there is …'}</Menu.Item>}
           <Menu.Divider />
           <p className="small mut" style={{ padding: '4px 12px 8px' }}>

@@ -2,6 +2,7 @@
 import { IconExternalLink, IconLoader } from '@tabler/icons-react'
 import { useIsFetching } from '@tanstack/react-query'
 import { useEffect, useRef, useState } from 'react'
+import { RecordingMenu } from '../exports/Recording'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
 import { calledOf, NOMINAL } from './chosen'
@@ -36,9 +37,12 @@ export function Flight({ data, className }: { data: RunData; className: string }
       id="flight"
       flush
       right={
-        <a className="btn s" href={address} target="_blank" rel="noreferrer">
-          <IconExternalLink className="i s" aria-hidden /> Own window
-        </a>
+        <>
+          {data.traces.some((t) => t.name === data.chosen) && <RecordingMenu run={data.run.id} flight={data.chosen} />}
+          <a className="btn s" href={address} target="_blank" rel="noreferrer">
+            <IconExternalLink className="i s" aria-hidden /> Own window
+          </a>
+        </>
       }
     >
       <div className="flight" ref={holder}>

@@ -1,0 +1,75 @@
+// A flight as a recording: a link to the page that plays it, and the same as one file. Both need no simulation.
+import { Menu } from '@mantine/core'
+import { IconCheck, IconCopy, IconDownload, IconPlayerPlay } from '@tabler/icons-react'
+import { useState } from 'react'
+import type { Theme } from '../theme/useTheme'
+import { useTheme } from '../theme/useTheme'
+
+/** Where a recording of a flight, "F1" or "nominal", is played and downloaded. */
+export const recordedAt = (run: string, flight: string, theme: Theme) => ({
+  page: `/view/${run}/${flight}/recorded/${theme === 'dark' ? 'dark/' : ''}`,
+  file: `/api/v1/runs/${run}/exports/flight-${flight}.html?theme=${theme}`,
+})
+
+interface Props {
+  run: string
+  flight: string
+}
+
+/** The button of the Flight card. */
+export function RecordingMenu(props: Props) {
+  return (
+    <Menu position="bottom-end" width={300}>
+      <Menu.Target>
+        <button type="button" className="btn s">
+          <IconPlayerPlay className="i s" aria-hidden /> Recording
+        </button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        <RecordingEntries {...props} />
+      </Menu.Dropdown>
+    </Menu>
+  )
+}
+
+/** The same two things within a menu. */
+export function RecordingEntries({ run, flight }: Props) {
+  const { page, file } = recordedAt(run, flight, useTheme())
+  const called = flight === 'nominal' ? 'the nominal flight' : flight
+  return (
+    <>
+      <CopyLink address={page} />
+      <Menu.Item component="a" href={file} download leftSection={<IconDownload className="i s" aria-hidden />}>
+        <span className="b">Download as one file</span>
+        <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
+          {called[0]?.toUpperCase() + called.slice(1)} in 3D with a play bar; opens offline
+        </span>
+      </Menu.Item>
+    </>
+  )
+}
+
+/** The menu stays open to say that it is done. */
+function CopyLink({ address }: { address: string }) {
+  const [said, setSaid] = useState('')
+  const link = () => new URL(address, location.origin).href
+  const copy = () =>
+    navigator.clipboard.writeText(link()).then(
+      () => setSaid('Copied'),
+      () => setSaid(`The browser does not let this page copy: ${link()}`),
+    )
+  return (
+    <Menu.Item
+      closeMenuOnClick={false}
+      onClick={() => void copy()}
+      leftSection={
+        said === 'Copied' ? <IconCheck className="i s" aria-hidden /> : <IconCopy className="i s" aria-hidden />
+      }
+    >
+      <span className="b">Copy link to the recording</span>
+      <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }} aria-live="polite">
+        {said || 'For people with a login; it plays without a simulation'}
+      </span>
+    </Menu.Item>
+  )
+}

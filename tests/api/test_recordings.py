@@ -1,0 +1,174 @@
+"""A flight as a recording: what is in the file, its tag, its page's policy, and what is refused."""
+
+from __future__ import annotations
+
+import base64
+import re
+import threading
+from typing import Any
+
+import httpx
+import msgspec
+import pytest
+import viser
+import zstandard
+
+from backend.scenes import recordings
+from tests.api.finished import Work, encounter, finish, straight
+from tests.api.server import Service, until
+from tests.api.test_access import problem
+from tests.api.test_runs import submit
+from tests.api.test_view import listening
+from tests.api.test_view_flights import shipped
+
+
+@pytest.fixture
+def run(service: Service, client: httpx.Client) -> str:
+    """A finished run with a nominal flight and F1."""
+    run = submit(client)
+    finish(service)
+    return run
+
+
+def played(page: str) -> dict[str, Any]:
+    """What a page plays, as viser's own reader finds it: length [s], messages with their times."""
+    found = re.search(r'__VISER_EMBED_DATA__="([^"]+)"', page)
+    assert found is not None
+    data = base64.b64decode(found[1])
+    inner = zstandard.ZstdDecompressor().decompress(data[8:], max_output_size=int.from_bytes(data[:8], "little"))
+    size = int.from_bytes(inner[:8], "little")
+    decoded: dict[str, Any] = msgspec.msgpack.decode(inner[8 : 8 + size])
+    return decoded
+
+
+def of(recording: dict[str, Any], kind: str, name: str) -> list[tuple[float, dict[str, Any]]]:
+    """The messages of a kind about a node, with their times [s]."""
+    return [(time, m) for time, m in recording["messages"] if m["type"] == kind and m.get("name") == name]
+
+
+def test_the_file_plays_the_stored_flights_in_their_own_time(client: httpx.Client, run: str) -> None:
+    answer = client.get(f"/api/v1/runs/{run}/exports/flight-F1.html")
+    assert answer.headers["content-type"].startswith("text/html")
+    named = 'attachment; filename="R-0001-unicycle-past-a-pillar-flight-F1.html"'
+    assert answer.headers["content-disposition"] == named
+    recording = played(answer.text)
+    assert recording["viserVersion"] == viser.__version__
+    assert recording["durationSeconds"] == pytest.approx(15.0)
+    times = [time for time, _ in recording["messages"]]
+    assert times == sorted(times)
+    for flight, passing in (("nominal", 0.9), ("worst", 0.8)):
+        ways = of(recording, "SetPositionMessage", f"/flights/{flight}/vehicle")
+        assert len(ways) == 301, "20 a second, and where it starts"
+        for time, message in ways:
+            assert message["position"][:2] == pytest.approx((6 * time / 15, 4 + passing), abs=1e-9)
+    told = {m["props"]["text"] for _, m in recording["messages"] if m["type"] == "LabelMessage"}
+    assert {"Nominal 0.9000 m", "F1 0.8000 m", "d_min > 0.5 m", "start", "goal"} <= told
+    now = of(recording, "SceneNodeUpdateMessage", "/flights/worst/now")
+    assert {m["updates"]["text"] for time, m in now if abs(time - 10.0) < 1e-6} == {"F1: 0.8000 m now"}
+
+
+def test_intruders_and_heights_are_played(bare: Service) -> None:
+    with bare.signed_in() as client:
+        run = shipped(bare, client, "uav_aca")
+        work = Work(bare)
+        work.nominal(encounter("nominal", "ned", straight(500, 60, -30, -20, 0, -1)))
+        recording = played(client.get(f"/api/v1/runs/{run}/exports/flight-nominal.html").text)
+    assert not of(recording, "FrameMessage", "/flights/worst/vehicle")
+    intruder = of(recording, "SetPositionMessage", "/obstacles/0")
+    own = of(recording, "SetPositionMessage", "/flights/nominal/vehicle")
+    assert len(intruder) >= len(own) > 400
+    for time, message in own:
+        assert message["position"] == pytest.approx((5, 20 * time, 2 * time), abs=1e-9)
+    for time, message in intruder:
+        assert message["position"] == pytest.approx((60, 500 - 20 * time, 30 + time), abs=1e-9)
+
+
+def test_the_caption_says_what_is_shown(client: httpx.Client, run: str) -> None:
+    client.patch(f"/api/v1/runs/{run}", json={"name": "<script>alert(1)</script> & co"})
+    page = client.get(f"/api/v1/runs/{run}/exports/flight-F1.html").text
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co" in page
+    card = page[page.index('<details id="told"') : page.index("</details>")]
+    detail = client.get(f"/api/v1/runs/{run}").json()
+    exported = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
+    for words in (
+        "R-0001 · F1",
+        "0.8000 m",
+        "0.9000 m",
+        "d_min &gt; 0.5 m",
+        detail["campaign_digest"],
+        exported["results_digest"],
+        f"viser {viser.__version__}",
+        "violated",
+    ):
+        assert words in card
+
+
+def test_a_file_that_is_there_already_is_not_sent_again(client: httpx.Client, run: str) -> None:
+    place = f"/api/v1/runs/{run}/exports/flight-F1.html"
+    first = client.get(place)
+    tag = first.headers["etag"]
+    again = client.get(place, headers={"If-None-Match": tag})
+    assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", tag)
+    assert client.get(f"{place}?theme=dark").headers["etag"] != tag
+    client.patch(f"/api/v1/runs/{run}", json={"name": "Another name"})
+    assert client.get(place, headers={"If-None-Match": tag}).status_code == 200
+
+
+def test_the_page_plays_the_same_and_may_ask_nobody(client: httpx.Client, run: str) -> None:
+    page = client.get(f"/view/{run}/F1/recorded/")
+    assert page.text == client.get(f"/api/v1/runs/{run}/exports/flight-F1.html").text
+    policy = page.headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "connect-src data: blob:;" in policy
+    assert "frame-ancestors 'self'" in policy
+    assert page.headers["content-disposition"].startswith("inline")
+    assert client.get(f"/view/{run}/F1/recorded").headers["location"] == f"/view/{run}/F1/recorded/"
+    assert "darkMode:true" in client.get(f"/view/{run}/F1/recorded/dark/").text
+    assert f"{policy.partition('; frame')[0]}" in page.text, "so does the file, wherever it is opened"
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("/view/R-0001/F2/recorded/", 404),
+        ("/view/R-0009/F1/recorded/", 404),
+        ("/view/R-0001/F1/recorded/t/3", 404),
+        ("/view/R-0001/F1/recorded/?playbackPath=/view/R-0001/F1/recorded/", 400),
+        ("/view/R-0001/F1/recorded/?websocket=ws://evil.example", 400),
+        ("/api/v1/runs/R-0001/exports/flight-F2.html", 404),
+        ("/api/v1/runs/R-0001/exports/flight-F1.html?theme=pink", 422),
+    ],
+)
+def test_other_addresses_are_refused(client: httpx.Client, run: str, path: str, status: int) -> None:
+    problem(client.get(path), status)
+
+
+def test_it_is_behind_the_login(service: Service, run: str) -> None:
+    with service.visitor() as stranger:
+        assert stranger.get(f"/view/{run}/F1/recorded/").status_code == 401
+        assert stranger.get(f"/api/v1/runs/{run}/exports/flight-F1.html").status_code == 401
+
+
+def test_making_one_leaves_nothing_behind(service: Service, client: httpx.Client, run: str) -> None:
+    ports, known = listening(), set(threading.enumerate())
+    for theme in ("light", "dark"):
+        assert client.get(f"/api/v1/runs/{run}/exports/flight-F1.html?theme={theme}").status_code == 200
+    until(lambda: listening() == ports)
+    until(lambda: not {t for t in threading.enumerate() if t not in known and "AnyIO" not in t.name})
+    assert service.app.state.viewers.open == 0
+
+
+def test_a_few_are_made_at_a_time(
+    service: Service, client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recordings, "PATIENCE", 0.01)
+    turns = service.app.state.recordings._turns
+    for _ in range(recordings.AT_ONCE):
+        turns.acquire()
+    try:
+        assert "being made" in problem(client.get(f"/view/{run}/F1/recorded/"), 503)["detail"]
+    finally:
+        for _ in range(recordings.AT_ONCE):
+            turns.release()
+    assert client.get(f"/view/{run}/F1/recorded/").status_code == 200

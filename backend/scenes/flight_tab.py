@@ -49,15 +49,15 @@ class FlightTab(Part):
         closest = gui.add_button(
             "Closest approach", hint="Jump to the time of the closest approach of the worst flight."
         )
-        self._readout = gui.add_html("")
-        self._boxes = {one.style.key: gui.add_checkbox(_box(one), True) for one in flights.every}
-        self._arrows(gui)
         self._camera: Any = gui.add_dropdown(
             "Camera",
             tuple(name.capitalize() for name in CAMERAS),
             initial_value=camera.capitalize(),
             hint="Chase goes with the vehicle, intruder with what comes closest; dragging the view ends that.",
         )
+        self._readout = gui.add_html("")
+        self._boxes = {one.style.key: gui.add_checkbox(_box(one), True) for one in flights.every}
+        self._arrows(gui)
         self._finding.on_update(self._by_visitor(lambda: driver.choose(_label(self._finding.value))))
         self._slider.on_update(self._by_visitor(lambda: self.go(self._slider.value)))
         self._play.on_update(lambda _: driver.wake())

@@ -36,10 +36,10 @@ class Following(Part):
     ) -> None:
         self.camera: Camera | None = camera
         self.on_own: Callable[[], None] = lambda: None
-        """Called when the visitor has moved the camera."""
+        """Called by `work` after the visitor has moved the camera."""
         self._server, self._world, self._flights, self._wake = server, world, flights, wake
         self._told: deque[Floats] = deque(maxlen=REMEMBERED)
-        self._heard = False
+        self._heard = self._left = False
         self._lock = threading.Lock()
         self._time, self._due, self._last = 0.0, False, 0.0
         server.on_client_connect(self._connected)
@@ -80,6 +80,9 @@ class Following(Part):
 
     def work(self, now: float) -> None:
         """Move the camera, if that is due and the last movement long enough ago."""
+        if self._left:
+            self._left = False
+            self.on_own()
         with self._lock:
             if not self._due or now - self._last < 0.9 * FRAME or self.camera is None:
                 return
@@ -103,16 +106,18 @@ class Following(Part):
             self._due = self.camera is not None
         self._wake()
 
-    def _seen(self, camera: viser.CameraHandle) -> None:
-        """The browser's camera has moved: as told, or not."""
+    async def _seen(self, camera: viser.CameraHandle) -> None:
+        """The browser's camera has moved: as told, or not.
+
+        On viser's event loop, where the handle still says what has come: a callback in a thread would read what was
+        told meanwhile.
+        """
         eye, target = np.array(camera.position), np.array(camera.look_at)
         near = OWN * float(np.linalg.norm(eye - target))
         with self._lock:
             if any(float(np.linalg.norm(eye - told)) <= near for told in self._told):
                 self._heard = True
-                return
+            elif self._heard and self.camera is not None:
+                self.camera, self._due, self._left = None, False, True
+                self._wake()
             # Until the browser has come to where it was sent, this is where it was before.
-            if not self._heard or self.camera is None:
-                return
-            self.camera, self._due = None, False
-        self.on_own()

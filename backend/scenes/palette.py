@@ -18,6 +18,17 @@ def shade(colour: Rgb, share: float) -> Rgb:
     return red, green, blue
 
 
+def linear(colour: Rgb) -> Rgb:
+    """The colour as viser wants those of single points and segments: it takes them for linear light, where it takes one
+    colour for a whole node as it is. Source: IEC 61966-2-1 (sRGB)."""
+
+    def part(byte: int) -> int:
+        share = byte / 255
+        return round(255 * (share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4))
+
+    return part(colour[0]), part(colour[1]), part(colour[2])
+
+
 @dataclass(frozen=True)
 class Palette:
     """One theme; flights by role, methods by name."""

@@ -54,6 +54,15 @@ def arrow() -> Mesh:
     return prism(np.array([(0.0, -0.32), (1.0, 0.0), (0.0, 0.32)]), -0.03, 0.03)
 
 
+def arrow_lines(start: Floats, end: Floats, head: float) -> Floats:
+    """An arrow as line segments (5, 2, 3): its shaft, and a head of that length with four barbs."""
+    along = (end - start) / np.linalg.norm(end - start)
+    across = np.cross(along, (0.0, 0.0, 1.0) if abs(along[2]) < 0.9 else (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across)
+    sides = (across, -across, np.cross(along, across), -np.cross(along, across))
+    return np.array([(start, end), *((end, end - head * along + 0.35 * head * side) for side in sides)])
+
+
 def capsule(radius: float, height: float) -> Mesh:
     """What lies within `radius` of an upright line of that height about the origin."""
     turn = np.linspace(0, np.pi / 2, 7)

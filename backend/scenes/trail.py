@@ -40,7 +40,7 @@ class Trail:
             f"{self._root}/dots",
             places.astype(np.float32),
             shade(rgb(colour), 0.75),
-            point_size=0.2 * size,
+            point_size=0.04 * size,
             point_shape="circle",
             precision="float32",
         )

@@ -18,17 +18,19 @@ from backend.scenes import shapes
 from backend.scenes.bodies import nearest
 from backend.scenes.drawn import Drawn
 from backend.scenes.flights import Flights
-from backend.scenes.palette import Palette, Rgb, rgb, shade
+from backend.scenes.palette import Palette, Rgb, linear, rgb, shade
 from backend.scenes.part import Part
 from backend.scenes.setting import Setting
 from backend.scenes.world import World
 
 Floats = NDArray[np.float64]
 
-LENGTH = 4.0
+LENGTH = 2.5
 """About so many vehicles' lengths long is the arrow of a typical velocity."""
-SHORTEST = 0.2
-"""A shorter arrow is left out: its head alone would be longer [vehicles' lengths]."""
+HEAD = 0.3
+"""Length of an arrow's head; a shorter arrow is left out [vehicles' lengths]."""
+WIDTH = 3.5
+"""[pixels]"""
 
 
 @dataclass(frozen=True)
@@ -132,25 +134,22 @@ class Vectors(Part):
 
     def _arrows(self, kind: str, found: list[tuple[Floats, Floats, Rgb]]) -> None:
         """Draw these arrows instead of those before, anew only where there are others."""
-        unit = self._world.frame.unit
-        long = [one for one in found if np.linalg.norm(one[1] - one[0]) > SHORTEST * unit]
+        head = HEAD * self._world.frame.unit
+        long = [one for one in found if np.linalg.norm(one[1] - one[0]) > head]
         if not long:
             self._remove(kind)
             return
-        points = np.array([(start, end) for start, end, _ in long], dtype=np.float32)
-        colours = [colour for *_, colour in long]
+        arrows = [shapes.arrow_lines(start, end, head) for start, end, _ in long]
+        points = np.concatenate(arrows).astype(np.float32)
+        colours = [colour for lines, (*_, colour) in zip(arrows, long, strict=True) for _ in lines]
         node = self._nodes.get(kind)
         if node is not None and self._colours.get(kind) == colours:
             node.points = points
             return
         self._colours[kind] = colours
-        self._nodes[kind] = self._scene.add_arrows(
-            f"/vectors/{kind}",
-            points,
-            np.array(colours, dtype=np.uint8),
-            shaft_radius=0.045 * unit,
-            head_radius=0.13 * unit,
-            head_length=0.35 * unit,
+        both = np.repeat(np.array([linear(colour) for colour in colours], dtype=np.uint8)[:, None], 2, axis=1)
+        self._nodes[kind] = self._scene.add_line_segments(
+            f"/vectors/{kind}", points, both, thickness=WIDTH, thickness_units="screen"
         )
 
     def _label(self, place: Floats | None, text: str) -> None:

@@ -91,7 +91,7 @@ class Viewer:
             self._tab = FlightTab(
                 gui, setting, flights, self._vectors, self, address.time or 0.0, address.camera, self._progress.shown
             )
-        self._following.on_own = lambda: self._tab.camera(None)
+        self._following.on_own = self._say_own
         self._parts.append(self._tab)
         with tabs.add_tab("What-if"):
             self._parts.append(WhatIfTab(gui, setting, live, flights.what_if, self._fly, self._progress))
@@ -130,6 +130,10 @@ class Viewer:
         self._following.set(camera)
         with self.drawing():
             self._tab.camera(camera)
+
+    def _say_own(self) -> None:
+        with self.drawing():
+            self._tab.camera(self._following.camera)
 
     def choose(self, flight: str) -> None:
         """Show this finding beside the nominal flight, or that one alone; from one closest approach to the next."""

@@ -6,6 +6,7 @@ import socket
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -118,17 +119,27 @@ def test_a_slider_flies_the_case_live(bare: Service) -> None:
 def test_the_flight_can_be_played_and_looked_at_from_its_places(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
-    with viewing(service, client, f"/view/{run}/t/1.0") as connection:
-        panel = Panel(connection, last="Camera")
+    with viewing(service, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
+        panel = Panel(connection, last="Trail")
+
+        def shown() -> dict[str, Any]:
+            return dict(client.get(f"/api/v1/runs/{run}/views/{KEY}").json())
+
         panel.set("Closest approach", True)
-        frames_until(connection, b"0.8000")
+        until(lambda: shown()["time"] == pytest.approx(10.0, abs=0.01))
         panel.set("Play", True)
+        until(lambda: shown()["time"] > 10.1)
         first = frames_until(connection, b"/flights/worst/vehicle")
         assert b"SetPosition" in first
         frames_until(connection, b"/flights/worst/vehicle")
         panel.set("Play", False)
+        until(lambda: not shown()["playing"])
         panel.set("Show Nominal", False)
         frames_until(connection, b"SetSceneNodeVisibility", b"/flights/nominal")
+        panel.set("Relative velocity", True)
+        frames_until(connection, b"/vectors/relative", b"v rel 0.400 m/s")
+        panel.set("Trail", "So far")
+        frames_until(connection, b"/flights/worst/flown/last")
         panel.set("Camera", "Top")
         frames_until(connection, b"SetCamera")
 

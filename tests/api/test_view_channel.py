@@ -45,7 +45,7 @@ def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, clie
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}/") as connection:
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
         assert client.get(address(run), params={"wait": 10}).json() == shown
-        panel = Panel(connection, last="Camera")
+        panel = Panel(connection, last="Trail")
         assert steer(client, run, flight="F2", time=7.25) == shown | {"flight": "F2", "time": 7.25}
         received = frames_until(connection, b"F2 0.8500 m", b"Show F2")
         assert b"/flights/worst/path" in received
@@ -81,7 +81,7 @@ def test_a_request_may_wait_for_the_view_to_open(service: Service, client: httpx
 
 def test_the_camera_follows_until_the_visitor_moves_it(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
-        panel = Panel(connection, last="Camera")
+        panel = Panel(connection, last="Trail")
         panel.told()
         steer(client, run, camera="chase")
         before = panel.told()
@@ -108,7 +108,7 @@ def test_a_camera_of_the_address_is_there_from_the_first(
     service: Service, client: httpx.Client, run: str, camera: str
 ) -> None:
     with viewing(service, client, f"/view/{run}/t/2/cam/{camera}/key/{KEY}") as connection:
-        panel = Panel(connection, last="Camera")
+        panel = Panel(connection, last="Trail")
         eye, target = panel.told()
         panel.look(eye, target)
         assert client.get(address(run)).json()["camera"] == camera

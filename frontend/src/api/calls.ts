@@ -3,11 +3,16 @@
 import type {
   Catalogue,
   Checked,
+  Draft,
+  DraftContent,
+  DraftReplace,
+  DraftSummary,
   Evaluations,
   ExportFile,
   FindingDetail,
   LibraryCampaign,
   ListRunsData,
+  Preview,
   RunDetail,
   RunEdit,
   RunFacets,
@@ -82,17 +87,33 @@ export const getEvaluations = (run: string): Promise<Evaluations> =>
 export const getTrace = (run: string, name: string): Promise<TraceData> =>
   answer(sdk.getTrace({ path: { run, name }, query: { max_points: 1500 } }))
 
-/** What a campaign means and what is wrong with it: given as the form's document or as YAML text. */
-export const checkCampaign = (given: Campaign | string, signal?: AbortSignal): Promise<Checked> =>
+/** Sends a campaign: the form's document, or YAML text. */
+const post = <T>(url: string, given: Campaign | string, signal?: AbortSignal): Promise<T> =>
   answer(
-    client.post<Checked>({
-      url: '/api/v1/campaigns/check',
+    client.post<T>({
+      url,
       body: typeof given === 'string' ? given : JSON.stringify({ campaign: given }),
       bodySerializer: null,
       headers: { 'Content-Type': typeof given === 'string' ? 'application/yaml' : 'application/json' },
       signal,
-    }) as Promise<Answer<Checked>>,
+    }) as Promise<Answer<T>>,
   )
+
+/** What a campaign means and what is wrong with it. */
+export const checkCampaign = (given: Campaign | string, signal?: AbortSignal): Promise<Checked> =>
+  post('/api/v1/campaigns/check', given, signal)
+
+/** The nominal flight of a campaign; a loop that is new to the service is compiled first. */
+export const previewCampaign = (given: Campaign, signal?: AbortSignal): Promise<Preview> =>
+  post('/api/v1/campaigns/preview', given, signal)
+
+export const listDrafts = (): Promise<DraftSummary[]> => answer(sdk.listDrafts())
+export const getDraft = (draft: string): Promise<Draft> => answer(sdk.getDraft({ path: { draft } }))
+export const createDraft = (body: DraftContent): Promise<Draft> => answer(sdk.createDraft({ body }))
+export const saveDraft = (draft: string, body: DraftReplace): Promise<Draft> =>
+  answer(sdk.saveDraft({ path: { draft }, body }))
+export const deleteDraft = (draft: string, version?: number): Promise<unknown> =>
+  answer(sdk.deleteDraft({ path: { draft }, query: { version } }))
 
 export interface Submission {
   campaign: Campaign

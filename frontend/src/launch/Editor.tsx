@@ -13,6 +13,7 @@ import { Library } from './Library'
 import { MethodsTable } from './MethodsTable'
 import type { Shelf } from './shelf'
 import { parametersOf } from './parameters'
+import { PreviewCard } from './PreviewCard'
 import { ProblemsProvider } from './problems'
 import { ScenarioForm } from './ScenarioForm'
 import { SettingsForm } from './SettingsForm'
@@ -20,6 +21,7 @@ import { Estimate, RunCard, StartButton } from './Side'
 import { Summary } from './Summary'
 import { UncertainTable } from './UncertainTable'
 import { useDraft } from './useDraft'
+import { usePreview } from './usePreview'
 import { YamlEditor } from './YamlEditor'
 
 interface EditorProps {
@@ -64,6 +66,7 @@ export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf
   const criterion = catalogue.components.find(
     (c) => c.role === 'criterion' && c.name === draft.campaign.criterion.component,
   )
+  const live = usePreview(draft.checked, !draft.checking)
   const blocked = name.trim() === '' || draft.problems.length > 0
   const begin = () => {
     if (!blocked && !launch.isPending) launch.mutate()
@@ -151,6 +154,8 @@ export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf
             onTags={setTags}
             set={draft.set}
           />
+          <div className="stack stuck">
+          <PreviewCard campaign={draft.campaign} catalogue={catalogue} criterion={criterion} readable={draft.readable} ok={draft.problems.length === 0} live={live} />
           <Estimate checked={draft.checked} campaign={draft.campaign} />
           <Summary
             problems={problems}
@@ -158,6 +163,7 @@ export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf
             onForm={() => onTab(undefined)}
           />
           <StartButton disabled={blocked} busy={launch.isPending} why={why} onStart={begin} />
+          </div>
         </div>
       </div>
     </ProblemsProvider>

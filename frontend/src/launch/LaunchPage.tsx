@@ -7,6 +7,7 @@ import { catalogueQuery, libraryQuery, runQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
 import { Editor } from './Editor'
+import './launch.css'
 import { ordered, type Shelf, shelfOf } from './shelf'
 
 export function LaunchPage() {

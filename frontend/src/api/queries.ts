@@ -38,6 +38,17 @@ export const catalogueQuery = queryOptions({
 
 export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: calls.getLibrary, staleTime: 300_000 })
 
+export const draftsQuery = queryOptions({ queryKey: ['drafts'], queryFn: calls.listDrafts })
+
+/** Read once: what is edited goes on from the version that was opened, until it is opened again. */
+export const draftQuery = (id: string) =>
+  queryOptions({
+    queryKey: ['draft', id],
+    queryFn: () => calls.getDraft(id),
+    staleTime: Number.POSITIVE_INFINITY,
+    gcTime: 0,
+  })
+
 export const runsQuery = (filter: calls.RunFilter) =>
   infiniteQueryOptions({
     queryKey: ['runs', filter],

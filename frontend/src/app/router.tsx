@@ -30,6 +30,8 @@ interface LaunchSearch {
   case?: string
   /** A run to start from. */
   from?: string
+  /** A draft to go on with. */
+  draft?: string
   tab?: 'yaml'
 }
 
@@ -41,6 +43,7 @@ const launch = createRoute({
   validateSearch: (search: Record<string, unknown>): LaunchSearch => ({
     case: word(search.case),
     from: word(search.from),
+    draft: word(search.draft),
     tab: search.tab === 'yaml' ? 'yaml' : undefined,
   }),
   component: lazyRouteComponent(() => import('../launch/LaunchPage'), 'LaunchPage'),

@@ -1,31 +1,34 @@
 // The form and the text of one campaign, the problems of both, and the start of the run.
-import { IconAlertTriangle, IconCopy } from '@tabler/icons-react'
+import { IconAlertTriangle } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
-import { Link, useNavigate } from '@tanstack/react-router'
+import { useNavigate } from '@tanstack/react-router'
 import { useMemo, useRef, useState } from 'react'
 import { checkCampaign, submitRun } from '../api/calls'
 import type { Campaign } from '../api/campaign'
 import { type FieldProblem, Refusal } from '../api/problems'
-import type { Catalogue, LibraryCampaign } from '../client'
+import type { Catalogue, Draft, LibraryCampaign } from '../client'
 import { Seg } from '../ui/Card'
 import { useHotkeys } from '../ui/useHotkeys'
+import type { Start } from './beginning'
+import { CampaignForm } from './CampaignForm'
+import { DraftBar } from './DraftBar'
+import { Drafts } from './Drafts'
+import { Heading } from './Heading'
+import { Leaving } from './Leaving'
 import { Library } from './Library'
-import { MethodsTable } from './MethodsTable'
-import type { Shelf } from './shelf'
 import { parametersOf } from './parameters'
 import { PreviewCard } from './PreviewCard'
 import { ProblemsProvider } from './problems'
-import { ScenarioForm } from './ScenarioForm'
-import { SettingsForm } from './SettingsForm'
+import type { Shelf } from './shelf'
 import { Estimate, RunCard, StartButton } from './Side'
 import { Summary } from './Summary'
-import { UncertainTable } from './UncertainTable'
 import { useDraft } from './useDraft'
 import { usePreview } from './usePreview'
+import { useSaved } from './useSaved'
 import { YamlEditor } from './YamlEditor'
 
 interface EditorProps {
-  start: { campaign: Campaign; text: string | null; name: string; tags: string[] }
+  start: Start
   from: string | undefined
   catalogue: Catalogue
   library: LibraryCampaign[]
@@ -35,14 +38,32 @@ interface EditorProps {
   tab: 'form' | 'yaml'
   onChoose: (id: string) => void
   onTab: (tab: 'yaml' | undefined) => void
+  /** It was kept as a draft, which has an address of its own. */
+  onKept: (draft: Draft) => void
+  /** The draft is to be read anew, and what was edited forgotten. */
+  onReopen: () => void
 }
 
-export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf, tab, onChoose, onTab }: EditorProps) {
-  const draft = useDraft(start.campaign, start.text)
+export function Editor(props: EditorProps) {
+  const { start, from, catalogue, library, chosen, shelf, onShelf, tab, onChoose, onTab } = props
+  const draft = useDraft(start)
   const [name, setName] = useState(start.name)
   const [tags, setTags] = useState(start.tags)
+  const [remove, setRemove] = useState(false)
   const navigate = useNavigate()
   const cache = useQueryClient()
+  const said = JSON.stringify([draft.edits, name, tags])
+  const [seen, setSeen] = useState(said)
+  const going = useRef<{ pathname: string; draft?: string } | null>(null)
+  const saved = useSaved(
+    start.draft,
+    async () => ({ name: name.trim(), tags, text: await draft.typed() }),
+    (kept) => {
+      setSeen(said)
+      going.current = { pathname: '/launch', draft: kept.id }
+      props.onKept(kept)
+    },
+  )
   // One key for one campaign as it stands: pressing twice never starts two runs.
   const submission = useRef({ body: '', key: '' })
   const launch = useMutation({
@@ -52,9 +73,13 @@ export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf
       const given = { campaign: (checked?.document as Campaign | undefined) ?? draft.campaign, name: name.trim(), tags }
       const body = JSON.stringify(given)
       if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
-      return submitRun(given, submission.current.key)
+      const run = await submitRun(given, submission.current.key)
+      // The run is what counts: where somebody saved the draft meanwhile, it stays as it is.
+      await saved.launched(run.id, remove).catch(() => undefined)
+      return run
     },
     onSuccess: (run) => {
+      going.current = { pathname: `/runs/${run.id}` }
       void cache.invalidateQueries({ queryKey: ['runs'] })
       void navigate({ to: '/runs/$id', params: { id: run.id } })
     },
@@ -66,35 +91,25 @@ export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf
   const criterion = catalogue.components.find(
     (c) => c.role === 'criterion' && c.name === draft.campaign.criterion.component,
   )
+  const ok = draft.problems.length === 0
   const live = usePreview(draft.checked, !draft.checking)
-  const blocked = name.trim() === '' || draft.problems.length > 0
+  const blocked = name.trim() === '' || !ok
   const begin = () => {
     if (!blocked && !launch.isPending) launch.mutate()
   }
   useHotkeys({ 'Ctrl+Enter': begin })
-  const why =
-    name.trim() === '' ? 'Give the run a name.' : draft.problems.length > 0 ? 'Solve the problems above first.' : ''
+  const why = name.trim() === '' ? 'Give the run a name.' : ok ? '' : 'Solve the problems above first.'
   return (
     <ProblemsProvider value={problems}>
-      <div className="ph">
-        <div className="t">
-          <h1>New run</h1>
-        </div>
-        {from && (
-          <span className="note">
-            <IconCopy className="i" aria-hidden />
-            <span>
-              Starts from{' '}
-              <Link to="/runs/$id" params={{ id: from }}>
-                {from}
-              </Link>
-              . <Link to="/launch">Choose from the library instead</Link>
-            </span>
-          </span>
-        )}
-      </div>
-      {!from && (
+      <Leaving
+        dirty={said !== seen}
+        expected={({ pathname, search }) => going.current?.pathname === pathname && going.current.draft === search.draft}
+        onSave={() => saved.save({ leaving: true })}
+      />
+      <Heading from={from} draft={saved.draft} />
+      {!from && !saved.draft && (
         <>
+          <Drafts />
           <h2 className="sect">Case</h2>
           <Library
             campaigns={library}
@@ -124,18 +139,13 @@ export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf
           {tab === 'yaml' ? (
             <YamlEditor
               text={draft.text}
-              ok={draft.problems.length === 0}
+              ok={ok}
               checking={draft.checking}
               problems={draft.problems}
               onChange={draft.setText}
             />
           ) : draft.readable ? (
-            <>
-              <UncertainTable campaign={draft.campaign} parameters={parameters} set={draft.set} />
-              <MethodsTable campaign={draft.campaign} catalogue={catalogue} parameters={parameters} set={draft.set} />
-              <SettingsForm campaign={draft.campaign} set={draft.set} />
-              <ScenarioForm campaign={draft.campaign} catalogue={catalogue} set={draft.set} />
-            </>
+            <CampaignForm draft={draft} catalogue={catalogue} parameters={parameters} />
           ) : (
             <p className="note warn">
               <IconAlertTriangle className="i" aria-hidden />
@@ -155,14 +165,32 @@ export function Editor({ start, from, catalogue, library, chosen, shelf, onShelf
             set={draft.set}
           />
           <div className="stack stuck">
-          <PreviewCard campaign={draft.campaign} catalogue={catalogue} criterion={criterion} readable={draft.readable} ok={draft.problems.length === 0} live={live} />
-          <Estimate checked={draft.checked} campaign={draft.campaign} />
-          <Summary
-            problems={problems}
-            trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}
-            onForm={() => onTab(undefined)}
-          />
-          <StartButton disabled={blocked} busy={launch.isPending} why={why} onStart={begin} />
+            {(draft.readable || start.source === 'form') && (
+              <PreviewCard
+                campaign={draft.campaign}
+                catalogue={catalogue}
+                criterion={criterion}
+                readable={draft.readable}
+                ok={ok}
+                live={live}
+              />
+            )}
+            {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} />}
+            <Summary
+              problems={problems}
+              trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}
+              onForm={() => onTab(undefined)}
+            />
+            <div>
+              <StartButton disabled={blocked} busy={launch.isPending} why={why} onStart={begin} />
+              <DraftBar
+                saved={saved}
+                dirty={said !== seen}
+                remove={remove}
+                onRemove={setRemove}
+                onReopen={props.onReopen}
+              />
+            </div>
           </div>
         </div>
       </div>

@@ -23,8 +23,23 @@ export interface Draft {
   source: 'form' | 'text'
   /** Why it could not be checked at all. */
   trouble: Error | null
+  /** How often it was edited. */
+  edits: number
   set: (at: readonly (string | number)[], value: unknown) => void
+  /** Several changes that belong together. */
+  change: (change: (campaign: Campaign) => Campaign) => void
   setText: (text: string) => void
+  /** The campaign as text to be kept: as it was typed, else as YAML; as JSON while the form holds what is no campaign. */
+  typed: () => Promise<string>
+}
+
+/** What an editor begins with. */
+export interface Beginning {
+  campaign: Campaign
+  /** Null: the text follows the form. */
+  text: string | null
+  /** `text`: the campaign is another one, because the text cannot be read as one. */
+  source: 'form' | 'text'
 }
 
 interface State {
@@ -32,6 +47,7 @@ interface State {
   /** Null: the text follows the form. */
   text: string | null
   source: 'form' | 'text'
+  edits: number
   /** The document last read from the text. */
   read?: unknown
 }
@@ -45,8 +61,10 @@ function useSettled<T>(value: T): T {
   return settled
 }
 
-export function useDraft(first: Campaign, firstText: string | null): Draft {
-  const [state, setState] = useState<State>({ campaign: first, text: firstText, source: 'form' })
+export function useDraft(first: Beginning): Draft {
+  const [state, setState] = useState<State>({ ...first, edits: 0 })
+  const change = (made: (campaign: Campaign) => Campaign) =>
+    setState((before) => ({ campaign: made(before.campaign), text: null, source: 'form', edits: before.edits + 1 }))
   const given = state.source === 'text' ? (state.text ?? '') : state.campaign
   const settled = useSettled(given)
   const check = useQuery({
@@ -64,14 +82,20 @@ export function useDraft(first: Campaign, firstText: string | null): Draft {
   return {
     campaign: state.campaign,
     text: state.text ?? (checked?.yaml && fresh ? checked.yaml : JSON.stringify(state.campaign, null, 2)),
-    readable: state.source === 'form' || !checked || checked.document !== null,
+    readable: state.source === 'form' || (!checked && state.edits > 0) || Boolean(checked?.document),
     checked,
     checking: !fresh || check.isFetching,
     problems: checked?.problems ?? [],
     source: state.source,
     trouble: check.error,
-    set: (at, value) =>
-      setState((before) => ({ campaign: write(before.campaign, at, value), text: null, source: 'form' })),
-    setText: (text) => setState((before) => ({ ...before, text, source: 'text' })),
+    edits: state.edits,
+    set: (at, value) => change((campaign) => write(campaign, at, value)),
+    change,
+    setText: (text) => setState((before) => ({ ...before, text, source: 'text', edits: before.edits + 1 })),
+    typed: async () => {
+      if (state.text !== null) return state.text
+      const { yaml } = await checkCampaign(state.campaign)
+      return yaml ?? JSON.stringify(state.campaign, null, 2)
+    },
   }
 }

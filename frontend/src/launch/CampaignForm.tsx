@@ -1,0 +1,26 @@
+// The whole form of a campaign, section by section; everything that is rarely changed is folded.
+import type { Catalogue } from '../client'
+import { MethodsTable } from './MethodsTable'
+import type { Parameter } from './parameters'
+import { ScenarioForm } from './ScenarioForm'
+import { SettingsForm } from './SettingsForm'
+import { UncertainTable } from './UncertainTable'
+import type { Draft } from './useDraft'
+
+interface CampaignFormProps {
+  draft: Draft
+  catalogue: Catalogue
+  parameters: Parameter[]
+}
+
+export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps) {
+  const { campaign, set } = draft
+  return (
+    <>
+      <UncertainTable campaign={campaign} parameters={parameters} set={set} />
+      <MethodsTable campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
+      <SettingsForm campaign={campaign} set={set} />
+      <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} />
+    </>
+  )
+}

@@ -1,0 +1,50 @@
+// What the editor began with: nothing, an earlier run, or a draft.
+import { IconCopy, IconFileText } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
+import type { ReactNode } from 'react'
+import type { Draft } from '../client'
+import { moment, when } from '../format/time'
+import { useNow } from '../ui/useNow'
+
+export function Heading({ from, draft }: { from: string | undefined; draft: Draft | null }) {
+  const now = useNow(30_000, draft !== null)
+  return (
+    <div className="ph">
+      <div className="t">
+        <h1>{draft ? `Draft ${draft.id}` : 'New run'}</h1>
+      </div>
+      {draft && (
+        <Note icon={<IconFileText className="i" aria-hidden />}>
+          Saved by {draft.saved_by} <span title={moment(draft.saved)}>{when(draft.saved, now)}</span>
+          {draft.run && (
+            <>
+              , started as{' '}
+              <Link to="/runs/$id" params={{ id: draft.run }}>
+                {draft.run}
+              </Link>
+            </>
+          )}
+          . <Link to="/launch">Begin another campaign</Link>
+        </Note>
+      )}
+      {from && !draft && (
+        <Note icon={<IconCopy className="i" aria-hidden />}>
+          Starts from{' '}
+          <Link to="/runs/$id" params={{ id: from }}>
+            {from}
+          </Link>
+          . <Link to="/launch">Choose from the library instead</Link>
+        </Note>
+      )}
+    </div>
+  )
+}
+
+function Note({ icon, children }: { icon: ReactNode; children: ReactNode }) {
+  return (
+    <span className="note">
+      {icon}
+      <span>{children}</span>
+    </span>
+  )
+}

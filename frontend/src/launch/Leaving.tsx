@@ -1,0 +1,56 @@
+// Leaving the page, or choosing another case, with edits that are kept nowhere: asks once.
+import { Modal } from '@mantine/core'
+import { useBlocker } from '@tanstack/react-router'
+import { useState } from 'react'
+
+interface Place {
+  pathname: string
+  search: { case?: string; from?: string; draft?: string }
+}
+
+interface LeavingProps {
+  dirty: boolean
+  /** Whether the editor itself goes there: to its run, or to its own draft. */
+  expected: (place: Place) => boolean
+  onSave: () => Promise<unknown>
+}
+
+/** Another tab of the same editor is no other place. */
+const elsewhere = (current: Place, next: Place): boolean =>
+  current.pathname !== next.pathname ||
+  (['case', 'from', 'draft'] as const).some((key) => current.search[key] !== next.search[key])
+
+export function Leaving({ dirty, expected, onSave }: LeavingProps) {
+  const [failed, setFailed] = useState('')
+  const blocker = useBlocker({
+    shouldBlockFn: ({ current, next }) =>
+      dirty && !expected(next as Place) && elsewhere(current as Place, next as Place),
+    enableBeforeUnload: () => dirty,
+    withResolver: true,
+  })
+  if (blocker.status !== 'blocked') return null
+  const keep = () => void onSave().then(blocker.proceed, (error: Error) => setFailed(error.message))
+  return (
+    <Modal opened onClose={blocker.reset} title="Unsaved changes" centered lockScroll={false}>
+      <div className="panel">
+        <p>What you changed in this campaign is kept nowhere yet.</p>
+        {failed && (
+          <p className="ferr" role="alert">
+            {failed}
+          </p>
+        )}
+        <div className="acts end">
+          <button type="button" className="btn" onClick={blocker.reset}>
+            Stay
+          </button>
+          <button type="button" className="btn" onClick={blocker.proceed}>
+            Leave without saving
+          </button>
+          <button type="button" className="btn p" onClick={keep}>
+            Save as draft
+          </button>
+        </div>
+      </div>
+    </Modal>
+  )
+}

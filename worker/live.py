@@ -2,6 +2,8 @@
 
 Request  {"id", "campaign", "parameters": {path: value}, "rows"}; parameters left out are nominal.
 Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
+Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in `worker.field`.
+Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...]}.
 Run as `python -m worker.live`; it ends with its input, and so with whoever started it. Start reading at `answer`.
 """
 
@@ -17,8 +19,9 @@ import numpy as np
 
 from campaigns import CampaignError
 from campaigns.load import load_document
+from worker.field import MOST, UNITS, field
 from worker.problem import CampaignUnusable, Problem
-from worker.trace import trace
+from worker.trace import fly, trace
 
 KEPT = 16
 """Problems kept ready; the one longest unused makes room."""
@@ -46,7 +49,14 @@ def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, 
             raise TypeError("id is a whole number or text")
         number = request["id"]
         problem = _problem(request["campaign"], problems)
-        return {"id": number} | _flight(problem, request.get("parameters", {}), request.get("rows", ROWS))
+        parameters = request.get("parameters", {})
+        values = {path: _value(problem, path, value) for path, value in parameters.items()}
+        kind = request.get("kind", "flight")
+        if kind == "field":
+            return {"id": number} | _field(problem, values, request["time"], request["places"])
+        if kind != "flight":
+            raise ValueError(f"kind is 'flight' or 'field', given {kind!r}")
+        return {"id": number} | _flight(problem, values, request.get("rows", ROWS))
     except (CampaignError, CampaignUnusable) as error:
         return {"id": number, "error": str(error)}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -64,8 +74,7 @@ def _problem(document: Any, problems: OrderedDict[str, Problem]) -> Problem:
     return problem
 
 
-def _flight(problem: Problem, parameters: dict[str, float], rows: int) -> dict[str, Any]:
-    values = {path: _value(problem, path, value) for path, value in parameters.items()}
+def _flight(problem: Problem, values: dict[str, float], rows: int) -> dict[str, Any]:
     flown = trace(problem, "live", values, rows)
     cost = flown.meta["cost"]
     return {
@@ -76,6 +85,25 @@ def _flight(problem: Problem, parameters: dict[str, float], rows: int) -> dict[s
         "columns": flown.columns,
         "data": {c["name"]: _plain(flown.data[:, k]) for k, c in enumerate(flown.columns)},
         "meta": _finite(flown.meta),
+    }
+
+
+def _field(problem: Problem, values: dict[str, float], time: Any, places: Any) -> dict[str, Any]:
+    if isinstance(time, bool) or not isinstance(time, int | float) or not np.isfinite(time):
+        raise TypeError(f"time takes a number of seconds, given {time!r}")
+    wanted = np.asarray(places, dtype=np.float64)
+    if wanted.ndim != 2 or wanted.shape[1] != 2 or not 0 < len(wanted) <= MOST or not np.isfinite(wanted).all():
+        raise ValueError(f"places are 1 to {MOST} pairs of finite numbers")
+    found = field(problem, fly(problem, values), float(time), wanted)
+    return {
+        "time": found.time,
+        "place": found.place.tolist(),
+        "velocity": _plain(found.velocity),
+        "kind": found.kind,
+        "memory": found.memory,
+        "unit": UNITS[found.kind],
+        "own": found.own.tolist() if np.isfinite(found.own).all() else None,
+        "demand": [row.tolist() if np.isfinite(row).all() else None for row in found.demand],
     }
 
 

@@ -7,6 +7,7 @@ Start reading at `trace`.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,16 +26,8 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
     Of several realisations it shows the worst; the cost told is that of the evaluation.
     values: parameters by path; what is left out is nominal. Raises KeyError for an unknown path.
     """
-    vectors = problem.realisations.flights(problem.vector(values)[None, :])
-    flown = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=len(vectors))
-    codes, said = problem.judge(flown.status, flown.when)
-    batch, reasons = problem.realisations.combined(flown.costs, codes, said)
-    shown = problem.realisations.worst(flown.costs, codes)
-    vector, status, states = vectors[shown], codes[shown], flown.trace[shown]
-    flying = np.isfinite(states).all(axis=1)
-    states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
-    if status == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
-        states = states[: round(float(flown.when[shown]) / problem.step) + 1]
+    flown = fly(problem, values)
+    states, vector = flown.states, flown.vector
     seen = _Seen(problem, problem.loop.observe(states, vector, problem.step), vector)
     closest = _closest(problem, seen)
     kept = _kept(len(states), rows, closest)
@@ -50,14 +43,54 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
     )
     meta = _meta(problem, seen, values) | {
         "closest": closest,
-        "status": STATUS[int(batch.status[0])],
-        "reason": reasons.get(0, ""),
-        "cost": _known(batch.costs[0, 0]),
-        "values": _values(problem, batch.costs[:1]),
+        "status": STATUS[flown.status],
+        "reason": flown.reason,
+        "cost": _known(flown.costs[0, 0]),
+        "values": _values(problem, flown.costs),
     }
     if problem.realisations.places:
-        meta["realisation"] = _realisation(problem, shown, flown.costs[shown, 0])
+        meta["realisation"] = _realisation(problem, flown.realisation, flown.own_cost)
     return Trace(name, _columns(problem), data, meta)
+
+
+@dataclass(frozen=True)
+class Flown:
+    """One case as it was flown: of several realisations the worst, with the evaluation's costs and status."""
+
+    vector: Floats
+    """Its flat parameters (size,)."""
+    states: Floats
+    """States and held guidance at every step (steps + 1 at most, ...), as long as they mean anything."""
+    status: int
+    reason: str
+    costs: Floats
+    """Of the evaluation (1, k); NaN unless it is ok."""
+    realisation: int
+    own_cost: float
+    """Of the realisation shown."""
+
+
+def fly(problem: Problem, values: Mapping[str, float]) -> Flown:
+    """Fly one case; values: parameters by path, what is left out is nominal. Raises KeyError for an unknown path."""
+    vectors = problem.realisations.flights(problem.vector(values)[None, :])
+    flown = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=len(vectors))
+    codes, said = problem.judge(flown.status, flown.when)
+    batch, reasons = problem.realisations.combined(flown.costs, codes, said)
+    shown = problem.realisations.worst(flown.costs, codes)
+    states = flown.trace[shown]
+    flying = np.isfinite(states).all(axis=1)
+    states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
+    if codes[shown] == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
+        states = states[: round(float(flown.when[shown]) / problem.step) + 1]
+    return Flown(
+        vector=vectors[shown],
+        states=states,
+        status=int(batch.status[0]),
+        reason=reasons.get(0, ""),
+        costs=batch.costs[:1],
+        realisation=shown,
+        own_cost=float(flown.costs[shown, 0]),
+    )
 
 
 def _realisation(problem: Problem, shown: int, cost: float) -> dict[str, Any]:

@@ -66,6 +66,24 @@ class Live:
 
         digest: of the campaign, by which its first flight is known.
         """
+        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows})
+
+    def field(
+        self,
+        campaign: Mapping[str, Any],
+        digest: str,
+        parameters: Mapping[str, float],
+        time: float,
+        places: Sequence[tuple[float, float]],
+    ) -> dict[str, Any]:
+        """What the avoider asks for at places of the plane of the vehicle's height, at a time [s] of that flight.
+
+        Places, demands: in the flight's own axes; what comes is told in `worker/live.py`. Raises `LiveError`.
+        """
+        asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
+        return self._answered(digest, asked)
+
+    def _answered(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
         with self._lock:
             if self._closed:
                 raise LiveError("the service is stopping")
@@ -73,7 +91,6 @@ class Live:
                 self._child = _Child(self._command)
             child = self._child
             limit = self._limit if digest in child.flown else self._first_limit
-            request = {"campaign": campaign, "parameters": parameters, "rows": rows}
             asked = child.ask(request, _Asked(digest, limit))
         return child.wait(asked)
 

@@ -14,6 +14,7 @@ import viser
 from backend.db.engine import read
 from backend.scenes.address import Address, Camera
 from backend.scenes.convergence_tab import ConvergenceTab
+from backend.scenes.field import FieldSlice
 from backend.scenes.flight import Flight
 from backend.scenes.flight_tab import STEP, FlightTab
 from backend.scenes.flights import Flights
@@ -91,8 +92,9 @@ class Viewer:
             self._tab = FlightTab(
                 gui, setting, flights, self._vectors, self, address.time or 0.0, address.camera, self._progress.shown
             )
+            field = FieldSlice(self._server, setting, self._world, self._world.palette, flights, live, self)
         self._following.on_own = self._say_own
-        self._parts.append(self._tab)
+        self._parts += [self._tab, field]
         with tabs.add_tab("What-if"):
             self._parts.append(WhatIfTab(gui, setting, live, flights.what_if, self._fly, self._progress))
         with tabs.add_tab("Convergence"):

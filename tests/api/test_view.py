@@ -63,9 +63,8 @@ def test_the_scene_of_a_finished_run_arrives(service: Service, client: httpx.Cli
     finish(service)
     with viewing(service, client, f"/view/{run}/t/3.2/dark") as connection:
         assert connection.subprotocol == PROTOCOL
-        received = frames_until(
-            connection, b"/flights/nominal/path", b"/flights/worst/path", b"/obstacles/0/ring", b"/goal/label"
-        )
+        scene = (b"/flights/nominal/path", b"/flights/worst/path", b"/obstacles/0/ring", b"/goal/label")
+        received = frames_until(connection, *scene, b"vehicle.J [kg m2]", b"Convergence")
     assert b"Nominal 0.9000 m" in received
     assert b"Worst 0.8000 m" in received
     assert b"vehicle.J [kg m2]" in received

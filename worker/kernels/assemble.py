@@ -109,7 +109,7 @@ class Loop:
         return seen
 
     def part(self, name: str, library: bool = False) -> Function:
-        """A part of the glue in plain Python: bodies, initial, blank, guide, closed_loop, envelope, cost, costs_of, ...
+        """A part of the glue in plain Python: bodies, initial, blank, guide, asked_at, closed_loop, envelope, cost, ...
 
         All take the extended vector of parameters, which `extend` makes. With `library` they call the platform's
         elementary functions, in place of those of `maths`.
@@ -179,9 +179,10 @@ def _glue(made: Loop) -> dict[str, Any]:
     slots["kept"] = _filled(guidance.four_kept if made.parts.late else guidance.none_kept, slots)
     slots["demand"] = _filled(_demand(made.parts), slots)
     slots |= _translation(made.parts, slots)
-    parts = {"extend": _extend(made)} | {name: slots[name] for name in ("bodies", "costs_of")}
+    parts = {"extend": _extend(made)} | {name: slots[name] for name in ("bodies", "costs_of", "on_sample")}
     names = (
         "aware",
+        "asked_at",
         "guide",
         "blank",
         "initial",

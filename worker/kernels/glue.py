@@ -57,6 +57,18 @@ def guide(t: float, x: Any, g: Any, p: Any) -> Any:
     return on_sample(xm, want, p) + memory + kept(t, want, g)
 
 
+def asked_at(t: float, x: Any, g: Any, place: Any, p: Any) -> Any:
+    """What the avoider would ask for if the vehicle took itself to be at that place, all else being as it is.
+
+    Its velocity and attitude, the obstacles and the avoider's memory stay: no flight asks this, a picture of it does.
+    """
+    vp = Vehicle(*p[V0:V1])
+    xm = measured(x[0:N_V], errors(t, p), vp)
+    v = velocity(xm, vp)
+    seen = perceived(t, x[XO0:XO1], pose(xm, vp), place, v, p)
+    return steer(t, place, v, Goal(*p[G0:G1]), seen, g[DIMENSION:M1], Avoider(*p[A0:A1]))[0]
+
+
 def blank(p: Any) -> Any:
     """Guidance before its first sample: no demand, the avoider's memory as it starts."""
     return NO_DEMAND + remember(Avoider(*p[A0:A1])) + NOTHING_KEPT

@@ -1,0 +1,46 @@
+"""Colours of values, as on the pages: viridis (S. van der Walt and N. Smith, matplotlib 1.5; CC0), a part of it.
+
+The lowest values are farthest from the ground in both themes; it tells values apart for the colour-blind and in grey.
+Start reading at `colours`; the pages have theirs in `frontend/src/space/colours.ts`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+VIRIDIS = np.array(
+    [
+        (68, 1, 84),
+        (72, 36, 117),
+        (65, 68, 135),
+        (53, 95, 141),
+        (42, 120, 142),
+        (33, 145, 140),
+        (34, 168, 132),
+        (68, 191, 112),
+        (122, 209, 81),
+        (189, 223, 38),
+        (253, 231, 37),
+    ],
+    dtype=np.float64,
+)
+"""Every tenth of it."""
+
+PART = {False: (0.0, 0.58), True: (1.0, 0.41)}
+"""Which part is used, from the lowest value to the highest, in the light theme and in the dark one."""
+
+
+def colours(shares: ArrayLike, dark: bool) -> NDArray[np.uint8]:
+    """Red, green, blue (..., 3) of shares (...) of the range of values, 0 at the lowest; beyond it its ends'."""
+    start, end = PART[dark]
+    at = (start + np.clip(np.asarray(shares, dtype=np.float64), 0.0, 1.0) * (end - start)) * (len(VIRIDIS) - 1)
+    known = np.arange(len(VIRIDIS))
+    return np.stack([np.interp(at, known, VIRIDIS[:, k]) for k in range(3)], axis=-1).round().astype(np.uint8)
+
+
+def gradient(dark: bool, turned: bool = False, steps: int = 8) -> str:
+    """The scale as a CSS background from left (lowest) to right; `turned` where the highest values stand out."""
+    shares = np.linspace(0.0, 1.0, steps + 1)
+    found = colours(1.0 - shares if turned else shares, dark)
+    return f"linear-gradient(90deg,{','.join(f'rgb({r},{g},{b})' for r, g, b in found.tolist())})"

@@ -1,0 +1,158 @@
+"""What an avoider asks for elsewhere: closed form, what the loop itself asked, every avoider of the library."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns import library, load_file
+from campaigns.load import load_document
+from tests.contract.scenes import problem
+from tests.unit.cases import CASE1
+from tests.unit.test_live import Live, live  # noqa: F401
+from worker.catalog import components
+from worker.field import UNITS, Field, field
+from worker.kernels.component import Avoider
+from worker.problem import Floats, Problem
+from worker.trace import Flown, fly
+
+AVOIDERS = sorted(c.name for c in components().values() if isinstance(c, Avoider))
+SHIPPED = {name: load_file(path) for name, path in library().items()}
+
+
+def around(middle: Floats, reach: float, count: int = 9) -> Floats:
+    """Places (count^2, 2) of a square about the middle."""
+    steps = np.linspace(-reach, reach, count)
+    return np.stack(np.meshgrid(middle[0] + steps, middle[1] + steps), axis=-1).reshape(-1, 2)
+
+
+@pytest.fixture(scope="module")
+def case1() -> Problem:
+    return Problem(load_document(CASE1, "case 1"))
+
+
+def test_the_potential_field_of_case_1_is_its_closed_form(case1: Problem) -> None:
+    places = around(np.array([4.0, 4.0]), 3.7, 12)
+    found = field(case1, fly(case1, {}), 2.5, places)
+    assert (found.kind, UNITS[found.kind], found.time) == ("force", "N", 2.5)
+    values = {path: float(case1.nominal[k]) for path, k in case1.paths.items()}
+    goal = np.array([values["goal.x"], values["goal.y"]])
+    obstacle = np.array([values["obstacles.0.position.x"], values["obstacles.0.position.y"]])
+    away = places - obstacle
+    centre = np.linalg.norm(away, axis=1)
+    d, d_0 = centre - values["obstacles.0.radius"], values["avoider.d_0"]
+    near = np.where(d <= d_0, values["avoider.k_rep"] * (1 / d - 1 / d_0) / d**2, 0.0)
+    expected = values["avoider.k_att"] * (goal - places) + (near / centre)[:, None] * away
+    outside = d > 0.05
+    assert ((near > 0) & outside).sum() > 10
+    assert ((near == 0) & outside).sum() > 10
+    assert found.demand[outside, :2] == pytest.approx(expected[outside], rel=1e-9)
+    assert np.isfinite(found.demand).all(), "inside the obstacle too"
+    assert not found.demand[:, 2].any()
+
+
+@pytest.mark.parametrize("name", ["unicycle_static", "uav_aca"])
+def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
+    flown_by = Problem(SHIPPED[name])
+    loop, flown, every = flown_by.loop, fly(flown_by, {}), flown_by.counts(flown_by.step)[1]
+    dimension = flown_by.parts.vehicle.dimension
+    # Guidance that is asked at every stage is kept in the trace as it was at the start only.
+    rows = [0, every, len(flown.states) // 2 // every * every] if flown_by.parts.sampled else [0]
+    p = loop.extend(flown.vector)
+    for row in rows:
+        time = row * flown_by.step
+        found = field(flown_by, flown, time, np.zeros((1, 2)))
+        state = tuple(float(v) for v in flown.states[row, : loop.n_state])
+        believed = loop.part("aware")(time, state, p)[0]
+        held = loop.part("on_sample")(believed, tuple(found.own[:dimension].tolist()), p)
+        assert held == pytest.approx(flown.states[row, loop.n_state : loop.n_state + dimension], rel=1e-9, abs=1e-9)
+        same = field(flown_by, flown, time, found.place[None, :2])
+        assert same.demand[0] == pytest.approx(found.own, rel=1e-9, abs=1e-9)
+
+
+def standing(made: Problem) -> Flown:
+    """A flight of no duration, which nothing has to be compiled for."""
+    vector = made.realisations.flights(made.vector({})[None, :])[0]
+    with np.errstate(all="ignore"):
+        p = made.loop.extend(vector)
+        state = (*made.loop.part("initial")(p), *made.loop.part("blank")(p))
+    return Flown(vector, np.array([state]), 0, "", np.full((1, 1), np.nan), 0, np.nan)
+
+
+def check(made: Problem) -> None:
+    """The avoider answers wherever it is asked, each place by itself, with a demand of its kind and dimension."""
+    flown = standing(made)
+    here = field(made, flown, 0.0, np.zeros((1, 2)))
+    places = around(here.place, 30.0, 7)
+    found = field(made, flown, 0.0, places)
+    assert found.kind == made.parts.avoider.demand
+    assert found.demand.shape == (49, 3)
+    assert np.isfinite(found.demand).all()
+    assert np.isfinite(found.own).all()
+    assert found.demand[24] == pytest.approx(found.own, rel=1e-9, abs=1e-9), "the middle is where the vehicle is"
+    for one, place in zip(found.demand[::8], places[::8], strict=True):
+        assert (field(made, flown, 0.0, place[None]).demand[0] == one).all()
+    if made.parts.avoider.dimension == 2:
+        assert not found.demand[:, 2].any()
+
+
+@pytest.mark.parametrize("name", AVOIDERS)
+def test_every_avoider_answers(name: str) -> None:
+    check(problem(components()["avoider", name], compiled=False))
+
+
+@pytest.mark.parametrize("name", sorted(SHIPPED))
+def test_every_campaign_of_the_library_has_a_field(name: str) -> None:
+    check(Problem(SHIPPED[name], compiled=False))
+
+
+@pytest.mark.parametrize(("time", "shown"), [(-1.0, 0.0), (0.0, 0.0), (7.4 * 0.005, 0.035), (1e9, 15.0)])
+def test_the_time_is_that_of_the_nearest_step_of_the_flight(case1: Problem, time: float, shown: float) -> None:
+    flown = fly(case1, {})
+    found = field(case1, flown, time, np.zeros((1, 2)))
+    assert found.time == pytest.approx(shown)
+    assert found.place[:2] == pytest.approx(flown.states[round(shown / case1.step), :2])
+
+
+def test_values_change_the_field_and_unknown_ones_are_refused(case1: Problem) -> None:
+    place = np.array([[3.0, 3.0]])
+    weak, strong = (field(case1, fly(case1, {"avoider.k_rep": k}), 1.0, place).demand[0] for k in (0.0, 8.0))
+    assert np.linalg.norm(strong - weak) > 1.0
+    with pytest.raises(KeyError):
+        fly(case1, {"avoider.nothing": 1.0})
+
+
+def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:  # noqa: F811
+    places = [[1.0, 2.0], [4.5, 4.5]]
+    answer = live.ask(id=1, kind="field", campaign=CASE1, parameters={"vehicle.m": 6.0}, time=3.0, places=places)
+    found: Field = field(case1, fly(case1, {"vehicle.m": 6.0}), 3.0, np.array(places))
+    assert answer["id"] == 1
+    assert {k: answer[k] for k in ("time", "kind", "unit")} == {"time": 3.0, "kind": "force", "unit": "N"}
+    assert answer["demand"] == found.demand.tolist()
+    assert answer["own"] == found.own.tolist()
+    assert answer["place"] == found.place.tolist()
+    assert set(answer) == {"id"} | {f.name for f in dataclasses.fields(Field)} | {"unit"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"kind": "music"}, "kind is 'flight' or 'field', given 'music'"),
+        ({"places": []}, "places are 1 to 10000 pairs of finite numbers"),
+        ({"places": [[1.0]]}, "places are 1 to 10000 pairs of finite numbers"),
+        ({"places": [[1.0, float("nan")]]}, "places are 1 to 10000 pairs of finite numbers"),
+        ({"places": [[0.0, 0.0]] * 10_001}, "places are 1 to 10000 pairs of finite numbers"),
+        ({"places": "many"}, "not a request"),
+        ({"time": "late"}, "time takes a number of seconds, given 'late'"),
+        ({"time": float("inf")}, "time takes a number of seconds, given inf"),
+        ({"parameters": {"vehicle.n": 1.0}}, "the scenario has no parameter 'vehicle.n'"),
+    ],
+)
+def test_requests_that_are_none(live: Live, changes: dict[str, Any], said: str) -> None:  # noqa: F811
+    request: dict[str, Any] = {"kind": "field", "campaign": CASE1, "time": 1.0, "places": [[0.0, 0.0]]}
+    answer = live.ask(id=2, **(request | changes))
+    assert set(answer) == {"id", "error"}
+    assert said in answer["error"]

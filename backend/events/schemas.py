@@ -20,3 +20,5 @@ class NewImprovements(BaseModel):
     """How many evaluations the stage has flown in all."""
     elapsed: float
     """Working time of the stage at the last of them [s]."""
+    parameters: dict[str, float]
+    """Where the last of these improvements is, {path: value} in the parameters' units; empty where there is none."""

@@ -13,9 +13,12 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.catalog.service import bounds, published
 from backend.db.engine import is_sqlite, read
 from backend.db.tables import Run
+from backend.errors import RefusedError
 from backend.events.schemas import NewImprovements
+from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service
 from backend.runs.schemas import RunSummary, StageProgress
@@ -40,8 +43,24 @@ class Event:
 class _Watched:
     """A run with listeners of its own."""
 
+    paths: list[str]
+    bounds: Bounds
     stages: list[StageProgress] = field(default_factory=list)
     steps: dict[int, Improvements] = field(default_factory=dict)
+
+    def since(self, steps: Improvements, known: int) -> dict[str, Any]:
+        """The improvements beyond those known, with the place of the last one."""
+        last = {}
+        if steps.point is not None and len(steps.index) > known:
+            last = in_units(steps.point[None], self.paths, self.bounds)
+        return NewImprovements(
+            index=steps.index[known:],
+            seconds=steps.seconds[known:],
+            cost=steps.cost[known:],
+            evaluations=steps.read,
+            elapsed=steps.elapsed,
+            parameters={path: values[0] for path, values in last.items()},
+        ).model_dump()
 
 
 class Watch:
@@ -67,8 +86,8 @@ class Watch:
         new = wanted - self._watched.keys()
         if not self._committed() and not new and wanted == self._watched.keys():
             return []
-        self._watched = {run_id: self._watched.get(run_id, _Watched()) for run_id in wanted}
         with read(self._engine) as reader:
+            self._watched = {i: self._watched.get(i) or _watched(reader, i) for i in wanted}
             events = self._runs(reader, wanted)
             for run_id, watched in self._watched.items():
                 events += _stages(reader, run_id, watched)
@@ -83,7 +102,7 @@ class Watch:
         watched = self._watched.get(run_id)
         if watched is None:
             return events
-        steps = {str(position): _since(steps, 0) for position, steps in watched.steps.items()}
+        steps = {str(position): watched.since(steps, 0) for position, steps in watched.steps.items()}
         return [*events, _stage_event(run_id, watched.stages), _event(run_id, "evaluations", json.dumps(steps))]
 
     def _committed(self) -> bool:
@@ -113,6 +132,14 @@ class Watch:
         return events
 
 
+def _watched(reader: sa.Connection, run_id: int) -> _Watched:
+    try:
+        asked = service.campaign(reader, run_id)
+    except RefusedError:  # its progress is told all the same
+        return _Watched([], {})
+    return _Watched(list(asked.uncertain), bounds(asked, published(reader)))
+
+
 def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:
     stages = service.progress(reader, run_id)
     if stages == watched.stages:
@@ -129,18 +156,8 @@ def _improvements(reader: sa.Connection, run_id: int, watched: _Watched) -> list
             continue
         known = len(steps.index)
         steps.catch_up(reader, run_id, stage.position)
-        added[str(stage.position)] = _since(steps, known)
+        added[str(stage.position)] = watched.since(steps, known)
     return [_event(run_id, "evaluations", json.dumps(added))] if added else []
-
-
-def _since(steps: Improvements, known: int) -> dict[str, Any]:
-    return NewImprovements(
-        index=steps.index[known:],
-        seconds=steps.seconds[known:],
-        cost=steps.cost[known:],
-        evaluations=steps.read,
-        elapsed=steps.elapsed,
-    ).model_dump()
 
 
 def _stage_event(run_id: int, stages: list[StageProgress]) -> Event:

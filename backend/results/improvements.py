@@ -7,9 +7,12 @@ from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
+from numpy.typing import NDArray
 
 from backend.db.tables import EvaluationChunk
 from backend.results import thin
+
+Floats = NDArray[np.float64]
 
 
 @dataclass
@@ -24,14 +27,22 @@ class Improvements:
     """How many evaluations were looked at."""
     elapsed: float = 0.0
     """Working time at the last of them [s]."""
+    point: Floats | None = None
+    """Where the best is (n,), on the unit cube."""
 
     def catch_up(self, reader: sa.Connection, run_id: int, position: int) -> None:
         """Read the chunks that were not read before."""
         chunk = EvaluationChunk
+        known = len(self.index)
         query = sa.select(chunk.first, chunk.count, chunk.costs, chunk.status, chunk.seconds)
-        of = (chunk.run_id == run_id, chunk.position == position, chunk.first >= self.read)
-        for row in reader.execute(query.where(*of).order_by(chunk.first)):
+        of = (chunk.run_id == run_id, chunk.position == position)
+        for row in reader.execute(query.where(*of, chunk.first >= self.read).order_by(chunk.first)):
             self._add(row)
+        if len(self.index) > known:
+            # Of all the points only this one is wanted: the others stay where they are.
+            best = sa.select(chunk.first, chunk.count, chunk.points).where(*of, chunk.first <= self.index[-1])
+            first, count, points = reader.execute(best.order_by(chunk.first.desc()).limit(1)).one()
+            self.point = np.frombuffer(points, dtype="<f8").reshape(count, -1)[self.index[-1] - first]
 
     def _add(self, chunk: Any) -> None:
         costs = np.frombuffer(chunk.costs, dtype="<f8").reshape(chunk.count, -1)[:, 0]

@@ -86,6 +86,11 @@ def test_a_listener_to_a_run_hears_of_its_stages_and_improvements(service: Servi
     assert heard["cost"] + more["cost"] == flown.costs[better, 0].tolist()
     assert heard["seconds"] + more["seconds"] == flown.seconds[better].tolist()
     assert (heard["evaluations"], more["evaluations"], more["elapsed"]) == (50, 150, flown.seconds[-1])
+    stored = client.get(f"/api/v1/runs/{run}/evaluations?max_points=1000").json()["stages"][0]
+    assert heard["parameters"] == {path: values[heard["index"][-1]] for path, values in stored["parameters"].items()}
+    assert heard["parameters"].keys() == {"vehicle.m", "vehicle.J"}
+    last = better[-1] if more["index"] else None
+    assert more["parameters"] == {path: v[last] for path, v in stored["parameters"].items() if last is not None}
 
 
 def test_whoever_comes_late_is_told_everything(service: Service, client: httpx.Client) -> None:

@@ -29,11 +29,13 @@ export const useStreamStatus = (): Status =>
     () => status,
   )
 
-interface Improvements {
+export interface Improvements {
   index: number[]
   seconds: number[]
   cost: number[]
   evaluations: number
+  /** Where the last of them is. */
+  parameters: Record<string, number>
 }
 
 /** Listens to all runs, or to one with its stages and improvements, for as long as the page is shown. */
@@ -135,12 +137,30 @@ export function extended(stage: EvaluationSeries, fresh: Improvements): Evaluati
   const total = Math.max(stage.total, fresh.evaluations)
   if (from < 0) return { ...stage, total }
   return {
-    ...stage,
+    ...withBest(stage, fresh),
     total,
     improvements: {
       index: [...index, ...fresh.index.slice(from)],
       seconds: [...seconds, ...fresh.seconds.slice(from)],
       cost: [...cost, ...fresh.cost.slice(from)],
     },
+  }
+}
+
+/** The flights that the page knows, with the best of the fresh ones: the only one whose parameters came along. */
+function withBest(stage: EvaluationSeries, fresh: Improvements): EvaluationSeries {
+  const [at, seconds, cost] = [fresh.index.at(-1), fresh.seconds.at(-1), fresh.cost.at(-1)]
+  if (at === undefined || seconds === undefined || cost === undefined) return stage
+  if (at <= (stage.index.at(-1) ?? -1) || Object.keys(fresh.parameters).length === 0) return stage
+  const parameters: Record<string, number[]> = {}
+  for (const [path, values] of Object.entries(stage.parameters))
+    parameters[path] = [...values, fresh.parameters[path] ?? Number.NaN]
+  return {
+    ...stage,
+    index: [...stage.index, at],
+    seconds: [...stage.seconds, seconds],
+    cost: [...stage.cost, cost],
+    status: [...stage.status, 'ok'],
+    parameters,
   }
 }

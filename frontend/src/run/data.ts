@@ -2,6 +2,7 @@
 import { keepPreviousData, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useEffect, useRef } from 'react'
 import { asCampaign, type Campaign } from '../api/campaign'
+import { useStreamStatus } from '../api/events'
 import {
   catalogueQuery,
   evaluationsQuery,
@@ -61,8 +62,19 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
   const catalogue = useQuery(catalogueQuery).data
   const stages = useQuery(stagesQuery(run.id)).data ?? []
   const evaluations = useQuery(evaluationsQuery(run.id))
-  // The stream brings every improvement at once, but not its parameters: those are asked for now and then.
-  usePolling(evaluations.refetch, 3000, !over)
+  // The stream brings every improvement with its place. What it does not bring is read rarely: all evaluations of a long
+  // search are much to read for one that failed.
+  const streamed = useStreamStatus() === 'open'
+  usePolling(evaluations.refetch, 3000, !over && !streamed)
+  const missed = useRef(0)
+  usePolling(
+    () => {
+      if (missed.current !== missedOf(run)) void evaluations.refetch()
+      missed.current = missedOf(run)
+    },
+    10_000,
+    !over && streamed,
+  )
   const findings = useQuery(findingsQuery(run.id)).data ?? []
   const traces = useQuery({ ...tracesQuery(run.id), enabled: over }).data ?? []
   const has = (name: string) => over && traces.some((trace) => trace.name === name)
@@ -90,6 +102,9 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
     findingTrace: chosen === NOMINAL ? undefined : findingTrace,
   }
 }
+
+/** Evaluations without a value, whose reasons the page lists. */
+const missedOf = (run: RunDetail): number => run.stages.reduce((sum, stage) => sum + stage.failed + stage.excluded, 0)
 
 /** However this page learns that the run has ended, by the stream or by asking: what it knows of the run is old then. */
 function useFreshAtEnd(id: string, over: boolean): void {

@@ -1,0 +1,37 @@
+// A search's improvements as the stream tells them, put behind what the page knows already.
+import { expect, it } from 'vitest'
+import type { EvaluationSeries } from '../client'
+import { extended } from './events'
+
+const SERIES = {
+  total: 3,
+  index: [0, 2],
+  seconds: [0.1, 0.3],
+  cost: [5, 4],
+  status: ['ok', 'ok'],
+  parameters: { 'vehicle.m': [1, 2] },
+  improvements: { index: [0, 2], seconds: [0.1, 0.3], cost: [5, 4] },
+} as unknown as EvaluationSeries
+
+const fresh = (index: number[], cost: number[], parameters: Record<string, number> = {}) => ({
+  index,
+  cost,
+  seconds: index.map((i) => 0.1 * (i + 1)),
+  evaluations: 9,
+  parameters,
+})
+
+it('has the best with its parameters, and every improvement', () => {
+  const after = extended(SERIES, fresh([5, 7], [3, 2], { 'vehicle.m': 6 }))
+  expect(after.improvements).toMatchObject({ index: [0, 2, 5, 7], cost: [5, 4, 3, 2] })
+  expect(after).toMatchObject({ total: 9, index: [0, 2, 7], cost: [5, 4, 2], parameters: { 'vehicle.m': [1, 2, 6] } })
+})
+
+it('takes nothing twice', () => {
+  const once = extended(SERIES, fresh([5], [3], { 'vehicle.m': 6 }))
+  expect(extended(once, fresh([0, 2, 5], [5, 4, 3], { 'vehicle.m': 6 }))).toEqual(once)
+})
+
+it('shows no flight whose parameters it does not know', () => {
+  expect(extended(SERIES, fresh([5], [3])).index).toEqual([0, 2])
+})

@@ -143,6 +143,10 @@ def test_what_opens_over_a_page_is_accessible(visit: Visit, filled: Service, the
     expect(page.get_by_role("dialog", name="Keys")).to_be_visible()
     assert violations(page) == []
     page.keyboard.press("Escape")
+    page.keyboard.press("Control+k")
+    expect(page.get_by_role("dialog", name="Search or jump to").get_by_role("option").first).to_be_visible()
+    assert violations(page) == []
+    page.keyboard.press("Escape")
     page.locator("#signoff").get_by_role("button", name="Sign off").click()
     expect(page.get_by_role("dialog").get_by_role("textbox", name="Name")).to_be_visible()
     assert violations(page) == []

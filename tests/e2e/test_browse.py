@@ -193,6 +193,27 @@ def test_the_keys_are_told_and_work(signed_in: Visit, runs: list[str]) -> None:
     expect(page).to_have_url(re.compile("/launch"))
 
 
+def test_anything_is_found_and_gone_to(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
+    signed_in.go("/help")
+    expect(page.get_by_role("heading", name="Verdicts", level=1)).to_be_visible()
+    page.keyboard.press("Control+k")
+    dialog = page.get_by_role("dialog", name="Search or jump to")
+    found = dialog.get_by_role("option")
+    expect(found.filter(has_text=runs[0])).to_be_visible()
+    page.keyboard.type("once more")
+    expect(found).to_have_count(1)
+    signed_in.shot("jump-1440-light", full=False)
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile(f"/runs/{runs[1]}$"))
+    expect(dialog).to_be_hidden()
+    page.get_by_role("button", name="Search or jump to").click()
+    page.keyboard.type("potential field")
+    expect(found.filter(has_text="Avoider").first).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(dialog).to_be_hidden()
+
+
 def test_word_comes_when_a_run_ends(signed_in: Visit) -> None:
     page = signed_in.page
     page.context.grant_permissions(["notifications"], origin=signed_in.address)

@@ -6,6 +6,7 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
     title: 'Everywhere',
     keys: [
       [['?'], 'Show these keys'],
+      [['Ctrl', 'K'], 'Search everything, go there'],
       [['/'], 'Search runs'],
       [['n'], 'New run'],
     ],

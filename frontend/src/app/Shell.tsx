@@ -1,9 +1,18 @@
 // The frame around every page: header, theme, session; the sign-in page where the service asks for one.
 import { Menu } from '@mantine/core'
-import { IconApi, IconBell, IconBellFilled, IconKeyboard, IconLogout, IconMoon, IconSun } from '@tabler/icons-react'
+import {
+  IconApi,
+  IconBell,
+  IconBellFilled,
+  IconKeyboard,
+  IconLogout,
+  IconMoon,
+  IconSearch,
+  IconSun,
+} from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
-import { useCallback, useState } from 'react'
+import { lazy, Suspense, useCallback, useState } from 'react'
 import { endSession } from '../api/calls'
 import { sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
@@ -14,6 +23,8 @@ import { Keys } from './Keys'
 import { toggleMine, useNotifier, useWanted } from './notify'
 import { SignedOut } from './SignedOut'
 
+const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))
+
 export function Shell() {
   return useSignedOut() ? <SignedOut /> : <Frame />
 }
@@ -21,8 +32,10 @@ export function Shell() {
 function Frame() {
   const navigate = useNavigate()
   const [keys, setKeys] = useState(false)
+  const [jump, setJump] = useState<'never' | 'open' | 'closed'>('never')
   useHotkeys({
     '?': () => setKeys(true),
+    'Ctrl+k': () => setJump('open'),
     n: () => void navigate({ to: '/launch' }),
     '/': () => void navigate({ to: '/runs', search: { focus: 'search' } }),
   })
@@ -50,6 +63,11 @@ function Frame() {
           </Link>
         </nav>
         <div className="top-r">
+          <button type="button" className="inp jump" onClick={() => setJump('open')} aria-keyshortcuts="Control+K">
+            <IconSearch className="i s mut" aria-hidden />
+            <span className="one">Search or jump to …</span>
+            <span className="kbd">Ctrl K</span>
+          </button>
           <button
             type="button"
             className="iconbtn"
@@ -66,6 +84,11 @@ function Frame() {
       <main id="main" tabIndex={-1}>
         <Outlet />
       </main>
+      {jump !== 'never' && (
+        <Suspense>
+          <Jump opened={jump === 'open'} onClose={() => setJump('closed')} />
+        </Suspense>
+      )}
       <Keys opened={keys} onClose={() => setKeys(false)} />
     </>
   )

@@ -1,0 +1,122 @@
+// Search everything and go there: runs as the service finds them, pages, the library's campaigns, help. Ctrl K opens it.
+import { Combobox, Modal, useCombobox } from '@mantine/core'
+import { IconArrowRight, IconSearch } from '@tabler/icons-react'
+import { keepPreviousData, useQuery } from '@tanstack/react-query'
+import { useRouter } from '@tanstack/react-router'
+import { type ReactNode, useEffect, useMemo, useState } from 'react'
+import * as calls from '../api/calls'
+import { catalogueQuery, libraryQuery } from '../api/queries'
+import type { RunSummary } from '../client'
+import { OutcomeIcon, lookOf, outcomeOf } from '../ui/VerdictBadge'
+import { matching, type Place, placesOf } from './places'
+
+/** How many runs are offered. */
+const RUNS = 6
+/** What is typed is asked for once it rests this long [ms]. */
+const REST = 150
+
+export function Jump({ opened, onClose }: { opened: boolean; onClose: () => void }) {
+  return (
+    <Modal.Root opened={opened} onClose={onClose} padding={0} size={560} yOffset="12vh" lockScroll={false}>
+      <Modal.Overlay />
+      <Modal.Content aria-label="Search or jump to">
+        <Search onDone={onClose} />
+      </Modal.Content>
+    </Modal.Root>
+  )
+}
+
+function Search({ onDone }: { onDone: () => void }) {
+  const router = useRouter()
+  const [text, setText] = useState('')
+  const store = useCombobox({ opened: true, onDropdownClose: onDone })
+  const asked = useResting(text.trim())
+  const found = useQuery({
+    queryKey: ['jump', asked],
+    queryFn: () => calls.listRuns(asked ? { q: asked } : {}, null, RUNS),
+    placeholderData: keepPreviousData,
+  })
+  const { data: library = [] } = useQuery(libraryQuery)
+  const { data: catalogue } = useQuery(catalogueQuery)
+  const places = useMemo(() => placesOf(library, catalogue), [library, catalogue])
+  const runs = found.data?.items ?? []
+  const offered = matching(places, text)
+  useEffect(() => {
+    store.selectFirstOption()
+    // The first one is what Enter takes, whatever was chosen among those before.
+  }, [text, found.data]) // eslint-disable-line react-hooks/exhaustive-deps
+  const go = (to: string) => {
+    onDone()
+    void router.navigate({ href: to })
+  }
+  return (
+    <Combobox store={store} onOptionSubmit={go}>
+      <label className="jumpbox">
+        <IconSearch className="i mut" aria-hidden />
+        <Combobox.EventsTarget>
+          <input
+            data-autofocus
+            type="search"
+            value={text}
+            placeholder="Run, campaign, method, component, page"
+            aria-label="Search or jump to"
+            autoComplete="off"
+            onChange={(event) => setText(event.target.value)}
+          />
+        </Combobox.EventsTarget>
+        <kbd className="kbd">Esc</kbd>
+      </label>
+      <Combobox.Options className="jumplist" aria-label="Found">
+        <Group name={text.trim() ? 'Runs' : 'Latest runs'}>{runs.map((run) => runOption(run))}</Group>
+        {(['Pages', 'Launch', 'Help'] as const).map((group) => (
+          <Group key={group} name={group}>
+            {offered.filter((place) => place.group === group).map((place) => placeOption(place))}
+          </Group>
+        ))}
+        {runs.length + offered.length === 0 && !found.isFetching && (
+          <Combobox.Empty>
+            {found.isError ? 'The service does not answer; pages can still be found.' : 'Nothing has all of these words.'}
+          </Combobox.Empty>
+        )}
+      </Combobox.Options>
+    </Combobox>
+  )
+}
+
+function Group({ name, children }: { name: string; children: readonly ReactNode[] }) {
+  return children.length > 0 ? <Combobox.Group label={name}>{children}</Combobox.Group> : null
+}
+
+function runOption(run: RunSummary): ReactNode {
+  const outcome = outcomeOf(run)
+  return (
+    <Combobox.Option key={run.id} value={`/runs/${run.id}`}>
+      <span className={lookOf(outcome).tone}>
+        <OutcomeIcon outcome={outcome} className="i s" />
+      </span>
+      <span className="one">{run.name}</span>
+      <span className="what one">
+        {run.id} · {lookOf(outcome).word} · {run.campaign_name}
+      </span>
+    </Combobox.Option>
+  )
+}
+
+function placeOption({ to, name, note }: Place): ReactNode {
+  return (
+    <Combobox.Option key={to} value={to}>
+      <IconArrowRight className="i s mut" aria-hidden />
+      <span className="one">{name}</span>
+      <span className="what one">{note}</span>
+    </Combobox.Option>
+  )
+}
+
+function useResting(text: string): string {
+  const [rested, setRested] = useState(text)
+  useEffect(() => {
+    const timer = setTimeout(() => setRested(text), REST)
+    return () => clearTimeout(timer)
+  }, [text])
+  return rested
+}

@@ -1,0 +1,35 @@
+// Where a jump leads for what is typed.
+import { expect, it } from 'vitest'
+import type { Catalogue, LibraryCampaign } from '../client'
+import { matching, placesOf } from './places'
+
+const LIBRARY = [
+  { id: 'uav_moving', document: { name: 'UAV, moving obstacle', summary: 'An intruder crosses.' } },
+  { id: 'unicycle_static', document: { name: 'Unicycle, static obstacle', summary: 'A post.' } },
+] as unknown as LibraryCampaign[]
+const CATALOGUE = {
+  methods: [{ name: 'direct', title: 'DIRECT' }],
+  components: [{ role: 'vehicle', name: 'unicycle', title: 'Unicycle', dimension: 2 }],
+} as unknown as Catalogue
+const places = placesOf(LIBRARY, CATALOGUE)
+const names = (text: string) => matching(places, text).map((place) => place.name)
+
+it('offers the pages before anything is typed', () => {
+  expect(names('')).toContain('Compare')
+  expect(names('  ')).not.toContain('DIRECT')
+})
+
+it('finds every word, in name or note', () => {
+  expect(names('obstacle uav')).toEqual(['UAV, moving obstacle'])
+  expect(names('uav post')).toEqual([])
+})
+
+it('puts names that begin so first', () => {
+  expect(names('uni')).toEqual(['Unicycle, static obstacle', 'Unicycle'])
+  expect(names('search')).toEqual(['Search methods', 'DIRECT'])
+})
+
+it('knows where each leads', () => {
+  expect(matching(places, 'vehicle').map((place) => place.to)).toEqual(['/help/components#vehicle-unicycle'])
+  expect(matching(places, 'moving').map((place) => place.to)).toEqual(['/launch?case=uav_moving'])
+})

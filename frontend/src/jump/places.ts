@@ -1,0 +1,55 @@
+// Where a jump can lead, beside runs: pages, the library's campaigns, and the help's topics. Start reading at `placesOf`.
+import type { Catalogue, LibraryCampaign } from '../client'
+import { idOfComponent } from '../help/links'
+
+export interface Place {
+  /** An address of these pages. */
+  to: string
+  group: 'Pages' | 'Launch' | 'Help'
+  name: string
+  note: string
+}
+
+const PAGES: readonly Place[] = [
+  { to: '/runs', group: 'Pages', name: 'Runs', note: 'All runs' },
+  { to: '/launch', group: 'Pages', name: 'Launch', note: 'A new run' },
+  { to: '/compare', group: 'Pages', name: 'Compare', note: 'Runs side by side' },
+  { to: '/help', group: 'Pages', name: 'Verdicts', note: 'What each of them means' },
+  { to: '/help/methods', group: 'Pages', name: 'Search methods', note: 'What each of them guarantees' },
+  { to: '/help/components', group: 'Pages', name: 'Components', note: 'Equations and sources' },
+  { to: '/docs', group: 'Pages', name: 'API', note: 'For programs' },
+]
+
+/** Every place, in the order in which they are offered. */
+export function placesOf(library: readonly LibraryCampaign[], catalogue: Catalogue | undefined): Place[] {
+  const campaigns = library.map(({ id, document }): Place => {
+    const { name, summary } = document as { name?: string; summary?: string }
+    return { to: `/launch?case=${encodeURIComponent(id)}`, group: 'Launch', name: name ?? id, note: summary ?? '' }
+  })
+  const methods = (catalogue?.methods ?? []).map(
+    ({ name, title }): Place => ({ to: `/help/methods#${name}`, group: 'Help', name: title, note: 'Search method' }),
+  )
+  const components = (catalogue?.components ?? []).map(({ role, name, title, dimension }): Place => {
+    const space = dimension ? `, ${dimension === 2 ? 'in the plane' : 'in space'}` : ''
+    const note = role.charAt(0).toUpperCase() + role.slice(1) + space
+    return { to: `/help/components#${idOfComponent(role, name)}`, group: 'Help', name: title, note }
+  })
+  return [...PAGES, ...campaigns, ...methods, ...components]
+}
+
+/** Those that have every word, the ones whose names begin with the text first; the pages alone for no text. */
+export function matching(places: readonly Place[], text: string, most = 12): Place[] {
+  const words = text.toLowerCase().split(/\s+/).filter(Boolean)
+  if (words.length === 0) return places.filter((place) => place.group === 'Pages')
+  const rank = ({ name }: Place): number => {
+    const lower = name.toLowerCase()
+    if (lower.startsWith(words.join(' '))) return 0
+    return words.every((word) => lower.includes(word)) ? 1 : 2
+  }
+  return places
+    .filter((place) => words.every((word) => `${place.name} ${place.note}`.toLowerCase().includes(word)))
+    .map((place, i) => ({ place, i, rank: rank(place) }))
+    .sort((a, b) => a.rank - b.rank || a.i - b.i)
+    .slice(0, most)
+    .map(({ place }) => place)
+}

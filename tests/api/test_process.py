@@ -8,7 +8,6 @@ import socket
 import stat
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +16,9 @@ import httpx
 import pytest
 
 from backend.settings import Settings
+
+WAIT = 30.0
+"""More than the service takes to end on a busy machine [s]."""
 
 
 def environment(data: Path, **settings: str) -> dict[str, str]:
@@ -33,13 +35,15 @@ def started(data: Path, **settings: str) -> Iterator[subprocess.Popen[str]]:
         stderr=subprocess.PIPE,
         text=True,
     )
-    yield process
-    process.kill()
-    process.communicate()
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_it_migrates_prints_a_link_serves_and_ends_within_two_seconds(tmp_path: Path, number: int) -> None:
+def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_path: Path, number: int) -> None:
     with started(tmp_path / "new") as process:
         assert process.stdout is not None
         line = process.stdout.readline()
@@ -54,10 +58,8 @@ def test_it_migrates_prints_a_link_serves_and_ends_within_two_seconds(tmp_path: 
             assert client.get("/api/v1/runs").json()["items"] == []
             with client.stream("GET", "/api/v1/events") as stream:
                 assert next(stream.iter_lines()) == "retry: 2000"
-                begun = time.monotonic()
                 process.send_signal(number)
-                assert process.wait(10) == 0
-                assert time.monotonic() - begun < 2.0
+                assert process.wait(WAIT) == 0  # the stream is still open
         out, err = process.communicate()
         assert (out, err) == ("", "")
 

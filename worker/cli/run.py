@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from worker.cli import CLEARED, INCONCLUSIVE, VIOLATED, WrongInputError
+from worker.cli import _interrupt as interrupt
 from worker.cli._where import DATA, Data, Database
 
 if TYPE_CHECKING:
@@ -141,12 +142,13 @@ def _flying(threads: int | None, quiet: bool) -> Fly:
     from worker.runner import execute
 
     def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Conclusion:
-        if quiet:
-            return execute(campaign, store, cancelled, threads=threads)
-        from worker.cli._report import Progress
+        with interrupt.kept(cancelled) as asked:
+            if quiet:
+                return execute(campaign, store, asked, threads=threads)
+            from worker.cli._report import Progress
 
-        with Progress(campaign) as shown:
-            return execute(campaign, store, cancelled, progress=shown.show, threads=threads)
+            with Progress(campaign) as shown:
+                return execute(campaign, store, asked, progress=shown.show, threads=threads)
 
     return fly
 

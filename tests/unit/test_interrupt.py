@@ -1,0 +1,37 @@
+"""Ctrl-C while a callback swallows exceptions."""
+
+from __future__ import annotations
+
+import gc
+import signal
+import weakref
+
+import pytest
+
+from worker.cli import _interrupt as interrupt
+
+
+class Thing:
+    """Something to be finalised."""
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_an_interrupt_within_a_finaliser_is_not_lost() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with interrupt.kept(lambda: False) as asked:
+        assert asked() is False
+        thing = Thing()
+        kept = weakref.ref(thing, lambda _: signal.raise_signal(signal.SIGINT))
+        del thing  # Python drops what a weak reference's callback raises
+        gc.collect()
+        assert kept() is None
+        with pytest.raises(KeyboardInterrupt):
+            asked()
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_interrupt_elsewhere_comes_at_once() -> None:
+    with interrupt.kept(lambda: True) as asked:
+        assert asked() is True
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)

@@ -1,0 +1,33 @@
+"""Ctrl-C that cannot be lost: Python drops an exception raised within a callback of the compiler or a finaliser.
+
+The signal is remembered beside, and raised again where the runner asks whether to go on. Start reading at `kept`.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def kept(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
+    """Yields `cancelled` as it was, but raising `KeyboardInterrupt` once SIGINT has come; for the main thread."""
+    came = False
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+        signal.default_int_handler(number, frame)
+
+    def asked() -> bool:
+        if came:
+            raise KeyboardInterrupt
+        return cancelled()
+
+    before = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield asked
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -136,7 +136,7 @@ def test_two_runs_are_compared(visit: Visit) -> None:
     differing = ["vehicle.m", "uncertain.vehicle.m.low", "uncertain.vehicle.m.high"]
     expect(settings).to_have_count(len(differing))
     assert settings.evaluate_all("rows => rows.map((row) => row.dataset.setting)") == differing
-    expect(page.locator("[data-finding=F1]")).to_contain_text("+0.8000")
+    expect(page.locator("[data-case='F1 F1']")).to_contain_text("+0.8000")
     expect(page.locator("[data-row=worst]")).to_contain_text("0.000")
     for name in ("^Separation over time", "^Convergence", "^Trajectories"):
         expect(page.get_by_role("img", name=re.compile(name))).to_be_visible()

@@ -47,7 +47,7 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
           by <b>{`${told} ${unit}`}</b>, from {fixed(before, decimals)} {unit} to <b>{`${fixed(after, decimals)} ${unit}`}</b>
         </>
       )}
-      ; the margin goes from {signed(margins[0], decimals)} to {signed(margins[1], decimals)} {unit}.{' '}
+      ; the margin {moved ? 'stays' : `goes from ${signed(margins[0], decimals)} to`} {signed(margins[1], decimals)} {unit}.{' '}
       {a.run.campaign_digest === b.run.campaign_digest && 'Both are runs of the same campaign.'}
     </p>
   )

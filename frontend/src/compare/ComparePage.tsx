@@ -9,14 +9,16 @@ import './compare.css'
 import { Definition } from './Definition'
 import { type Comparison, useCompared } from './data'
 import { differences } from './differences'
+import { FindingMargins } from './FindingMargins'
 import { Methods } from './Methods'
 import { ConvergenceOverlay, SeparationOverlay } from './Overlays'
 import { Picks } from './Picks'
+import { Ranges } from './Ranges'
 import { Results } from './Results'
 import { Samples } from './Samples'
 import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
-import { FindingMargins, WorstParameters } from './WorstCases'
+import { WorstParameters } from './WorstParameters'
 
 export function ComparePage() {
   const { runs, all = false } = useSearch({ from: '/compare' })
@@ -82,7 +84,12 @@ function Compared({ comparison, all, onAll }: ComparedProps) {
         <Tracks runs={runs} className="c5" />
         <ConvergenceOverlay runs={runs} catalogue={catalogue} className="c7" />
         <Samples runs={runs} className="c5" />
-        <Methods runs={runs} className="c12" />
+        <div className="stack c7 wide">
+          <Methods runs={runs} className="" />
+        </div>
+        <div className="stack c5 wide">
+          <Ranges runs={runs} className="" />
+        </div>
       </div>
     </>
   )

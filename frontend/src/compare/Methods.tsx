@@ -6,9 +6,10 @@ import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Compared, unitOf } from './data'
+import { Mark, MarkKeys } from './marks'
 import { Letter } from './Picks'
 
-const [WIDTH, EDGE] = [420, 10]
+const [WIDTH, EDGE] = [280, 10]
 
 export function Methods({ runs, className }: { runs: Compared[]; className: string }) {
   const unit = unitOf(runs)
@@ -40,7 +41,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
       className={className}
       flush
       id="methods"
-      right={<MarkKeys runs={runs} />}
+      right={<MarkKeys letters={runs.map(({ letter }) => letter)} />}
     >
       <table>
         <thead>
@@ -104,41 +105,13 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
 const isBad = (value: number | null, of: Compared | undefined): boolean =>
   value !== null && of?.run.threshold !== null && of !== undefined && value <= of.run.threshold
 
-const MarkKeys = ({ runs }: { runs: Compared[] }) => (
-  <span className="lg">
-    {runs.map(({ letter }, i) => (
-      <span key={letter} className="k">
-        <svg width={14} height={14} aria-hidden="true">
-          <End x={7} y={7} index={i} colour="var(--ink-2)" />
-        </svg>
-        {letter}
-      </span>
-    ))}
-  </span>
-)
-
 function Dumbbell({ values, x, colour }: { values: (number | null)[]; x: (value: number) => number; colour: string }) {
   const known = values.flatMap((value) => (value === null ? [] : x(value)))
   if (known.length === 0) return null
   return (
     <>
       <path d={`M${Math.min(...known)} 9H${Math.max(...known)}`} stroke={colour} strokeWidth={1.6} />
-      {values.map((value, i) => value !== null && <End key={i} x={x(value)} y={9} index={i} colour={colour} />)}
+      {values.map((value, i) => value !== null && <Mark key={i} x={x(value)} y={9} index={i} colour={colour} />)}
     </>
-  )
-}
-
-/** The first run filled, the second hollow, the third and fourth smaller. */
-function End({ x, y, index, colour }: { x: number; y: number; index: number; colour: string }) {
-  const radius = index < 2 ? 4 : 2.6
-  return (
-    <circle
-      cx={x}
-      cy={y}
-      r={radius}
-      fill={index % 2 === 0 ? colour : 'var(--surface)'}
-      stroke={colour}
-      strokeWidth={1.6}
-    />
   )
 }

@@ -17,6 +17,8 @@ interface Line {
   /** Which values are a violation. */
   bad?: (value: number) => boolean
   plus?: boolean
+  /** What each value is out of, where that differs: then nothing can be subtracted. */
+  outOf?: (number | null)[]
 }
 
 export function Results({ runs, className }: { runs: Compared[]; className: string }) {
@@ -56,7 +58,7 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
 
 function Row({ line, difference }: { line: Line; difference: boolean }) {
   const [a, b] = line.values
-  const apart = typeof a === 'number' && typeof b === 'number' ? b - a : null
+  const apart = typeof a === 'number' && typeof b === 'number' && !line.outOf ? b - a : null
   return (
     <tr data-row={line.key}>
       <td>
@@ -65,6 +67,7 @@ function Row({ line, difference }: { line: Line; difference: boolean }) {
       {line.values.map((value, i) => (
         <td key={i} className={value !== null && line.bad?.(value) ? 'num bad-t b' : 'num'}>
           {line.plus ? signed(value, line.decimals) : fixed(value, line.decimals)}
+          {value !== null && line.outOf && <span className="mut small"> of {count(line.outOf[i] ?? null)}</span>}
         </td>
       ))}
       {difference && <td className="num b">{apart === null ? NONE : signed(apart, line.decimals)}</td>}
@@ -95,6 +98,7 @@ function linesOf(runs: Compared[]): Line[] {
       key: 'violations',
       name: 'Samples in violation',
       unit: sizes.length === 1 ? `of ${count(sizes[0])}` : '',
+      outOf: sizes.length > 1 ? statistics.map((told) => told?.samples ?? null) : undefined,
       decimals: 0,
       values: statistics.map((told) => told?.violations ?? null),
       bad: (v) => v > 0,

@@ -1,9 +1,9 @@
-// The worst cases of the runs: where each lies within its bounds, and finding by finding what the margins are.
-import { decimalsFor, NONE, plain, signed } from '../format/numbers'
+// The worst cases of the runs: where each lies within its bounds.
+import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
-import { type Compared, unitOf } from './data'
+import type { Compared } from './data'
 import { Letter } from './Picks'
 
 export function WorstParameters({ runs, className }: { runs: Compared[]; className: string }) {
@@ -78,60 +78,5 @@ function Places({ runs, path, values }: { runs: Compared[]; path: string; values
           ),
       )}
     </svg>
-  )
-}
-
-export function FindingMargins({ runs, className }: { runs: Compared[]; className: string }) {
-  const most = Math.max(...runs.map(({ findings }) => findings.length))
-  const unit = unitOf(runs)
-  const two = runs.length === 2 && unit !== null
-  const decimals = decimalsFor(runs.flatMap(({ findings }) => findings.map((f) => f.margin)))
-  return (
-    <Card
-      title="Margin of each finding"
-      note={`${unit ?? 'units differ'}; the worst of each run beside each other, then the second worst, ...`}
-      className={className}
-      flush={most > 0}
-      id="findings"
-    >
-      {most === 0 ? (
-        <p className="sec">None of the runs has a finding.</p>
-      ) : (
-        <table>
-          <thead>
-            <tr>
-              <th>Finding</th>
-              {runs.map(({ letter }) => (
-                <th key={letter} className="num">
-                  <Letter of={letter} />
-                </th>
-              ))}
-              {two && <th className="num">B minus A</th>}
-            </tr>
-          </thead>
-          <tbody>
-            {Array.from({ length: most }, (_, i) => {
-              const margins = runs.map(({ findings }) => findings[i]?.margin ?? null)
-              const [a, b] = margins
-              return (
-                <tr key={i} data-finding={`F${i + 1}`}>
-                  <td className="mono">F{i + 1}</td>
-                  {margins.map((margin, k) => (
-                    <td key={k} className={margin !== null && margin <= 0 ? 'num bad-t b' : 'num'}>
-                      {margin === null ? <span className="mut">none</span> : signed(margin, decimals)}
-                    </td>
-                  ))}
-                  {two && (
-                    <td className="num b">
-                      {typeof a === 'number' && typeof b === 'number' ? signed(b - a, decimals) : NONE}
-                    </td>
-                  )}
-                </tr>
-              )
-            })}
-          </tbody>
-        </table>
-      )}
-    </Card>
   )
 }

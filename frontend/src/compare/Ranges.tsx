@@ -1,0 +1,93 @@
+// What each parameter alone can do in each run: the values over its bounds, with the others nominal.
+import { linearTicks, padded, tickDecimals } from '../charts/ticks'
+import { resultOf } from '../api/results'
+import { fixed, plain } from '../format/numbers'
+import { Card } from '../ui/Card'
+import { Sign } from '../ui/Sign'
+import { type Compared, unitOf } from './data'
+import { MarkKeys, Span } from './marks'
+
+const [WIDTH, EDGE, STEP] = [300, 12, 13]
+
+export function Ranges({ runs, className }: { runs: Compared[]; className: string }) {
+  const unit = unitOf(runs)
+  const spans = runs.map(spansOf)
+  const paths = [...new Set(spans.flatMap((found) => [...found.keys()]))]
+  const values = spans.flatMap((found) => [...found.values()].flat())
+  if (paths.length === 0 || unit === null) return null
+  const limits = [...new Set(runs.flatMap(({ run }) => run.threshold ?? []))]
+  const spread = Math.max(...values) - Math.min(...values)
+  const shown = limits.filter((limit) => Math.min(...values.map((v) => Math.abs(v - limit))) <= 3 * spread)
+  const [low, high] = padded([...values, ...shown])
+  const x = (value: number) => EDGE + ((WIDTH - 2 * EDGE) * (value - low)) / (high - low)
+  const ticks = linearTicks(low, high, 5)
+  const height = 6 + STEP * runs.length
+  return (
+    <Card
+      title="One-at-a-time ranges"
+      note={`${unit}; one parameter over its bounds, the others nominal`}
+      className={className}
+      flush
+      id="ranges"
+      right={<MarkKeys letters={runs.map(({ letter }) => letter)} />}
+    >
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Parameter</th>
+            <th style={{ width: WIDTH }}>
+              <svg className="ch" width={WIDTH} height={14} style={{ width: WIDTH }} aria-hidden="true">
+                {ticks.map((tick) => (
+                  <text key={tick} x={x(tick)} y={11} textAnchor="middle">
+                    {fixed(tick, tickDecimals(ticks))}
+                  </text>
+                ))}
+              </svg>
+            </th>
+          </tr>
+        </thead>
+        <tbody>
+          {paths.map((path) => {
+            const about = runs.flatMap(({ parameters }) => parameters.find((p) => p.path === path) ?? [])[0]
+            const told = runs.map(({ letter }, i) => `${letter}: ${textOf(spans[i]?.get(path), unit)}`)
+            return (
+              <tr key={path} data-path={path}>
+                <td title={about?.text}>{about ? <Sign text={about.symbol} /> : <span className="mono">{path}</span>}</td>
+                <td>
+                  <svg className="ch" width={WIDTH} height={height} style={{ width: WIDTH }} aria-hidden="true">
+                    {shown.map((limit) => (
+                      <path key={limit} className="cr" d={`M${x(limit)} 0V${height}`} />
+                    ))}
+                    {spans.map((found, i) => {
+                      const span = found.get(path)
+                      return span && <Span key={i} from={x(span[0])} to={x(span[1])} y={9 + STEP * i} index={i} />
+                    })}
+                  </svg>
+                  <span className="sr">{told.join('; ')}</span>
+                </td>
+              </tr>
+            )
+          })}
+        </tbody>
+      </table>
+      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion lies off this axis.</p>}
+    </Card>
+  )
+}
+
+/** The lowest and highest value of each curve, failed flights left out. */
+function spansOf({ stages }: Compared): Map<string, [number, number]> {
+  const result = resultOf(
+    stages.find(({ kind }) => kind === 'sensitivity'),
+    'sensitivity',
+  )
+  const found = new Map<string, [number, number]>()
+  for (const { path, costs } of result?.curves ?? []) {
+    const known = costs.filter((cost): cost is number => cost !== null)
+    if (known.length > 0) found.set(path, [Math.min(...known), Math.max(...known)])
+  }
+  return found
+}
+
+const textOf = (span: [number, number] | undefined, unit: string): string =>
+  span ? `${plain(span[0], 5)} to ${plain(span[1], 5)} ${unit}` : 'not varied'

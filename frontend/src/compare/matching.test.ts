@@ -1,0 +1,38 @@
+// Findings of several runs that are one case.
+import { expect, it } from 'vitest'
+import type { FindingDetail } from '../client'
+import type { UncertainParameter } from '../run/data'
+import { type Case, matched, type Searched } from './matching'
+
+const finding = (label: string, m: number, J = 0) =>
+  ({ label, parameters: { 'vehicle.m': m, 'vehicle.J': J } }) as unknown as FindingDetail
+const parameters = ['vehicle.m', 'vehicle.J'].map((path) => ({ path, low: 0, high: 10 }) as UncertainParameter)
+const run = (...findings: FindingDetail[]): Searched => ({ findings, parameters })
+const labels = (cases: Case[] | null) => cases?.map((one) => one.map((f) => f?.label ?? '-').join(' '))
+
+it('puts together what lies at the same place, whatever its rank', () => {
+  const a = run(finding('F1', 0), finding('F2', 9))
+  const b = run(finding('F1', 8.5), finding('F2', 0.2))
+  expect(labels(matched([a, b]))).toEqual(['F1 F2', 'F2 F1'])
+})
+
+it('keeps apart what differs in one parameter alone', () => {
+  expect(labels(matched([run(finding('F1', 0, 0)), run(finding('F1', 0, 5))]))).toEqual(['F1 -', '- F1'])
+})
+
+it('gives each case the nearest, and each finding one case', () => {
+  const a = run(finding('F1', 1), finding('F2', 1.9))
+  const b = run(finding('F1', 1.8))
+  expect(labels(matched([a, b]))).toEqual(['F1 -', 'F2 F1'])
+  expect(labels(matched([b, a]))).toEqual(['F1 F2', '- F1'])
+})
+
+it('finds a case of the second run again in the third', () => {
+  const runs = [run(), run(finding('F1', 3)), run(finding('F1', 7), finding('F2', 3))]
+  expect(labels(matched(runs))).toEqual(['- F1 F2', '- - F1'])
+})
+
+it('knows no place where other parameters vary', () => {
+  const other = { findings: [finding('F1', 0)], parameters: parameters.slice(1) }
+  expect(matched([run(finding('F1', 0)), other])).toBeNull()
+})

@@ -13,6 +13,7 @@ import viser
 
 from backend.db.engine import read
 from backend.scenes.address import Address, Camera
+from backend.scenes.cloud_tab import CloudTab, Shown
 from backend.scenes.convergence_tab import ConvergenceTab
 from backend.scenes.field import FieldSlice
 from backend.scenes.flight import Flight
@@ -96,7 +97,22 @@ class Viewer:
         self._following.on_own = self._say_own
         self._parts += [self._tab, field]
         with tabs.add_tab("What-if"):
-            self._parts.append(WhatIfTab(gui, setting, live, flights.what_if, self._fly, self._progress))
+            what_if = WhatIfTab(gui, setting, live, flights.what_if, self._fly, self._progress)
+            self._parts.append(what_if)
+        with tabs.add_tab("Parameters"):
+            self._parts.append(
+                CloudTab(
+                    self._server,
+                    self._engine,
+                    live,
+                    setting,
+                    self._world,
+                    self._progress,
+                    self._following,
+                    self,
+                    Shown(self._fly, what_if.take, what_if.flown),
+                )
+            )
         with tabs.add_tab("Convergence"):
             palette = DARK if self._dark else LIGHT
             self._parts.append(ConvergenceTab(gui, setting, palette, self._progress.curves))

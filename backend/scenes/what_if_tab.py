@@ -54,6 +54,16 @@ class WhatIfTab(Part):
                     button = self._gui.add_button(label, hint="The parameters of this finding, at full precision.")
                 self._sets(button, label)
 
+    def take(self, parameters: dict[str, float]) -> None:
+        """Stand at these parameters, whose flight is shown already."""
+        for path, slider in self._sliders.items():
+            if path in parameters:
+                self._values[path] = slider.value = parameters[path]
+
+    def flown(self) -> None:
+        """Say what the flight that is shown gave."""
+        self._result.content = tables.outcome(self._drawn, self._setting)
+
     def stop(self) -> None:
         """Fly nothing more."""
         self._latest.stop()
@@ -75,9 +85,7 @@ class WhatIfTab(Part):
         button.on_click(lambda _: self._set(self._offered[label]))
 
     def _set(self, parameters: dict[str, float]) -> None:
-        for path, slider in self._sliders.items():
-            if path in parameters:
-                self._values[path] = slider.value = parameters[path]
+        self.take(parameters)
         self._latest.ask(dict(self._values))
 
     def _fly(self, parameters: dict[str, float]) -> None:
@@ -91,4 +99,4 @@ class WhatIfTab(Part):
             self._result.content = tables.note(f"{answer['status']}: {answer['reason']}", strong=True)
             return
         self._show(flight)
-        self._result.content = tables.outcome(self._drawn, self._setting)
+        self.flown()

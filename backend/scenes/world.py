@@ -22,6 +22,9 @@ from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 
+ROOTS = ("flights", "obstacles", "tracks", "start", "goal", "north", "vectors", "field")
+"""Below these the scene of the flights stands, but for the ground and a course."""
+
 LINE = 2.0
 """Width of a drawn line [pixels]."""
 
@@ -51,8 +54,17 @@ class World:
 
     def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette) -> None:
         self._scene, self._setting, self.palette = server.scene, setting, palette
+        self._roots: list[Any] = [server.scene.add_frame(f"/{name}", show_axes=False) for name in ROOTS]
+        self._flat: dict[str, Any] = {}
+        self._visible = True
         self._background()
         self.fit([])
+
+    def show(self, visible: bool) -> None:
+        """Show or hide the whole scene of the flights, whoever has drawn it."""
+        self._visible = visible
+        for node in (*self._roots, *self._flat.values()):
+            node.visible = visible
 
     def paint(self, palette: Palette) -> None:
         """The same in other colours."""
@@ -104,8 +116,9 @@ class World:
 
     def _ground(self) -> None:
         cell = shapes.even_step(self.frame.span, 10)
-        self._scene.add_grid(
+        self._flat["ground"] = self._scene.add_grid(
             "/ground",
+            visible=self._visible,
             infinite_grid=True,
             cell_size=cell,
             section_size=5 * cell,
@@ -130,7 +143,9 @@ class World:
             self._name(f"/{name}/label", name, place + np.array([0.0, -0.5 * unit, 0.0]))
         if setting.course is not None:
             way = np.stack([setting.start, setting.course])
-            self._line("/course", shapes.dashed(way, self.frame.span / 140), self.palette.soft, 1.2)
+            dashes = shapes.dashed(way, self.frame.span / 140)
+            self._flat["course"] = self._line("/course", dashes, self.palette.soft, 1.2)
+            self._flat["course"].visible = self._visible
 
     def _north(self) -> None:
         """An arrow on the ground, in the corner of the box: aircraft scenes are north up."""
@@ -152,8 +167,8 @@ class World:
         )
         self._name("/north/label", "N", foot + 1.45 * (tip - foot), "bottom-center")
 
-    def _line(self, name: str, segments: Floats, colour: str, width: float = LINE) -> None:
-        self._scene.add_line_segments(
+    def _line(self, name: str, segments: Floats, colour: str, width: float = LINE) -> Any:
+        return self._scene.add_line_segments(
             name, segments.astype(np.float32), rgb(colour), thickness=width, thickness_units="screen"
         )
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from tests.api.finished import Work, flight
 from tests.api.server import Service
 from tests.api.test_view_flights import shipped
@@ -21,8 +19,8 @@ def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
             work.nominal(flight("nominal"))
             drawn = frames_until(
                 connection,
-                b"/field/plane",
-                b"/field/arrows",
+                b"/field/slice/plane",
+                b"/field/slice/arrows",
                 b"asks for over the plane, at t = 2.00 s of Nominal",
                 seconds=60,
             )
@@ -34,7 +32,7 @@ def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
             frames_until(connection, b"SetSceneNodeVisibility", b"/field")
 
 
-def test_a_field_that_cannot_be_had_says_why(bare: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_field_that_cannot_be_had_says_why(bare: Service) -> None:
     with bare.signed_in() as client:
         run = shipped(bare, client, "unicycle_static")
         Work(bare).nominal(flight("nominal"))

@@ -9,7 +9,7 @@ import pytest
 
 from backend.scenes.axes import Axes
 from backend.scenes.colours import VIRIDIS, colours
-from backend.scenes.field import PLACES, Grid, Slice, _arrows, _picture, legend, read
+from backend.scenes.field_slice import PLACES, Grid, Slice, arrows, legend, picture, read
 from backend.scenes.world import Frame
 
 
@@ -52,7 +52,7 @@ def test_north_east_down_is_drawn_as_east_north_up() -> None:
     assert found.demand[1, 2].tolist() == [2.0, 1.0, 3.0]
     assert found.own is not None
     assert found.own.tolist() == [4.0, 3.0, 0.0]
-    assert _arrows(found).shape == (0, 2, 3), "two rows are too few for an arrow in every fourth"
+    assert arrows(found).shape == (0, 2, 3), "two rows are too few for an arrow in every fourth"
 
 
 def test_colours_are_of_the_logarithm_and_large_demands_stand_out() -> None:
@@ -64,10 +64,10 @@ def test_colours_are_of_the_logarithm_and_large_demands_stand_out() -> None:
     assert shares[0, 0] == pytest.approx(0.0, abs=0.05)
     assert shares[0, 1] == pytest.approx(0.5, abs=0.03)
     assert shares[0, 2] == 1.0
-    picture = _picture(found, dark=False)
-    assert picture[0, 2, :3].tolist() == VIRIDIS[0].tolist()
-    assert picture[1, 0, 3] == 0, "no answer, no colour"
-    assert (picture[0, :, 3] > 0).all()
+    drawn = picture(found, dark=False)
+    assert drawn[0, 2, :3].tolist() == VIRIDIS[0].tolist()
+    assert drawn[1, 0, 3] == 0, "no answer, no colour"
+    assert (drawn[0, :, 3] > 0).all()
 
 
 def test_a_pole_does_not_take_all_the_colours() -> None:

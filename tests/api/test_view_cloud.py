@@ -1,0 +1,117 @@
+"""The parameter space in a viewer: shown in place of the flights, and a click that flies a stored evaluation."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import httpx
+import msgspec
+import numpy as np
+import pytest
+from websockets.sync.client import ClientConnection
+
+from backend.db.records import Columns
+from backend.scenes.world import ROOTS
+from campaigns import library, load_file
+from tests.api.finished import Work, encounter, finish, straight
+from tests.api.server import Service
+from tests.api.test_runs import submit
+from tests.api.test_view_flights import shipped
+from tests.api.viewing import Panel, frames, frames_until, viewing
+from worker.problem import Problem
+
+NOMINAL = np.array([[0.5, 0.5]])
+
+
+@pytest.fixture(scope="module")
+def cost() -> float:
+    """What a search stores of the nominal case of case 1."""
+    batch, _ = Problem(load_file(library()["unicycle_static"])).fly(NOMINAL)
+    return float(batch.costs[0, 0])
+
+
+def stored(service: Service, cost: float) -> None:
+    """One evaluation, at the middle of every axis."""
+    work = Work(service)
+    work.store.begin(2)
+    work.store.append(2, 0, Columns(NOMINAL, np.array([[cost]]), np.zeros(1, np.uint8), np.ones(1), {}))
+
+
+def camera(connection: ClientConnection) -> tuple[Any, Any]:
+    """Where the browser's camera is told to stand and to look, once the points are there."""
+    eye = target = None
+    drawn = False
+    for frame in frames(connection):
+        drawn = drawn or b"/space/ok" in frame
+        for message in msgspec.msgpack.decode(frame)["messages"]:
+            if message["type"] == "SetCameraPositionMessage":
+                eye = message["position"]
+            if message["type"] == "SetCameraLookAtMessage":
+                target = message["look_at"]
+        if drawn and eye is not None and target is not None:
+            break
+    return np.array(eye), np.array(target)
+
+
+def click(panel: Panel, eye: Any, direction: Any) -> None:
+    panel._say(
+        type="ScenePointerMessage",
+        event_type="click",
+        ray_origin=tuple(float(x) for x in eye),
+        ray_direction=tuple(float(x) for x in direction),
+        screen_pos=((0.5, 0.5),),
+        modifier=None,
+    )
+
+
+@pytest.mark.parametrize(("ulps", "said"), [(0, b"The same, bit by bit."), (1, b"Not the same: they differ by")])
+def test_a_click_on_a_point_flies_it_and_holds_it_against_what_is_stored(
+    bare: Service, cost: float, ulps: int, said: bytes
+) -> None:
+    with bare.signed_in() as client:
+        run = shipped(bare, client, "unicycle_static")
+        stored(bare, float(np.nextafter(cost, 1.0)) if ulps else cost)
+        with viewing(bare, client, f"/view/{run}/") as connection:
+            panel = Panel(connection, last="Show its flight")
+            panel.set("Show parameter space", True)
+            eye, middle = camera(connection)
+            click(panel, eye, (0.0, 0.0, 1.0))
+            frames_until(connection, b"There is no evaluation near that place.")
+            click(panel, eye, middle - eye)
+            received = frames_until(connection, said, b"/flights/what-if/path", seconds=60)
+            assert b"search \xc2\xb7 direct, evaluation 0 (from 0)" in received
+            assert repr(cost).encode() in received
+            panel.set("Show its flight", True)
+            frames_until(connection, b"SetSceneNodeVisibility", b"SetCamera")
+
+
+def test_failures_are_shown_and_counted(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    with viewing(service, client, f"/view/{run}/") as connection:
+        panel = Panel(connection, last="Show its flight")
+        panel.set("Show parameter space", True)
+        received = frames_until(connection, b"/space/ok", b"/space/failed", b"evaluations", b"of those drawn")
+        assert b"1000 of 1000 evaluations." in received
+        assert b"failed: 100 of 100." in received
+        assert b"no value" in received
+        assert b"vehicle.m [kg]" in received
+        panel.set("Axis z", "\u2013")
+        again = frames_until(connection, b"/space/failed")
+        assert b"no value" not in again
+
+
+def test_nothing_of_the_flights_is_left_out_when_they_are_hidden(bare: Service) -> None:
+    """Whatever a scene has stands below what is hidden with it, or is one of the few that have their own switch."""
+    with bare.signed_in() as client:
+        run = shipped(bare, client, "uav_aca")
+        work = Work(bare)
+        for flown in ("nominal", "F1"):
+            trace = encounter(flown, "ned", straight(500, 60, -30, -20, 0, -1))
+            work.nominal(trace) if flown == "nominal" else work.found(flown=trace)
+        with viewing(bare, client, f"/view/{run}/F1/") as connection:
+            received = frames_until(connection, b"/vectors/velocity", b"/north/label", b"Convergence")
+            names = {name.decode() for name in re.findall(rb"\xa4name.{1,2}?/(\w+)", received, re.DOTALL)}
+            assert {"flights", "ground", "north", "vectors"} <= names
+            assert names <= {*ROOTS, "ground", "course", "space", "WorldAxes"}

@@ -24,7 +24,12 @@ from backend.scenes.viewers import Handle, Viewers
 
 router = APIRouter(include_in_schema=False)
 
+_MOVES = (
+    b"<script>if(location.hash.length>1)history.replaceState(null,'',location.pathname+location.hash.slice(1))</script>"
+)
+"""What stands behind the # is part of the address, too: so a browser keeps one page for all views of a run."""
 _PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_bytes()
+_PAGE = _PAGE.replace(b"<head>", b"<head>" + _MOVES, 1)
 _PACKED = gzip.compress(_PAGE, 9)
 CSP = (
     "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "

@@ -41,6 +41,8 @@ class ViewChange(Schema):
 class ViewState(Schema):
     """What an open view shows: `camera` is null once the visitor has moved it, `time` is [s] since the start."""
 
+    opened: float
+    """When this view was opened [s since 1970]; one whose socket was lost is opened anew, as its address says."""
     flight: str
     time: float
     camera: Camera | None

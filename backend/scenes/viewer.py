@@ -59,6 +59,7 @@ class Viewer:
         self._lock = threading.RLock()
         self._wake = threading.Event()
         self._stopped = False
+        self._opened = time.time()
         self._dark = address.dark
         self._theme()
         server.gui.main_panel.dock_right()
@@ -202,6 +203,7 @@ class Viewer:
             if self._stopped:
                 raise GoneError
             return ViewState(
+                opened=self._opened,
                 flight=self._progress.shown,
                 time=self._tab.time,
                 camera=self._following.camera,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from typing import Any
 
 import httpx
@@ -44,7 +45,10 @@ def steer(client: httpx.Client, run: str, key: str = KEY, **change: Any) -> dict
 def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}/") as connection:
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
-        assert client.get(address(run), params={"wait": 10}).json() == shown
+        answer = client.get(address(run), params={"wait": 10}).json()
+        shown["opened"] = answer["opened"]
+        assert answer == shown
+        assert time.time() - 30 < answer["opened"] <= time.time()
         panel = Panel(connection, last="Trail")
         assert steer(client, run, flight="F2", time=7.25) == shown | {"flight": "F2", "time": 7.25}
         received = frames_until(connection, b"F2 0.8500 m", b"Show F2")
@@ -58,6 +62,7 @@ def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, clie
         assert steer(client, run, playing=True)["playing"]
         until(lambda: client.get(address(run)).json()["time"] > 0.05)
         assert steer(client, run, closest=True) == {
+            "opened": answer["opened"],
             "flight": "F2",
             "time": pytest.approx(10.0, abs=0.01),
             "camera": "top",

@@ -48,6 +48,10 @@ PAGES = {
 """Each with its address and what is seen once it is there."""
 
 
+VIEW = {"opened": 1.0, "flight": "F1", "time": 10.0, "camera": "chase", "playing": False, "theme": "light"}
+"""What an open 3D view would answer."""
+
+
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service without runs, with the catalogue of the components that are really there."""
@@ -63,6 +67,7 @@ def visit(service: Service, browser: Browser) -> Iterator[Visit]:
         visit.page.add_init_script(path=AXE)
         # The 3D view is another project's page, and takes seconds to draw without a graphics card.
         visit.page.route("**/view/**", lambda route: route.fulfill(body="", content_type="text/html"))
+        visit.page.route("**/views/**", lambda route: route.fulfill(json=VIEW))
         visit.go(f"/login?code={service.login_code()}")
         yield visit
 

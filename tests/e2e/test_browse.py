@@ -131,7 +131,7 @@ def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> 
 def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.page
     found = api(signed_in, f"/runs/{runs[2]}/findings")
-    signed_in.go(f"/runs/{runs[2]}")
+    signed_in.go(f"/runs/{runs[2]}?t=12.5&cam=top")
     rows = page.locator("#findings tr[data-finding]")
     expect(rows).to_have_count(len(found) + 1)
     for finding in found:
@@ -140,8 +140,16 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, ru
         if not finding["found"]:
             expect(row).to_contain_text("found by polishing only")
     expect(page.locator("tr[data-finding=F1]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
+    view = page.locator("#flight iframe")
+    view.scroll_into_view_if_needed()
+    expect(view).to_have_attribute("src", re.compile(f"/view/{runs[2]}/"))
+    opened = view.element_handle()
+    panel = page.frame_locator("#flight iframe").get_by_role("combobox", name="Finding")
+    expect(panel).to_have_value("F1")
     page.locator("tr[data-finding=nominal]").click()
     expect(page).to_have_url(re.compile("finding=nominal"))
+    expect(panel).to_have_value("Nominal alone")
+    shared(signed_in, f"/runs/{runs[2]}?finding=nominal&t=12.50&cam=top")
     expect(page.get_by_role("heading", name="Nominal flight")).to_be_visible()
     expect(page.get_by_role("img", name="Separation over time, nominal flight, with the criterion")).to_be_visible()
     page.keyboard.press("k")
@@ -149,8 +157,32 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, ru
     expect(page.locator(f"tr[data-finding={last}]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
     shown = page.get_by_test_id("worst-cost").inner_text()
     assert abs(float(shown) - found[-1]["cost"]) <= 0.5001 * 10.0 ** -len(shown.partition(".")[2])
-    expect(page.locator("#flight iframe")).to_have_attribute("src", re.compile("R-0003/"))
+    expect(panel).to_have_value(last)
+    assert opened is not None
+    assert opened.evaluate("frame => frame.isConnected"), "the view is the one that was opened first"
+    filled(page)
     looks(signed_in, "findings", lambda visit: visit.page.locator("#findings").scroll_into_view_if_needed())
+
+
+def shared(visit: Visit, path: str) -> None:
+    """The link to the instant that the view shows is this one; and its keys move the time on."""
+    page = visit.page
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"], origin=visit.address)
+    page.get_by_role("button", name="Copy link to this instant").click()
+    expect(page.get_by_text("Copied, at 12.50 s")).to_be_visible()
+    assert page.evaluate("navigator.clipboard.readText()") == visit.address + path
+    page.get_by_role("group", name="Flight in 3D").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    time = page.frame_locator("#flight iframe").get_by_role("textbox").first
+    expect(time).to_have_value("13.5")
+
+
+def filled(page: Page) -> None:
+    """The view fills the screen, and gives it back."""
+    page.get_by_role("button", name="Full screen").click()
+    until(lambda: page.evaluate("document.fullscreenElement?.className") == "flight", "full screen", 10)
+    page.evaluate("document.exitFullscreen()")
+    until(lambda: page.evaluate("document.fullscreenElement === null"), "back from the full screen", 10)
 
 
 def test_selected_runs_are_cancelled_together(signed_in: Visit, runs: list[str]) -> None:

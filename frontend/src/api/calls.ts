@@ -25,6 +25,8 @@ import type {
   StageDetail,
   TraceData,
   TraceInfo,
+  ViewChange,
+  ViewState,
 } from '../client'
 import * as sdk from '../client'
 import { client } from '../client/client.gen'
@@ -86,6 +88,18 @@ export const getEvaluations = (run: string): Promise<Evaluations> =>
 
 export const getTrace = (run: string, name: string): Promise<TraceData> =>
   answer(sdk.getTrace({ path: { run, name }, query: { max_points: 1500 } }))
+
+/** The 3D view that this page has opened: what it shows now. */
+export const getView = (run: string, key: string, signal?: AbortSignal): Promise<ViewState> =>
+  answer(sdk.getView({ path: { run, key }, signal }))
+/** Has it show something else, once it is open, for which the service waits so many seconds. */
+export const changeView = (
+  run: string,
+  key: string,
+  body: ViewChange,
+  wait: number,
+  signal?: AbortSignal,
+): Promise<ViewState> => answer(sdk.changeView({ path: { run, key }, body, query: { wait }, signal }))
 
 /** Sends a campaign: the form's document, or YAML text. */
 const post = <T>(url: string, given: Campaign | string, signal?: AbortSignal): Promise<T> =>

@@ -27,6 +27,16 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
       [['j', 'k'], 'Next and previous finding'],
     ],
   },
+  {
+    title: 'Flight of a run, while it has the focus',
+    keys: [
+      [['Space'], 'Play and pause'],
+      [['←', '→'], '0.1 s back and on'],
+      [['Shift', '←', '→'], '1 s back and on'],
+      [['Home'], 'Closest approach'],
+      [['Esc'], 'Leave the full screen'],
+    ],
+  },
   { title: 'Launch', keys: [[['Ctrl', 'Enter'], 'Start the run']] },
 ]
 

@@ -18,16 +18,18 @@ interface Cursor {
 interface PlotProps {
   spec: PlotSpec
   hidden?: ReadonlySet<string>
+  /** Called with each x that the pointer comes to. */
+  onCross?: (x: number) => void
 }
 
-export function Plot({ spec, hidden = NOTHING }: PlotProps) {
+export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
   const theme = useTheme()
   const holder = useRef<HTMLDivElement>(null)
   const plot = useRef<uPlot | null>(null)
-  const latest = useRef({ spec, hidden })
+  const latest = useRef({ spec, hidden, onCross })
   const [cursor, setCursor] = useState<Cursor | null>(null)
   useLayoutEffect(() => {
-    latest.current = { spec, hidden }
+    latest.current = { spec, hidden, onCross }
   })
 
   // uPlot is built anew only when its structure changes; data and sizes go into the standing one.
@@ -43,12 +45,20 @@ export function Plot({ spec, hidden = NOTHING }: PlotProps) {
     const element = holder.current
     if (!element) return
     const read = () => latest.current.spec
+    let crossed: number | undefined
     const built = new uPlot(
       optionsFor(
         read,
         () => latest.current.hidden,
         Math.max(element.clientWidth, 60),
-        (u) => setCursor(cursorOf(u, read())),
+        (u) => {
+          const cursor = cursorOf(u, read())
+          setCursor(cursor)
+          // Only under a pointer: uPlot sets its cursor by itself, too, when data or size change.
+          const x = cursor && u.over.matches(':hover') ? read().x[cursor.at] : undefined
+          if (x !== undefined && x !== crossed) latest.current.onCross?.(x)
+          crossed = x
+        },
       ),
       dataOf(read()),
       element,

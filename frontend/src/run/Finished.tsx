@@ -1,5 +1,5 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
-import { lazy, Suspense } from 'react'
+import { lazy, Suspense, useMemo } from 'react'
 import { resultOf } from '../api/results'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { Banner } from './Banner'
@@ -24,12 +24,14 @@ import { SeparationCard } from './SeparationCard'
 import { StageStrip } from './StageStrip'
 import { Tornado } from './Tornado'
 import { ValidationCard } from './ValidationCard'
+import { View } from './view'
 
 const SpaceCard = lazy(() => import('../space/SpaceCard').then((module) => ({ default: module.SpaceCard })))
 
 export function Finished({ data }: { data: RunData }) {
   const { run } = data
   const { finding, chosen } = data
+  const view = useMemo(() => new View(run.id), [run.id])
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
   const certified = resultOf(stageOf(data, 'certify'), 'certify')
@@ -76,7 +78,7 @@ export function Finished({ data }: { data: RunData }) {
       )}
       <SectionTabs sections={sections} />
       <div className="grid">
-        {flown && <Flight data={data} className="c8" />}
+        {flown && <Flight data={data} view={view} className="c8" />}
         {(flown || data.findings.length > 0 || lowest) && (
           <div className={flown ? 'stack pair c4' : 'stack pair c6'}>
             <NominalWorst
@@ -90,7 +92,7 @@ export function Finished({ data }: { data: RunData }) {
           </div>
         )}
         {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
-        {flown && <SeparationCard data={data} className={few ? 'c7' : 'c12'} />}
+        {flown && <SeparationCard data={data} onCross={(time) => view.steer({ time })} className={few ? 'c7' : 'c12'} />}
         {sensitivity && (
           <SensitivityCard data={data} result={sensitivity} className={few ? 'c5' : 'c8'} height={few ? 226 : 150} />
         )}

@@ -1,22 +1,38 @@
 // The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
-import { IconExternalLink, IconLoader } from '@tabler/icons-react'
+import { IconLoader } from '@tabler/icons-react'
 import { useIsFetching } from '@tanstack/react-query'
-import { useEffect, useRef, useState } from 'react'
-import { RecordingMenu } from '../exports/Recording'
+import { useSearch } from '@tanstack/react-router'
+import { useEffect, useRef, useState, useSyncExternalStore } from 'react'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
 import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
+import { FlightHead, toggle } from './FlightHead'
+import { addressOf, type View } from './view'
 
-export function Flight({ data, className }: { data: RunData; className: string }) {
+interface FlightProps {
+  data: RunData
+  view: View
+  className: string
+}
+
+export function Flight({ data, view, className }: FlightProps) {
   const theme = useTheme()
   const holder = useRef<HTMLDivElement>(null)
   const [near, setNear] = useState(false)
-  const calm = useCalm()
-  const [loaded, setLoaded] = useState(false)
-  // The worst flight is the viewer's own choice: one address, one kept page.
-  const shown = data.chosen === 'F1' ? '' : `${data.chosen}/`
-  const address = `/view/${data.run.id}/${shown}${theme}/`
+  const ready = useCalm() && near
+  const { t, cam } = useSearch({ from: '/runs/$id' })
+  const shown = useSyncExternalStore(view.subscribe, () => view.shown)
+  const failed = useSyncExternalStore(view.subscribe, () => view.failed)
+  // Opened once: what is chosen later goes there by its key.
+  const [opened, setOpened] = useState<{ view: View; address: string } | null>(null)
+  if (ready && opened?.view !== view)
+    setOpened({ view, address: addressOf(data.run.id, { flight: data.chosen, theme }, { time: t, camera: cam }, view.key) })
+  const address = opened?.view === view ? opened.address : null
+
+  useEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
+  useEffect(() => (address === null ? undefined : view.open()), [view, address])
+  useEffect(() => keysOf(holder.current?.closest('section'), view), [view])
 
   // A viewer costs the service a scene: it is opened when it comes near the window.
   useEffect(() => {
@@ -32,22 +48,23 @@ export function Flight({ data, className }: { data: RunData; className: string }
   return (
     <Card
       title="Flight"
-      note={`${flights(data.chosen)}, with what-if sliders. Drag to turn, wheel to zoom. Vehicles not to scale`}
+      note={<span title="Drag to turn, wheel to zoom. Vehicles not to scale">{flights(data.chosen)}</span>}
       className={className}
       id="flight"
       flush
       right={
-        <>
-          {data.traces.some((t) => t.name === data.chosen) && <RecordingMenu run={data.run.id} flight={data.chosen} />}
-          <a className="btn s" href={address} target="_blank" rel="noreferrer">
-            <IconExternalLink className="i s" aria-hidden /> Own window
-          </a>
-        </>
+        <FlightHead
+          data={data}
+          view={view}
+          shown={shown}
+          theme={theme}
+          onFull={() => void holder.current?.requestFullscreen().catch(() => undefined)}
+        />
       }
     >
-      <div className="flight" ref={holder}>
-        {near && calm && <iframe key={address} src={address} title="Flight in 3D" onLoad={() => setLoaded(true)} />}
-        {!loaded && (
+      <div className="flight" ref={holder} role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
+        {address && <iframe key={view.key} src={address} title="Flight in 3D" allow="fullscreen" />}
+        {!shown && !failed && (
           <div className="poster" role="status">
             <span className="row">
               <IconLoader className="i spin" aria-hidden /> Opening the 3D view
@@ -57,6 +74,24 @@ export function Flight({ data, className }: { data: RunData; className: string }
       </div>
     </Card>
   )
+}
+
+/** Space plays, arrows step, Home goes to the closest approach, while the focus is in the card. */
+function keysOf(card: Element | null | undefined, view: View): (() => void) | undefined {
+  if (!(card instanceof HTMLElement)) return undefined
+  const pressed = (event: KeyboardEvent) => {
+    if (event.altKey || event.ctrlKey || event.metaKey || event.defaultPrevented) return
+    const far = event.shiftKey ? 1 : 0.1
+    const on = event.target as HTMLElement
+    if (event.key === ' ' && !on.closest('button, a, input')) void toggle(view)
+    else if (event.key === 'ArrowLeft') view.steer({ step: -far })
+    else if (event.key === 'ArrowRight') view.steer({ step: far })
+    else if (event.key === 'Home') view.steer({ closest: true })
+    else return
+    event.preventDefault()
+  }
+  card.addEventListener('keydown', pressed)
+  return () => card.removeEventListener('keydown', pressed)
 }
 
 /** The viewer takes the window's thread for a second or two as it starts: what the page shows itself comes first. */

@@ -18,7 +18,14 @@ interface Drawn {
   trace: TraceData | undefined
 }
 
-export function SeparationCard({ data, className }: { data: RunData; className: string }) {
+interface SeparationProps {
+  data: RunData
+  className: string
+  /** Called with the time under the pointer [s]: the flight is shown at it. */
+  onCross: (time: number) => void
+}
+
+export function SeparationCard({ data, className, onCross }: SeparationProps) {
   const { run, nominalTrace, findingTrace, chosen } = data
   const called = calledOf(chosen)
   const [window, setWindow] = useState<Shown>('encounter')
@@ -48,7 +55,7 @@ export function SeparationCard({ data, className }: { data: RunData; className: 
   return (
     <ChartCard
       title="Separation over time"
-      note="Distance to the nearest obstacle's centre"
+      note="Distance to the nearest obstacle's centre. The flight in 3D goes with the pointer"
       className={className}
       id="separation"
       run={run.id}
@@ -60,7 +67,7 @@ export function SeparationCard({ data, className }: { data: RunData; className: 
         </>
       }
     >
-      <Plot spec={spec} hidden={hidden} />
+      <Plot spec={spec} hidden={hidden} onCross={onCross} />
     </ChartCard>
   )
 }

@@ -16,6 +16,12 @@ it('reads ranges, one or several', () => {
   expect(readChosen({ brush: true })).toEqual({})
 })
 
+it('reads an instant and a camera', () => {
+  expect(readChosen({ finding: 'F2', t: '27.18', cam: 'encounter' })).toEqual({ finding: 'F2', t: 27.18, cam: 'encounter' })
+  expect(readChosen({ t: 0 })).toEqual({ t: 0 })
+  for (const t of ['', '-1', 'nan', 'soon', '1e9', true]) expect(readChosen({ t, cam: 'behind' })).toEqual({})
+})
+
 it('shows the worst unless another one is known', () => {
   expect(chosenOf(undefined, found('F1', 'F2'))).toBe('F1')
   expect(chosenOf('F2', found('F1', 'F2'))).toBe('F2')

@@ -1,0 +1,30 @@
+// Changes that are sent together, and the addresses of views.
+import { expect, it } from 'vitest'
+import { addressOf, merged, View } from './view'
+
+it('puts changes together, the newest of each kind', () => {
+  expect(merged({ time: 1, camera: 'top' }, { time: 2 })).toEqual({ time: 2, camera: 'top' })
+  expect(merged({ time: 1 }, { step: 0.5 })).toEqual({ time: 1, step: 0.5 })
+  expect(merged({ step: -0.1 }, { step: -0.1 })).toEqual({ step: -0.2 })
+  expect(merged({ step: 1 }, { time: 3 })).toEqual({ time: 3 })
+  expect(merged({ time: 3, step: 1 }, { closest: true })).toEqual({ closest: true })
+  expect(merged({ closest: true }, { time: 3 })).toEqual({ time: 3 })
+  expect(merged({ closest: true }, { camera: 'chase' })).toEqual({ closest: true, camera: 'chase' })
+  expect(merged({ closest: true }, { step: 0.1 })).toEqual({ step: 0.1 })
+  expect(merged({ time: 0, step: 0.1 }, {})).toEqual({ time: 0, step: 0.1 })
+})
+
+it('keeps one page for all views that a page opens', () => {
+  const wanted = { flight: 'F2', theme: 'dark' } as const
+  expect(addressOf('R-0001', wanted, { time: 2.5, camera: 'chase' }, 'k')).toBe(
+    '/view/R-0001/#F2/t/2.5/cam/chase/dark/key/k/',
+  )
+  expect(addressOf('R-0001', wanted, {})).toBe('/view/R-0001/F2/dark/')
+})
+
+it('has a key of its own', () => {
+  const uuid = /^[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}$/
+  const keys = Array.from({ length: 50 }, () => new View('R-0001').key)
+  for (const key of keys) expect(key).toMatch(uuid)
+  expect(new Set(keys).size).toBe(50)
+})

@@ -26,6 +26,11 @@ export interface SearchStage {
   starts?: Record<string, number>[]
 }
 
+export interface Correlation {
+  between: string[]
+  value: Raw
+}
+
 export interface Published {
   label: string
   value: number
@@ -48,13 +53,15 @@ export interface Campaign {
     obstacles?: Part[]
     environment?: Part[]
     faults?: Part[]
+    realisations?: { seeds?: Raw[]; combine?: string }
     guidance?: { period?: Raw }
     horizon: Raw
     step: Raw
   }
   uncertain: Record<string, Uncertain>
-  correlations?: { between: string[]; value: Raw }[]
+  correlations?: Correlation[]
   criterion: { component: string; parameters?: Record<string, Raw>; threshold: Raw }
+  objectives?: Part[]
   stages: {
     sensitivity?: {
       points: Raw
@@ -63,6 +70,7 @@ export interface Campaign {
     } | null
     search: SearchStage[]
     certify?: { samples?: Raw; quantile?: Raw; grid?: { points: Raw } | null } | null
+    findings?: { at_most?: Raw; evaluations?: Raw; distance?: Raw; barrier?: Raw }
     validate?: { tolerance?: Raw; neighbours?: Raw; reach?: Raw }
   }
   agreement?: Raw
@@ -78,12 +86,16 @@ export const asCampaign = (document: unknown): Campaign => document as Campaign
 export const LISTS = ['obstacles', 'environment', 'faults'] as const
 export type List = (typeof LISTS)[number]
 
+/** Where a list of parts stands in the document. */
+export const listAt = (list: List | 'objectives'): string[] => (list === 'objectives' ? [list] : ['scenario', list])
+
 /** Where a parameter's nominal value stands in the document: `vehicle.m` -> scenario, vehicle, parameters, m. */
 export function place(path: string): (string | number)[] {
   const [head = '', ...rest] = path.split('.')
   if (LISTS.some((list) => list === head))
     return ['scenario', head, Number(rest[0]), 'parameters', rest.slice(1).join('.')]
   const name = rest.join('.')
+  if (head === 'objectives') return [head, Number(rest[0]), 'parameters', rest.slice(1).join('.')]
   if (head === 'criterion') return ['criterion', 'parameters', name]
   if (head === 'start' || head === 'goal') return ['scenario', head, name]
   return ['scenario', head, 'parameters', name]
@@ -109,4 +121,36 @@ export function write<T>(document: T, at: readonly (string | number)[], value: u
   else if (value === undefined) delete copy[key]
   else copy[key] = value
   return copy as T
+}
+
+/** Without one part of a list: what is said of it goes too, and the paths of those behind it move up. */
+export function without(campaign: Campaign, list: List | 'objectives', index: number): Campaign {
+  const moved = (path: string): string | null => {
+    const [head, number, ...rest] = path.split('.')
+    if (head !== list || Number(number) < index) return path
+    return Number(number) === index ? null : [head, Number(number) - 1, ...rest].join('.')
+  }
+  const kept = <T>(values: Record<string, T>): Record<string, T> =>
+    Object.fromEntries(
+      Object.entries(values).flatMap(([path, value]) => {
+        const now = moved(path)
+        return now === null ? [] : [[now, value] as const]
+      }),
+    )
+  const at = listAt(list)
+  const parts = (read(campaign, at) as Part[]).filter((_, i) => i !== index)
+  const { correlations, published, stages } = campaign
+  const search = stages.search.map((stage) => (stage.starts ? { ...stage, starts: stage.starts.map(kept) } : stage))
+  return {
+    ...write(campaign, at, parts),
+    uncertain: kept(campaign.uncertain),
+    stages: { ...stages, search },
+    ...(correlations && {
+      correlations: correlations.flatMap((pair) => {
+        const between = pair.between.map(moved)
+        return between.some((path) => path === null) ? [] : [{ ...pair, between: between as string[] }]
+      }),
+    }),
+    ...(published && { published: published.map((one) => (one.at ? { ...one, at: kept(one.at) } : one)) }),
+  }
 }

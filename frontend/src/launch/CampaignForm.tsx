@@ -1,5 +1,7 @@
-// The whole form of a campaign, section by section; everything that is rarely changed is folded.
+// The whole form of a campaign, section by section; what is rarely changed is folded.
 import type { Catalogue } from '../client'
+import { AboutForm } from './AboutForm'
+import { CriterionForm } from './CriterionForm'
 import { MethodsTable } from './MethodsTable'
 import type { Parameter } from './parameters'
 import { ScenarioForm } from './ScenarioForm'
@@ -14,13 +16,15 @@ interface CampaignFormProps {
 }
 
 export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps) {
-  const { campaign, set } = draft
+  const { campaign, set, change } = draft
   return (
     <>
       <UncertainTable campaign={campaign} parameters={parameters} set={set} />
+      <CriterionForm campaign={campaign} catalogue={catalogue} set={set} change={change} />
       <MethodsTable campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
       <SettingsForm campaign={campaign} set={set} />
-      <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} />
+      <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} change={change} />
+      <AboutForm campaign={campaign} set={set} />
     </>
   )
 }

@@ -20,6 +20,7 @@ interface MethodsTableProps {
 export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTableProps) {
   const [held, setHeld] = useState<Record<string, SearchStage>>({})
   const stages = campaign.stages.search
+  const single = (campaign.objectives ?? []).length === 0
   const unknown = stages.flatMap((stage, i) => (catalogue.methods.some((m) => m.name === stage.method) ? [] : [i]))
   const replace = (next: SearchStage[]) => set(['stages', 'search'], next)
   const drop = (at: number) => {
@@ -64,6 +65,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
                   at={null}
                   stage={held[method.name]}
                   method={method}
+                  single={single}
                   parameters={parameters}
                   set={set}
                   onToggle={() => add(method)}
@@ -75,6 +77,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
                 at={i}
                 stage={stages[i]}
                 method={method}
+                single={single}
                 parameters={parameters}
                 set={set}
                 onToggle={() => drop(i)}
@@ -98,22 +101,28 @@ interface MethodRowProps {
   at: number | null
   stage: SearchStage | undefined
   method: MethodEntry
+  /** There is no criterion besides the one that decides. */
+  single: boolean
   parameters: Parameter[]
   set: MethodsTableProps['set']
   onToggle: () => void
 }
 
-function MethodRow({ at, stage, method, parameters, set, onToggle }: MethodRowProps) {
+const ALONE =
+  'It looks for the front of several criteria, and there is one: add further ones under Criterion, or search with a global method.'
+
+function MethodRow({ at, stage, method, single, parameters, set, onToggle }: MethodRowProps) {
   const [open, setOpen] = useState(false)
   const on = at !== null
   const field = `stages.search.${at ?? 'none'}`
   const problems = useProblems(field, true)
   const inside = problems.some((p) => p.field.startsWith(`${field}.options`) || p.field.startsWith(`${field}.starts`))
+  const alone = on && single && method.kind === 'multi'
   const expanded = on && (open || inside)
   return (
     <>
       <tr
-        className={on ? (expanded || problems.length ? 'has-error' : undefined) : 'off'}
+        className={on ? (expanded || alone || problems.length ? 'has-error' : undefined) : 'off'}
         id={idOf(field)}
         tabIndex={-1}
       >
@@ -148,13 +157,14 @@ function MethodRow({ at, stage, method, parameters, set, onToggle }: MethodRowPr
           </button>
         </td>
       </tr>
-      {on && (expanded || problems.length > 0) && (
+      {on && (expanded || alone || problems.length > 0) && (
         <tr className="errors">
           <td />
           <td colSpan={5}>
             <FieldErrors field={field} />
             <FieldErrors field={`${field}.evaluations`} />
             <FieldErrors field={`${field}.method`} />
+            {alone && <p className="small sec">{ALONE}</p>}
             {expanded && stage && (
               <MethodOptions
                 field={field}

@@ -1,175 +1,110 @@
-// The scenario: which component plays each part, and its parameters with unit, limits and text from the catalogue.
+// The scenario: which component plays each part, what is in the way, what disturbs it, how long it is flown.
 import { Select } from '@mantine/core'
-import { IconPlus, IconTrash } from '@tabler/icons-react'
-import { type Campaign, type List, LISTS, place } from '../api/campaign'
+import { type Campaign, type List, LISTS, listAt, without } from '../api/campaign'
 import type { Catalogue } from '../client'
-import { plain } from '../format/numbers'
-import { unitText } from '../format/units'
-import { Docstring } from '../help/Docstring'
-import { HelpLink, idOfComponent } from '../help/links'
-import { Card } from '../ui/Card'
-import { Sign } from '../ui/Sign'
-import { NumberCell } from './NumberCell'
-import { numberOf, type Parameter, ROLE_OF, type Section, sectionsOf } from './parameters'
+import { PartCard, type SetValue } from './PartCard'
+import { ROLE_OF, sectionsOf } from './parameters'
 import { FieldErrors, idOf } from './problems'
-
-type Set = (at: readonly (string | number)[], value: unknown) => void
+import { Realisations } from './Realisations'
+import { SettingFields } from './SettingsForm'
+import { SIMULATION } from './settings'
 
 interface ScenarioFormProps {
   campaign: Campaign
   catalogue: Catalogue
-  set: Set
+  set: SetValue
+  change: (change: (campaign: Campaign) => Campaign) => void
 }
 
-export function ScenarioForm({ campaign, catalogue, set }: ScenarioFormProps) {
-  const parts = (list: List) => campaign.scenario[list] ?? []
-  const add = (list: List) => {
-    const last = parts(list).at(-1)
-    const first = catalogue.components.find((c) => c.role === ROLE_OF[list])
-    const made = last ? structuredClone(last) : { component: first?.name ?? '', parameters: {} }
-    set(['scenario', list], [...parts(list), made])
-  }
-  const remove = (list: List, at: number) =>
-    set(
-      ['scenario', list],
-      parts(list).filter((_, i) => i !== at),
-    )
-  const vehicle = campaign.scenario.vehicle.component
-  const inputs = catalogue.components.find((c) => c.role === 'vehicle' && c.name === vehicle)?.inputs ?? []
-  const addable = LISTS.filter((list) => catalogue.components.some((c) => c.role === ROLE_OF[list]))
+const TITLE: Record<List, string> = { obstacles: 'Obstacles', environment: 'Environment', faults: 'Faults' }
+const NONE: Record<List, string> = {
+  obstacles: 'Nothing is in the way yet.',
+  environment: 'Still air, level ground without resistance.',
+  faults: 'Everything is sensed, timed and actuated perfectly.',
+}
+
+export function ScenarioForm({ campaign, catalogue, set, change }: ScenarioFormProps) {
+  const sections = sectionsOf(campaign, catalogue).filter((section) => section.at[0] === 'scenario')
+  const shared = { campaign, catalogue, set }
   return (
-    <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1}>
+    <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1} className="stack">
       <h2 className="sect">Scenario</h2>
       <FieldErrors field="scenario" />
-      <div className="parts">
-        {sectionsOf(campaign, catalogue).map((section) => (
-          <PartCard
-            key={section.at.join('.')}
-            section={section}
-            catalogue={catalogue}
-            inputs={inputs}
-            set={set}
-            onRemove={removal(section, remove)}
-          />
-        ))}
-        <div className="row" style={{ alignSelf: 'start', flexWrap: 'wrap' }}>
-          {addable.map((list) => (
-            <button key={list} type="button" className="btn" onClick={() => add(list)}>
-              <IconPlus className="i s" aria-hidden /> Add {ROLE_OF[list]}
-            </button>
-          ))}
+      <div className="card">
+        <div className="bd fields">
+          <SettingFields campaign={campaign} set={set} settings={SIMULATION} />
         </div>
       </div>
+      <div className="parts">
+        {sections
+          .filter((section) => section.at.length === 2)
+          .map((section) => (
+            <PartCard key={section.at.join('.')} section={section} {...shared} />
+          ))}
+      </div>
+      {LISTS.map((list) => {
+        const own = sections.filter((section) => section.at[1] === list)
+        return (
+          <div key={list} className="partlist" id={idOf(`scenario.${list}`)} tabIndex={-1}>
+            <div className="row">
+              <h3>{TITLE[list]}</h3>
+              <AddPart list={list} campaign={campaign} catalogue={catalogue} set={set} />
+              {own.length === 0 && <span className="small mut">{NONE[list]}</span>}
+            </div>
+            <FieldErrors field={`scenario.${list}`} />
+            {own.length > 0 && (
+              <div className="parts">
+                {own.map((section) => (
+                  <PartCard
+                    key={section.at.join('.')}
+                    section={section}
+                    {...shared}
+                    onRemove={() => change((before) => without(before, list, Number(section.at[2])))}
+                  />
+                ))}
+              </div>
+            )}
+          </div>
+        )
+      })}
+      <Realisations campaign={campaign} catalogue={catalogue} set={set} />
     </section>
   )
 }
 
-/** How a part is taken out, where it is one of a list. */
-function removal({ at }: Section, remove: (list: List, at: number) => void): (() => void) | undefined {
-  const list = LISTS.find((name) => name === at[1])
-  return list && (() => remove(list, Number(at[2])))
-}
-
-interface PartCardProps {
-  section: Section
+interface AddPartProps {
+  list: List | 'objectives'
+  campaign: Campaign
   catalogue: Catalogue
-  /** Of the vehicle: what actuator faults are on. */
-  inputs: string[]
-  set: Set
-  onRemove?: () => void
+  set: SetValue
 }
 
-function PartCard({ section, catalogue, inputs, set, onRemove }: PartCardProps) {
-  const { role, title, at, part, component, parameters } = section
-  const field = at.join('.')
-  const choices = catalogue.components.filter((c) => c.role === role).map((c) => ({ value: c.name, label: c.title }))
-  const known = choices.some((choice) => choice.value === part.component)
-  const groups = [...new Set(parameters.map((parameter) => parameter.group))]
-  const choose = (name: string | null) => {
-    if (!name || name === part.component) return
-    set([...at, 'component'], name)
-    set([...at, 'parameters'], {})
+/** Another part of a list: a copy of the last one where that is of the same component, else as the component begins. */
+export function AddPart({ list, campaign, catalogue, set }: AddPartProps) {
+  const parts = (list === 'objectives' ? campaign.objectives : campaign.scenario[list]) ?? []
+  const role = list === 'objectives' ? 'criterion' : ROLE_OF[list]
+  const word = list === 'objectives' ? 'criterion' : role
+  const vehicle = catalogue.components.find((c) => c.role === 'vehicle' && c.name === campaign.scenario.vehicle.component)
+  const fits = (dimension: number | null) => !dimension || !vehicle?.dimension || dimension === vehicle.dimension
+  const found = catalogue.components.filter((c) => c.role === role && fits(c.dimension))
+  const add = (name: string) => {
+    const last = parts.at(-1)
+    const copied = list === 'obstacles' && last?.component === name ? structuredClone(last) : null
+    set(listAt(list), [...parts, copied ?? { component: name, parameters: {} }])
   }
-  const remove = onRemove && (
-    <button type="button" className="iconbtn" aria-label={`Remove ${title}`} title="Remove" onClick={onRemove}>
-      <IconTrash className="i s" aria-hidden />
-    </button>
-  )
   return (
-    <Card title={title} note={component?.dimension ? `${component.dimension}D` : undefined} right={remove}>
-      <div id={idOf(field)} tabIndex={-1} style={{ display: 'grid', gap: 10 }}>
-        <Select
-          id={idOf(`${field}.component`)}
-          aria-label={`${title}, component`}
-          size="xs"
-          data={known ? choices : [...choices, { value: part.component, label: `${part.component} (unknown)` }]}
-          value={part.component}
-          allowDeselect={false}
-          onChange={choose}
-        />
-        <FieldErrors field={field} />
-        <FieldErrors field={`${field}.component`} />
-        {component?.path === 'actuator' && (
-          <Select
-            id={idOf(`${field}.on`)}
-            label="On input"
-            labelProps={{ className: 'lbl' }}
-            size="xs"
-            data={inputs}
-            value={part.on ?? null}
-            onChange={(on) => set([...at, 'on'], on ?? '')}
-          />
-        )}
-        <FieldErrors field={`${field}.on`} />
-        {groups.map((group) => (
-          <div key={group}>
-            {group !== title && <h3 style={{ marginBottom: 4 }}>{group}</h3>}
-            <div className="pgrid">
-              {parameters
-                .filter((parameter) => parameter.group === group)
-                .map((parameter) => (
-                  <ParameterField key={parameter.path} parameter={parameter} set={set} />
-                ))}
-            </div>
-          </div>
-        ))}
-        {component && (
-          <details>
-            <summary>Equations and source</summary>
-            <div className="about">
-              <Docstring text={component.text} />
-              <HelpLink to="/help/components" at={idOfComponent(component.role, component.name)}>
-                In the help
-              </HelpLink>
-            </div>
-          </details>
-        )}
-      </div>
-    </Card>
-  )
-}
-
-function ParameterField({ parameter, set }: { parameter: Parameter; set: Set }) {
-  const { entry, path, field } = parameter
-  const unit = unitText(entry.unit)
-  const change = (value: number | string | null) => set(place(path), value ?? undefined)
-  return (
-    <>
-      <span className="t">
-        <Sign text={entry.symbol} /> {entry.text}
-        <small>
-          {entry.low === -entry.high ? `±${plain(entry.high)}` : `${plain(entry.low)} to ${plain(entry.high)}`} {unit}
-        </small>
-      </span>
-      <NumberCell
-        field={field}
-        label={`${parameter.group}, ${entry.text}`}
-        value={numberOf(parameter.nominal) ?? parameter.nominal}
-        optional={entry.default !== null}
-        onChange={change}
-      />
-      <span className="sec nw">{unit}</span>
-      <FieldErrors field={field} />
-    </>
+    <Select
+      aria-label={`Add ${word}`}
+      placeholder={`Add ${word}`}
+      data={found.map((c) => ({ value: c.name, label: c.title }))}
+      value={null}
+      searchable
+      size="xs"
+      w={190}
+      comboboxProps={{ width: 280, position: 'bottom-start' }}
+      nothingFoundMessage={`No such ${word}`}
+      onChange={(name) => name && add(name)}
+      key={parts.length}
+    />
   )
 }

@@ -3,6 +3,7 @@ import { Select } from '@mantine/core'
 import { useState } from 'react'
 import type { Campaign, Uncertain } from '../api/campaign'
 import { Card } from '../ui/Card'
+import { Correlations } from './Correlations'
 import { numberOf, type Parameter } from './parameters'
 import { FieldErrors } from './problems'
 import { UncertainRow } from './UncertainRow'
@@ -30,8 +31,6 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
     }
   }
   const vary = Object.keys(uncertain).length
-  const pairs = campaign.correlations?.length ?? 0
-  const correlated = pairs ? `${pairs} ${pairs === 1 ? 'pair is' : 'pairs are'}` : ''
   const free = parameters.filter((parameter) => !rows.includes(parameter.path))
   return (
     <Card
@@ -41,7 +40,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
       right={<AddParameter free={free} onAdd={(path) => toggle(path, true)} />}
       footer={
         'The search uses only the bounds. The distribution weighs the independent sample, so its statistical bound ' +
-        `holds for that distribution.${correlated ? ` ${correlated} correlated, see YAML.` : ''}`
+        'holds for that distribution.'
       }
     >
       <table className="ptable in-table">
@@ -74,6 +73,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
       </table>
       <div id="f-uncertain" tabIndex={-1} style={{ padding: '0 16px 8px' }}>
         <FieldErrors field="uncertain" />
+        <Correlations campaign={campaign} parameters={parameters} set={set} />
       </div>
     </Card>
   )

@@ -23,6 +23,8 @@ export interface Section {
   part: Part
   component: ComponentEntry | undefined
   parameters: Parameter[]
+  /** Values that the component does not know (any more), by where they stand. */
+  strays: { at: (string | number)[]; name: string; value: Raw }[]
 }
 
 const ROLE: Record<Role, string> = {
@@ -46,7 +48,9 @@ export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] 
   const section = (role: Role, prefix: string, at: (string | number)[], part: Part, title = ROLE[role]): Section => {
     const component = find(role, part)
     const values = part.parameters ?? {}
-    return { role, title, at, part, component, parameters: listed(prefix, title, component?.parameters ?? [], values) }
+    const entries = component?.parameters ?? []
+    const strays = component ? strayed(entries, values, [...at, 'parameters']) : []
+    return { role, title, at, part, component, parameters: listed(prefix, title, entries, values), strays }
   }
   const sections = [
     section('vehicle', 'vehicle', ['scenario', 'vehicle'], vehicle),
@@ -58,11 +62,25 @@ export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] 
       ),
     ),
     section('criterion', 'criterion', ['criterion'], campaign.criterion),
+    ...(campaign.objectives ?? []).map((part, i) =>
+      section('criterion', `objectives.${i}`, ['objectives', i], part, `Further criterion ${i + 1}`),
+    ),
   ]
-  sections[0]?.parameters.push(...listed('start', 'Start', find('vehicle', vehicle)?.starts ?? [], start))
-  sections[2]?.parameters.push(...listed('goal', 'Goal', find('avoider', avoider)?.goals ?? [], goal))
+  const also = (at: number, name: 'start' | 'goal', entries: ParameterEntry[] | undefined, values: Record<string, Raw>) => {
+    sections[at]?.parameters.push(...listed(name, ROLE_NAME[name], entries ?? [], values))
+    if (entries) sections[at]?.strays.push(...strayed(entries, values, ['scenario', name]))
+  }
+  also(0, 'start', find('vehicle', vehicle)?.starts, start)
+  also(2, 'goal', find('avoider', avoider)?.goals, goal)
   return sections
 }
+
+const ROLE_NAME = { start: 'Start', goal: 'Goal' }
+
+const strayed = (entries: ParameterEntry[], values: Record<string, Raw>, at: (string | number)[]): Section['strays'] =>
+  Object.entries(values)
+    .filter(([name]) => !entries.some((entry) => entry.name === name))
+    .map(([name, value]) => ({ at: [...at, name], name, value }))
 
 function listed(prefix: string, group: string, entries: ParameterEntry[], values: Record<string, Raw>): Parameter[] {
   return entries.map((entry) => {

@@ -10,6 +10,12 @@ export const ProblemsProvider = Problems.Provider
 const within = (field: string, problem: FieldProblem): boolean =>
   problem.field === field || problem.field.startsWith(`${field}.`)
 
+/** How many problems there are of some fields and everything below them. */
+export function useTroubled(fields: readonly string[]): number {
+  const all = useContext(Problems)
+  return all.filter((problem) => fields.some((field) => within(field, problem))).length
+}
+
 /** The problems of a field, or of everything below it. */
 export function useProblems(field: string, deep = false): FieldProblem[] {
   const all = useContext(Problems)
@@ -49,7 +55,7 @@ export function focusField(field: string): void {
   for (let length = parts.length; length > 0; length--) {
     const element = document.getElementById(idOf(parts.slice(0, length).join('.')))
     if (!element) continue
-    element.closest('details')?.setAttribute('open', '')
+    for (let fold = element.closest('details'); fold; fold = fold.parentElement?.closest('details') ?? null) fold.open = true
     element.scrollIntoView({ block: 'center' })
     element.focus({ preventScroll: true })
     return

@@ -1,0 +1,54 @@
+// What is judged: the criterion that decides, and further criteria that every evaluation is read for as well.
+import { type Campaign, without } from '../api/campaign'
+import type { Catalogue } from '../client'
+import { Card } from '../ui/Card'
+import { Fold } from './Fold'
+import { PartBody, PartCard, type SetValue } from './PartCard'
+import { sectionsOf } from './parameters'
+import { FieldErrors, idOf } from './problems'
+import { AddPart } from './ScenarioForm'
+
+interface CriterionFormProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  set: SetValue
+  change: (change: (campaign: Campaign) => Campaign) => void
+}
+
+export function CriterionForm({ campaign, catalogue, set, change }: CriterionFormProps) {
+  const sections = sectionsOf(campaign, catalogue)
+  const decides = sections.find((section) => section.at[0] === 'criterion')
+  const further = sections.filter((section) => section.at[0] === 'objectives')
+  const shared = { campaign, catalogue, set }
+  const told = further.map((section) => section.component?.title ?? section.part.component).join(', ')
+  const none = 'none; they decide nothing, and NSGA-II searches for the front of all of them'
+  return (
+    <Card title="Criterion" note="The flight is clear while its value stays above the threshold." id="section-criterion">
+      <div style={{ display: 'grid', gap: 10 }}>
+        {decides && (
+          <div style={{ maxWidth: 480 }}>
+            <PartBody section={decides} {...shared} />
+          </div>
+        )}
+        <Fold title="Further criteria" digest={told || none} fields={['objectives']}>
+          <div id={idOf('objectives')} tabIndex={-1} className="stack">
+            <FieldErrors field="objectives" />
+            {further.length > 0 && (
+              <div className="parts">
+                {further.map((section) => (
+                  <PartCard
+                    key={section.at.join('.')}
+                    section={section}
+                    {...shared}
+                    onRemove={() => change((before) => without(before, 'objectives', Number(section.at[1])))}
+                  />
+                ))}
+              </div>
+            )}
+            <AddPart list="objectives" {...shared} />
+          </div>
+        </Fold>
+      </div>
+    </Card>
+  )
+}

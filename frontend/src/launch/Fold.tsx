@@ -1,0 +1,27 @@
+// What is rarely changed: closed with a word on how it stands, open where something in it is wrong.
+import { type ReactNode, useState } from 'react'
+import { useTroubled } from './problems'
+
+interface FoldProps {
+  title: string
+  /** How it stands, in a few words. */
+  digest?: ReactNode
+  /** The fields inside, by the service's names. */
+  fields: readonly string[]
+  children: ReactNode
+}
+
+export function Fold({ title, digest, fields, children }: FoldProps) {
+  const [open, setOpen] = useState(false)
+  const troubled = useTroubled(fields)
+  return (
+    <details className="fold" open={open || troubled > 0} onToggle={(event) => setOpen(event.currentTarget.open)}>
+      <summary>
+        <span className="b">{title}</span>
+        <span className="mut">{digest}</span>
+        {troubled > 0 && <span className="bad-t">{troubled === 1 ? 'One problem' : `${troubled} problems`}</span>}
+      </summary>
+      <div className="in">{children}</div>
+    </details>
+  )
+}

@@ -86,6 +86,79 @@ def test_a_wrong_bound_is_refused_beside_its_field(signed_in: Visit) -> None:
     looks(signed_in, "launch")
 
 
+def test_the_scenario_is_drawn_and_flown_while_it_is_edited(signed_in: Visit) -> None:
+    page = signed_in.page
+    plan, said = (
+        page.get_by_role("img", name=re.compile("^Seen from above, Unicycle")),
+        page.get_by_test_id("nominal-flight"),
+    )
+    expect(plan).to_be_visible()
+    before = plan.inner_html()
+    page.get_by_label("Obstacle 1, Centre, x").fill("3.5")
+    until(lambda: plan.inner_html() != before, "the obstacle has moved", 10)
+    page.get_by_label("Obstacle 1, Centre, x").fill("4")
+    until(lambda: plan.inner_html() == before, "the obstacle is back", 10)
+    page.get_by_role("button", name="Preview nominal flight").click()
+    expect(said).to_contain_text("0.9436 m, clear by 0.4436 m", timeout=2 * PATIENCE)
+    expect(page.get_by_test_id("closest")).to_be_visible()
+    page.get_by_label("Criterion, threshold").fill("0.95")
+    expect(said).to_contain_text("violates 0.95 m by 0.0064 m")
+    page.get_by_label("Criterion, threshold").fill("none")
+    expect(said).to_contain_text("once the problems are solved")
+    expect(said).to_contain_text("Of the campaign before the last edit")
+    page.get_by_label("Criterion, threshold").fill("0.5")
+    expect(said).to_contain_text("clear by 0.4436 m")
+    looks(signed_in, "launch-preview")
+    page.get_by_role("button", name="Stop flying every edit").click()
+
+
+def test_further_criteria_and_faults_are_added_and_taken_out(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.get_by_text("Further criteria").click()
+    page.get_by_role("combobox", name="Add criterion").click()
+    page.get_by_role("option", name="Time to goal").click()
+    expect(page.get_by_role("combobox", name="Further criterion 1, component")).to_have_value("Time to goal")
+    page.get_by_role("combobox", name="Add criterion").click()
+    page.get_by_role("option", name="Time to goal").click()
+    expect(page.locator("[data-problem='objectives.1.component']")).to_contain_text("given already")
+    page.get_by_role("combobox", name="Add fault").click()
+    page.get_by_role("option", name="Sensor noise").click()
+    page.get_by_text("Realisations of what is random").click()
+    page.get_by_label("Seeds of the realisations").fill("1, 2, x")
+    expect(page.locator("[data-problem='scenario.realisations.seeds.2']")).to_be_visible()
+    page.get_by_label("Seeds of the realisations").fill("0")
+    for name in ("Further criterion 2", "Further criterion 1", "Fault 1"):
+        page.get_by_role("button", name=f"Remove {name}").click()
+    expect(page.locator("[data-problem]")).to_have_count(0)
+    expect(page.get_by_role("combobox", name="Further criterion 1, component")).to_have_count(0)
+
+
+def test_a_draft_is_kept_and_never_overwritten_unseen(signed_in: Visit) -> None:
+    page, drafts = signed_in.page, f"{signed_in.address}/api/v1/drafts"
+    page.get_by_label("Mass, low").fill("4.2 kg")
+    page.get_by_role("link", name="Runs", exact=True).click()
+    page.get_by_role("dialog", name="Unsaved changes").get_by_role("button", name="Stay").click()
+    page.get_by_role("button", name="Save as draft").click()
+    page.wait_for_url("**/launch?draft=D-0001")
+    page.reload()
+    expect(page.get_by_label("Mass, low")).to_have_value("4.2 kg")
+    kept = api(signed_in, "/drafts/D-0001")
+    theirs = {"name": "Theirs", "tags": [], "text": kept["text"].replace("4.2 kg", "4.1"), "version": kept["version"]}
+    assert page.request.put(f"{drafts}/D-0001", data=theirs).ok
+    page.get_by_label("Mass, low").fill("4.2")
+    page.get_by_role("button", name="Save D-0001").click()
+    signed_in.shot("launch-draft-overtaken-1440-light")
+    page.get_by_role("button", name="Open theirs").click()
+    expect(page.get_by_label("Name", exact=True)).to_have_value("Theirs")
+    expect(page.get_by_label("Mass, low")).to_have_value("4.1")
+    page.get_by_label("Mass, low").fill("4.2")
+    page.get_by_role("button", name="Save D-0001").click()
+    expect(page.get_by_test_id("kept")).to_have_text("Everything is kept in D-0001.")
+    # The browser itself notes the save that was refused.
+    assert [wrong for wrong in signed_in.wrong if "409" not in wrong] == []
+    signed_in.wrong.clear()
+
+
 def test_form_and_text_edit_the_same_campaign(signed_in: Visit) -> None:
     page = signed_in.page
     page.get_by_role("button", name="YAML").click()
@@ -107,6 +180,7 @@ def test_a_run_is_watched_to_its_verdict(signed_in: Visit) -> None:
     page.get_by_label("Name", exact=True).fill("The whole way")
     page.keyboard.press("Control+Enter")
     page.wait_for_url("**/runs/R-0001")
+    assert api(signed_in, "/drafts/D-0001")["run"] == "R-0001"
     outcome = page.get_by_test_id("outcome")
     expect(outcome).to_have_text(re.compile("Queued|Running"))
     expect(page.get_by_role("list", name="Stages").get_by_role("listitem")).to_have_count(5)

@@ -46,8 +46,8 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
   return (
     <Card title="Preview" className="preview" note={readable ? undefined : 'of the last text that could be read'}>
       <div ref={holder}>
-        <PreviewPlan {...shared} label={`Plan of ${label}`} />
-        {hasHeights(shared) && <PreviewSide {...shared} label={`Heights of ${label}`} />}
+        <PreviewPlan {...shared} label={`Seen from above, ${label}`} />
+        {hasHeights(shared) && <PreviewSide {...shared} label={`Seen from the side, ${label}`} />}
         <Legend flown={flown !== null} moving={bodies.some((body) => body.moving)} reach={reach} ranges={ranges} />
         <Flight ok={ok} live={live} criterion={criterion} />
       </div>

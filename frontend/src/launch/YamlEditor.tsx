@@ -1,4 +1,5 @@
 // The campaign as text: a plain editor with line numbers; a campaign file can be pasted, dropped or opened.
+import { useMediaQuery } from '@mantine/hooks'
 import { IconCircleCheck, IconDownload, IconFileText, IconLoader } from '@tabler/icons-react'
 import { type DragEvent, useRef, useState } from 'react'
 import type { FieldProblem } from '../api/problems'
@@ -27,6 +28,8 @@ export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEdito
     event.preventDefault()
     setDropping(true)
   }
+  // A keyboard on the glass hides what is typed: there the text is to be read, copied, and replaced by a file.
+  const touched = useMediaQuery('(pointer: coarse) and (max-width: 1180px)') ?? false
   const lines = text.split('\n').length
   return (
     <Card
@@ -51,7 +54,11 @@ export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEdito
           </button>
         </>
       }
-      footer="YAML or JSON. Paste a campaign, or drop its file here. Tab moves on; the form shows the same campaign."
+      footer={
+        touched
+          ? 'Read only on a tablet: change it in the form, or open a file. The form shows the same campaign.'
+          : 'YAML or JSON. Paste a campaign, or drop its file here. Tab moves on; the form shows the same campaign.'
+      }
     >
       {problems.length > 0 && (
         <div style={{ padding: '0 16px 8px' }}>
@@ -68,6 +75,7 @@ export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEdito
           value={text}
           rows={lines}
           spellCheck={false}
+          readOnly={touched}
           aria-label="Campaign as YAML"
           onDrop={drop}
           onDragOver={over}

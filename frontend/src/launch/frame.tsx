@@ -44,7 +44,9 @@ export function Axes2({ area, across, up, names }: AxesProps) {
           {fixed(v, tickDecimals(columns))}
         </text>
       ))}
-      {rows.map((v) => (
+      {rows
+        .filter((v) => y(v) > top + 8)
+        .map((v) => (
         <text key={v} x={left - 5} y={y(v) + 3.5} textAnchor="end">
           {fixed(v, tickDecimals(rows))}
         </text>

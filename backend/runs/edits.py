@@ -19,8 +19,8 @@ from campaigns import Problem
 
 
 def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> None:
-    """Write what is given, leave the rest; 404 for no run, 422 where nothing is given."""
-    values = given.model_dump(exclude_unset=True)
+    """Write what is given, leave the rest; 404 for no run, 422 where nothing is given, 409 for notes that changed."""
+    values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
     if empty or not values:
         message = "give at least one of name, tags, notes and pinned, and leave out what is to stay"
@@ -28,9 +28,19 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
     if given.tags is not None:
         values["tags"] = list(dict.fromkeys(given.tags))
     with engine.begin() as writer:
+        if given.notes is not None and given.notes_before is not None:
+            _unchanged(writer, run_id, given.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
             raise not_found("run", listing.name(run_id))
         audit.note(writer, visitor, "run.edited", listing.name(run_id), _said(values))
+
+
+def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
+    """409 unless the run's notes are still those that were read."""
+    stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
+    if stored is not None and stored != notes:
+        detail = "somebody changed these notes since they were read: read them again, and write yours into them"
+        raise RefusedError(409, "notes-changed", detail)
 
 
 def _said(values: dict[str, Any]) -> dict[str, Any]:

@@ -15,8 +15,10 @@ from backend.deps import Engine, Reader
 from backend.runs import edits, listing, service
 from backend.runs.facets import facets
 from backend.runs.filters import Filters
+from backend.runs.history import history
 from backend.runs.order import Sort
 from backend.runs.schemas import (
+    HistoryEntry,
     RunDetail,
     RunEdit,
     RunFacets,
@@ -138,3 +140,9 @@ def cancel_run(run: str, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
 def list_stages(run: str, reader: Reader) -> list[StageDetail]:
     """The stages of a run with their results."""
     return service.stages(reader, service.number(run))
+
+
+@router.get("/runs/{run}/history")
+def list_history(run: str, reader: Reader) -> list[HistoryEntry]:
+    """What was done to a run and by whom, the newest first: submitted, edited, cancelled, signed off."""
+    return history(reader, service.number(run))

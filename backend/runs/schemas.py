@@ -34,6 +34,22 @@ class RunEdit(Schema):
     tags: Tags | None = None
     notes: Annotated[str, Field(max_length=20_000, description="Markdown.")] | None = None
     pinned: bool | None = None
+    notes_before: Annotated[
+        str | None, Field(max_length=20_000, description="The notes that were read: others are not written over.")
+    ] = None
+
+
+class HistoryEntry(Schema):
+    """Something done to a run, as the audit trail has it."""
+
+    at: float
+    """Seconds since 1970."""
+    user: str
+    via: str
+    """How they were signed in: link, token or cli."""
+    action: str
+    """run.submitted, run.edited, run.cancelled, signoff.created, signoff.withdrawn"""
+    detail: dict[str, Any]
 
 
 class RunsNamed(Schema):

@@ -131,3 +131,28 @@ def test_the_list_has_the_course_of_the_search_and_the_bound(service: Service, c
     assert list(costs) == sorted(set(costs), reverse=True)
     assert costs[-1] == float(f"{item['worst_cost']:.6g}")
     assert item["upper_bound"] is None
+
+
+def test_the_history_of_a_run_is_told(service: Service, client: httpx.Client) -> None:
+    run, other = submit(client), submit(client, seed=2)
+    client.patch(f"/api/v1/runs/{other}", json={"pinned": True})
+    client.patch(f"/api/v1/runs/{run}", json={"tags": ["a"]})
+    client.post(f"/api/v1/runs/{run}/cancel")
+    told = client.get(f"/api/v1/runs/{run}/history").json()
+    assert [entry["action"] for entry in told] == ["run.cancelled", "run.edited", "run.submitted"]
+    assert {(entry["user"], entry["via"]) for entry in told} == {("local", "link")}
+    assert told[1]["detail"] == {"tags": ["a"]}
+    assert [entry["at"] for entry in told] == sorted((entry["at"] for entry in told), reverse=True)
+    problem(client.get("/api/v1/runs/R-0999/history"), 404)
+
+
+def test_notes_that_somebody_else_changed_are_not_written_over(client: httpx.Client) -> None:
+    run = submit(client)
+    first = client.patch(f"/api/v1/runs/{run}", json={"notes": "mine", "notes_before": ""})
+    assert first.status_code == 200
+    late = problem(client.patch(f"/api/v1/runs/{run}", json={"notes": "theirs", "notes_before": ""}), 409)
+    assert "read them again" in str(late["detail"])
+    assert client.get(f"/api/v1/runs/{run}").json()["notes"] == "mine"
+    again = client.patch(f"/api/v1/runs/{run}", json={"notes": "mine and theirs", "notes_before": "mine"})
+    assert again.json()["notes"] == "mine and theirs"
+    assert client.patch(f"/api/v1/runs/{run}", json={"notes": "regardless"}).json()["notes"] == "regardless"

@@ -121,8 +121,36 @@ def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> 
     kept = api(signed_in, f"/runs/{runs[0]}")
     assert (kept["notes"], kept["pinned"]) == (NOTES, True)
     assert kept["tags"] == ["release-2.4", "baseline", "assessed"]
+    history = page.locator("#history")
+    history.get_by_role("button", name="Show").click()
+    expect(history.locator("tbody tr").first).to_contain_text("Wrote its notes")
+    expect(history.locator("tbody tr").last).to_contain_text("Submitted")
     notes.scroll_into_view_if_needed()
     signed_in.shot("notes-1440-light", full=False)
+
+
+def test_notes_that_somebody_else_wrote_meanwhile_are_not_lost(signed_in: Visit, runs: list[str]) -> None:
+    page, notes = signed_in.page, signed_in.page.locator("#notes")
+    notes.get_by_role("button", name="Edit").click()
+    notes.get_by_label("Notes in Markdown").fill("Mine.")
+    other = f"{signed_in.address}/api/v1/runs/{runs[0]}"
+    page.request.patch(other, data={"notes": "Theirs."}, headers={"Origin": signed_in.address})
+    notes.get_by_role("button", name="Save notes").click()
+    expect(notes).to_contain_text("somebody changed these notes")
+    expect(notes.get_by_role("status")).to_contain_text("Theirs.")
+    assert api(signed_in, f"/runs/{runs[0]}")["notes"] == "Theirs."
+    notes.get_by_label("Notes in Markdown").fill("Theirs and mine.")
+    notes.get_by_role("button", name="I have read it").click()
+    notes.get_by_role("button", name="Save notes").click()
+    expect(notes.locator("textarea")).to_have_count(0)
+    assert api(signed_in, f"/runs/{runs[0]}")["notes"] == "Theirs and mine."
+    signed_in.wrong = [
+        wrong for wrong in signed_in.wrong if "409" not in wrong
+    ]  # the browser's own note of the refusal
+
+
+def test_a_pinned_run_is_the_first(signed_in: Visit, runs: list[str]) -> None:
+    page = signed_in.page
     signed_in.go("/runs?sort=created")
     expect(page.locator("tr[data-run]")).to_have_count(3)
     assert named(page)[0] == runs[0]

@@ -10,6 +10,7 @@ import type {
   Evaluations,
   ExportFile,
   FindingDetail,
+  HistoryEntry,
   LibraryCampaign,
   ListRunsData,
   Preview,
@@ -67,6 +68,7 @@ export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
   answer(sdk.editRun({ path: { run }, body: change }))
 export const cancelRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk.cancelRuns({ body: { runs } }))
 export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
+export const getHistory = (run: string): Promise<HistoryEntry[]> => answer(sdk.listHistory({ path: { run } }))
 export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk.listFindings({ path: { run } }))
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))
 

@@ -11,8 +11,13 @@ const MOST = 20_000
 
 export function Notes({ run }: { run: RunDetail }) {
   const [draft, setDraft] = useState<string | null>(null)
+  const [read, setRead] = useState('')
   const edit = useEdit(run, () => setDraft(null))
   const writing = draft !== null
+  const begin = () => {
+    setRead(run.notes)
+    setDraft(run.notes)
+  }
   return (
     <Card
       title="Notes"
@@ -21,7 +26,7 @@ export function Notes({ run }: { run: RunDetail }) {
       id="notes"
       right={
         !writing && (
-          <button type="button" className="btn s" onClick={() => setDraft(run.notes)}>
+          <button type="button" className="btn s" onClick={begin}>
             <IconPencil className="i s" aria-hidden /> {run.notes ? 'Edit' : 'Write'}
           </button>
         )
@@ -31,7 +36,7 @@ export function Notes({ run }: { run: RunDetail }) {
         <form
           onSubmit={(event) => {
             event.preventDefault()
-            edit.mutate({ notes: draft })
+            edit.mutate({ notes: draft, notes_before: read })
           }}
         >
           <div className="writing">
@@ -51,6 +56,15 @@ export function Notes({ run }: { run: RunDetail }) {
             </div>
           </div>
           {edit.isError && <p className="ferr">{edit.error.message}</p>}
+          {run.notes !== read && (
+            <div className="note" role="status">
+              <b>Meanwhile somebody else wrote:</b>
+              <Markdown text={run.notes} />
+              <button type="button" className="btn s" onClick={() => setRead(run.notes)}>
+                I have read it; mine is to stand
+              </button>
+            </div>
+          )}
           <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 10 }}>
             <span className="small mut grow">
               {draft.length > 0.9 * MOST && `${count(MOST - draft.length)} characters left`}

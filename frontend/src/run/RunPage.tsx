@@ -10,6 +10,7 @@ import { usePolling } from '../ui/usePolling'
 import { useRunData } from './data'
 import { Finished } from './Finished'
 import { Head } from './Head'
+import { History } from './History'
 import { Live } from './Live'
 import { Notes } from './Notes'
 
@@ -35,6 +36,7 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
       {isLive(run) ? <Live data={data} /> : <Finished data={data} />}
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
         <Notes run={run} />
+        <History run={run} />
       </div>
     </>
   )

@@ -12,7 +12,10 @@ export function useEdit(run: RunDetail, onDone?: () => void) {
       putRun(cache, after)
       cache.setQueryData<RunDetail>(['run', run.id], after)
       void cache.invalidateQueries({ queryKey: ['facets'] })
+      void cache.invalidateQueries({ queryKey: ['history', run.id] })
       onDone?.()
     },
+    // Refused for what somebody else wrote meanwhile: that is to be seen.
+    onError: () => void cache.invalidateQueries({ queryKey: ['run', run.id] }),
   })
 }

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import viser
 
 from backend.scenes.palette import DARK, LIGHT
-from backend.scenes.recording import Cast
+from backend.scenes.recording import Cast, Recording
 from backend.scenes.setting import Setting
 from backend.scenes.tables import number
 from campaigns.version import VERSION
@@ -49,13 +49,15 @@ class Told:
     """The digests."""
 
 
-def with_caption(page: str, setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
+def with_caption(made: Recording, setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
     """viser's page with a title, a policy that lets it ask nobody, and the card."""
     title = html.escape(f"{told.run} {cast.label}: {told.name}")
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
-    page = page.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />{policy}', 1)
+    page = made.html.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />{policy}', 1)
     page = page.replace("<title>Viser</title>", f"<title>{title}</title><style>{_STYLE}{_colours(dark)}</style>", 1)
-    return page.replace('<div id="root"></div>', f'<div id="root"></div>{_card(setting, cast, told, dark)}', 1)
+    return page.replace(
+        '<div id="root"></div>', f'<div id="root"></div>{_card(made.said, setting, cast, told, dark)}', 1
+    )
 
 
 def _colours(dark: bool) -> str:
@@ -63,7 +65,7 @@ def _colours(dark: bool) -> str:
     return f"#told{{background:{ground};color:{ink};border-color:{edge}}}"
 
 
-def _card(setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
+def _card(said: str, setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
     palette = DARK if dark else LIGHT
     quantity = setting.quantity or "value"
     flights = [("Nominal", palette.nominal, cast.nominal)] if cast.nominal else []
@@ -76,12 +78,12 @@ def _card(setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
     asked = {path: cast.shown.parameters[path] for path in _uncertain(setting) if path in cast.shown.parameters}
     given = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in asked.items()]
     marks = [_row("Campaign", told.campaign, kind="digest"), _row("Results", told.results, kind="digest")]
-    said = f"Clearance {VERSION}, viser {viser.__version__}. The play bar counts seconds of the flight."
+    last = f"{html.escape(said)} Vehicles are not to scale. Clearance {VERSION}, viser {viser.__version__}."
     return (
         f'<details id="told" open><summary>{html.escape(f"{told.run} · {cast.label}")}</summary>'
         f"<p>{html.escape(told.name)}</p>{_list(rows)}"
         + (f"<p>Parameters of {html.escape(cast.label)}, all digits</p>{_list(given)}" if given else "")
-        + f"<p>Digests (SHA-256)</p>{_list(marks)}<p>{said}</p></details>"
+        + f"<p>Digests (SHA-256)</p>{_list(marks)}<p>{last}</p></details>"
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
-from backend.db.tables import Finding
+from backend.db.tables import Finding, Stage
 from backend.results import evaluations
 from backend.results.schemas import Evaluations
 from backend.scenes.setting import NOMINAL, Setting
@@ -75,9 +75,10 @@ class Cloud:
 
 def load(reader: sa.Connection, run_id: int, setting: Setting, nominal: float | None) -> Cloud:
     """What is stored now; `nominal` is the cost of the nominal flight, where it is known."""
-    found = evaluations.read(reader, run_id, 1, None)
-    most = max(LEAST, MOST // max(1, len(found.stages)))
-    found = evaluations.read(reader, run_id, most, None)
+    stages = reader.scalar(
+        sa.select(sa.func.count()).select_from(Stage).where(Stage.run_id == run_id, Stage.evaluations > 0)
+    )
+    found = evaluations.read(reader, run_id, max(LEAST, MOST // max(1, stages or 0)), None)
     rows = reader.execute(
         sa.select(Finding.label, Finding.parameters, Finding.cost).where(Finding.run_id == run_id)
     ).all()

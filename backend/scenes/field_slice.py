@@ -170,4 +170,4 @@ def _scale(found: Slice, dark: bool) -> str:
 
 def _number(value: float) -> str:
     """Three digits."""
-    return f"{value:.3g}".replace("-", "−")
+    return f"{float(f'{value:.3g}'):g}".replace("-", "−")

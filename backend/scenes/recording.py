@@ -47,8 +47,16 @@ class Cast:
         return ({NOMINAL: self.nominal} if self.nominal else {}) | {self.label: self.shown}
 
 
-def record(setting: Setting, cast: Cast, dark: bool) -> str:
-    """A self-contained HTML page of viser's that plays the flights with obstacles, rulers, velocities, separations."""
+@dataclass(frozen=True)
+class Recording:
+    """A self-contained HTML page of viser's, and what it takes to read the picture."""
+
+    html: str
+    said: str
+
+
+def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
+    """The flights with obstacles, rulers, velocities and separations, played from their beginning to their end."""
     server = open_server(secrets.token_urlsafe(32))
     try:
         stage = _Stage(server, setting, cast, DARK if dark else LIGHT)
@@ -58,7 +66,7 @@ def record(setting: Setting, cast: Cast, dark: bool) -> str:
         for before, time in pairwise(times):
             serializer.insert_sleep(float(time - before))
             stage.move(float(time))
-        return serializer.as_html(dark_mode=dark)
+        return Recording(serializer.as_html(dark_mode=dark), stage.said)
     finally:
         server.stop()
 
@@ -78,6 +86,13 @@ class _Stage:
         self._told = {drawn: self._teller(drawn) for drawn in self._flights.every if drawn.flight is not None}
         self.move(0.0)
         self._camera()
+
+    @property
+    def said(self) -> str:
+        """What dots and arrows mean."""
+        ahead = self._vectors.ahead
+        arrows = f" An arrow is as long as the way of {ahead:g} s at that velocity." if ahead else ""
+        return f"The play bar counts seconds of the flight; dots every {self._flights.dots:g} s.{arrows}"
 
     def _teller(self, drawn: Drawn) -> Any:
         """The label at a vehicle that says how far it is from the nearest obstacle now."""

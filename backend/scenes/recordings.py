@@ -84,8 +84,8 @@ class Recordings:
         try:
             page = self._recall(asked.tag)  # made while this one waited
             if page is None:
-                scene = record(asked.setting, asked.cast, dark)
-                page = with_caption(scene, asked.setting, asked.cast, asked.told, dark)
+                made = record(asked.setting, asked.cast, dark)
+                page = with_caption(made, asked.setting, asked.cast, asked.told, dark)
         finally:
             self._turns.release()
         with self._lock:

@@ -100,6 +100,7 @@ def test_the_caption_says_what_is_shown(client: httpx.Client, run: str) -> None:
         exported["results_digest"],
         f"viser {viser.__version__}",
         "violated",
+        "The play bar counts seconds of the flight; dots every 2 s. An arrow is as long as the way of 2 s",
     ):
         assert words in card
 

@@ -46,6 +46,21 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
     return found
 
 
+def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[dict[str, float]]:
+    """Parameters, {path: value} bit by bit, of the first evaluations of a stage, at most `most`, none excluded."""
+    asked = campaign(reader, run_id)
+    of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
+    found: list[dict[str, float]] = []
+    for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
+        columns = as_columns(row)
+        flown = np.flatnonzero(columns.status != STATUS.index("excluded"))[: most - len(found)]
+        values = in_units(columns.points[flown], list(asked.uncertain), bounds(asked, published(reader)))
+        found += [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+        if len(found) >= most:
+            break
+    return found
+
+
 def _columns(reader: sa.Connection, run_id: int, position: int) -> Columns | None:
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
     rows = reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))

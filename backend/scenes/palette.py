@@ -44,6 +44,7 @@ class Palette:
     obstacle: str
     goal: str
     relative: str
+    sampled: str
     methods: dict[str, str]
 
     def method(self, name: str) -> str:
@@ -63,6 +64,7 @@ LIGHT = Palette(
     obstacle="#56b4e9",
     goal="#009e73",
     relative="#aa3377",
+    sampled="#b4bdc8",
     methods={
         "direct": "#0072b2",
         "hybrid": "#2b8fcb",
@@ -84,6 +86,7 @@ DARK = Palette(
     obstacle="#56b4e9",
     goal="#17b88a",
     relative="#e07fb5",
+    sampled="#4a5866",
     methods={
         "direct": "#3f9bdb",
         "hybrid": "#8ccbf2",

@@ -23,6 +23,7 @@ from backend.scenes.following import FRAME, Following
 from backend.scenes.live import Live
 from backend.scenes.palette import DARK, LIGHT, rgb
 from backend.scenes.part import Part
+from backend.scenes.sampled import Sampled
 from backend.scenes.schemas import ViewChange, ViewState
 from backend.scenes.setting import Progress, Setting
 from backend.scenes.vectors import Vectors
@@ -94,9 +95,10 @@ class Viewer:
             self._tab = FlightTab(
                 gui, setting, flights, self._vectors, self, address.time or 0.0, address.camera, self._progress.shown
             )
+            sampled = Sampled(self._server, self._engine, live, setting, self._world.palette, self)
             field = FieldSlice(self._server, setting, self._world, self._world.palette, flights, live, self)
         self._following.on_own = self._say_own
-        self._parts += [self._tab, field]
+        self._parts += [self._tab, sampled, field]
         with tabs.add_tab("What-if"):
             what_if = WhatIfTab(gui, setting, live, flights.what_if, self._fly, self._progress)
             self._parts.append(what_if)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -92,19 +93,19 @@ def search(first: int, count: int, criteria: int = 1) -> Columns:
 class Work:
     """A worker's hold on the next run in the queue, to be carried on step by step."""
 
-    def __init__(self, service: Service) -> None:
+    def __init__(self, service: Service, plan: Sequence[StagePlan] = PLAN) -> None:
         claim = Queue(service.engine).claim("w1")
         assert claim is not None
         self.store = RunStore(service.engine, claim)
-        self.store.plan(PLAN)
+        self.store.plan(plan)
 
     def nominal(self, flown: Trace | None = None) -> None:
         self.store.begin(0)
         self.store.finish(0, {"cost": 0.9, "margin": 0.4}, 0.01, traces=[flown or flight("nominal")])
 
-    def search(self, first: int, count: int) -> None:
-        self.store.begin(2)
-        self.store.append(2, first, search(first, count))
+    def search(self, first: int, count: int, stage: int = 2) -> None:
+        self.store.begin(stage)
+        self.store.append(stage, first, search(first, count))
 
     def found(
         self, labels: tuple[str, ...] = ("F1",), flown: Trace | None = None, by: tuple[dict[str, Any], ...] = ()

@@ -13,6 +13,7 @@ import pytest
 import websockets
 from websockets.sync.client import connect
 
+from backend.db.records import StagePlan
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, finish
 from tests.api.server import Service, until
@@ -105,6 +106,7 @@ def test_a_slider_flies_the_case_live(bare: Service) -> None:
     with bare.signed_in() as client:
         shipped = client.get("/api/v1/campaigns/unicycle_static").json()
         run = client.post("/api/v1/runs", json={"campaign": shipped["document"]}).json()["id"]
+        Work(bare, [StagePlan("nominal", None, 1), StagePlan("search", "monte_carlo", 100)]).search(0, 100, stage=1)
         with viewing(bare, client, f"/view/{run}/") as connection:
             panel = Panel(connection, last="Nominal")
             panel.set("vehicle.J [kg m2]", 0.06)
@@ -113,6 +115,8 @@ def test_a_slider_flies_the_case_live(bare: Service) -> None:
             frames_until(connection, b"What-if 0.9417 m")
             panel.set("Nominal", True)
             frames_until(connection, b"What-if 0.9436 m")
+            panel.set("Sampled flights", True)
+            frames_until(connection, b"/flights/sampled/5", b"the first 36 flights of the sample of Monte Carlo")
 
 
 def test_the_flight_can_be_played_and_looked_at_from_its_places(service: Service, client: httpx.Client) -> None:

@@ -308,8 +308,9 @@ def test_help_explains_methods_verdicts_and_components(signed_in: Visit, runs: l
         expect(page.locator(f"[id='{component['role']}-{component['name']}']")).to_have_count(1)
     signed_in.shot("help-components-1440-light", full=False)
     signed_in.go("/launch?case=unicycle_static")
-    page.get_by_text("Equations and source").first.click()
-    page.get_by_role("link", name="In the help").first.click()
+    scenario = page.get_by_role("region", name="Scenario")
+    scenario.get_by_text("Equations and source").first.click()
+    scenario.get_by_role("link", name="In the help").first.click()
     expect(page).to_have_url(re.compile("/help/components#vehicle-unicycle"))
     expect(page.locator("#vehicle-unicycle")).to_be_in_viewport()
 

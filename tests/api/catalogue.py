@@ -75,7 +75,15 @@ CATALOGUE = Catalogue.model_validate(
             ),
             component("criterion", "separation", [], dimension=None, unit="m", quantity="d_min", worse="low"),
             component(
-                "criterion", "goal_miss", [], dimension=None, unit="m", quantity="d_goal", worse="high", of="goal"
+                "criterion",
+                "goal_miss",
+                [],
+                dimension=None,
+                title="Goal miss",
+                unit="m",
+                quantity="d_goal",
+                worse="high",
+                of="goal",
             ),
         ],
         "methods": [method("direct", "global"), method("sqp", "local"), method("monte_carlo", "random")],

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
@@ -21,7 +22,7 @@ from playwright.sync_api import Browser, Download, expect
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.e2e.browser import Visit, visiting
+from tests.e2e.browser import SCREENSHOTS, Visit, visiting
 from tests.e2e.stored import served
 from tests.e2e.test_whole_way import looks
 
@@ -30,17 +31,17 @@ pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """A service with two finished runs that differ in the mass and in the budget."""
+    """A service with two finished runs of two criteria that differ in the mass."""
     with served(tmp_path_factory.mktemp("evidence")) as service:
         with service.signed_in() as client:
             for mass, verdict in ((5.0, "cleared"), (5.5, "inconclusive")):
                 submit(client, mass)
-                finish_fully(service, verdict)
+                finish_fully(service, verdict, criteria=2)
         yield service
 
 
 def submit(client: httpx.Client, mass: float) -> None:
-    document: dict[str, Any] = campaign()
+    document: dict[str, Any] = campaign(objectives=[{"component": "goal_miss"}])
     document["scenario"]["vehicle"]["parameters"]["m"] = mass
     assert client.post("/api/v1/runs", json={"campaign": document, "name": f"Mass {mass:g}"}).status_code == 201
 
@@ -87,6 +88,49 @@ def test_figures_are_saved_as_pictures(visit: Visit) -> None:
         else:
             drawn = ElementTree.parse(file).getroot()
             assert len(list(drawn.iter("{http://www.w3.org/2000/svg}text"))) > 5
+
+
+def test_the_charts_over_time_share_their_crosshair(visit: Visit) -> None:
+    page = visit.page
+    motion, separation = page.locator("#motion"), page.locator("#separation")
+    for name in ("v over time", "force over time"):
+        expect(motion.get_by_role("img", name=re.compile(name))).to_be_visible()
+    expect(motion.locator(".readout")).to_have_count(0)
+    separation.locator(".plot").hover()
+    expect(motion.locator(".readout")).to_have_count(2)
+    time = float(separation.locator(".tip .b").inner_text().removesuffix(" s"))
+    speed = f"{0.4 + 0.05 * math.sin(time):.3f}"  # as `flight` has it
+    expect(motion.locator(".readout").first).to_have_text(speed * 2)
+    motion.screenshot(path=SCREENSHOTS / "motion.png")
+    separation.get_by_role("button", name="Whole flight").click()
+    expect(page).to_have_url(re.compile("time=all"))
+    with page.expect_download() as download:
+        motion.get_by_role("button", name="Download CSV").click()
+    assert download.value.path().read_text().startswith('"time since start, s","v nominal, m/s","v worst, m/s"')
+
+
+def test_what_is_chosen_is_seen_in_every_card(visit: Visit) -> None:
+    page = visit.page
+    sensitivity, findings = page.locator("#sensitivity"), page.locator("#findings")
+    expect(findings.get_by_role("img", name=re.compile("seen from above"))).to_have_count(3)
+    expect(sensitivity.get_by_role("button", name="Others at worst")).to_be_visible()
+    findings.locator("[data-finding=F2]").get_by_role("button", name="F2").click()
+    expect(page).to_have_url(re.compile("finding=F2"))
+    expect(sensitivity.get_by_role("button", name=re.compile("Others at"))).to_have_count(1)
+    expect(page.get_by_role("heading", name="Nominal against F2")).to_be_visible()
+    findings.locator("[data-finding=F1]").get_by_role("button", name="F1").click()
+
+
+def test_every_criterion_is_told(visit: Visit) -> None:
+    page = visit.page
+    space = page.locator("#space")
+    row = page.get_by_role("row", name=re.compile("Goal miss"))
+    expect(row).to_contain_text(re.compile("0.600.*0.700.*more is worse"))
+    expect(page.locator("[data-finding=F1]")).to_contain_text("0.7000")
+    space.get_by_role("group", name="Colours by").get_by_role("button", name="Goal miss").click()
+    expect(space.get_by_role("img", name=re.compile("^Colour: d_goal from 1.01 to 2 m"))).to_be_visible()
+    expect(space.get_by_role("group", name=re.compile("^Parallel .* d_min, d_goal, m, J"))).to_be_visible()
+    expect(page).to_have_url(re.compile("by=goal_miss"))
 
 
 def test_the_report_is_read_and_printed(visit: Visit) -> None:

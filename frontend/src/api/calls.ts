@@ -88,8 +88,8 @@ export const withdrawSignoff = (run: string, signoff: number, reason: string): P
 export const getEvaluations = (run: string): Promise<Evaluations> =>
   answer(sdk.getEvaluations({ path: { run }, query: { max_points: 2000 } }))
 
-export const getTrace = (run: string, name: string): Promise<TraceData> =>
-  answer(sdk.getTrace({ path: { run, name }, query: { max_points: 1500 } }))
+export const getTrace = (run: string, name: string, most = 1500): Promise<TraceData> =>
+  answer(sdk.getTrace({ path: { run, name }, query: { max_points: most } }))
 
 /** The 3D view that this page has opened: what it shows now. */
 export const getView = (run: string, key: string, signal?: AbortSignal): Promise<ViewState> =>

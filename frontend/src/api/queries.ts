@@ -77,3 +77,7 @@ export const tracesQuery = (id: string) =>
 
 export const traceQuery = (id: string, name: string) =>
   queryOptions({ queryKey: ['trace', id, name], queryFn: () => calls.getTrace(id, name), staleTime: 300_000 })
+
+/** A flight with few enough rows for a small picture. */
+export const sketchQuery = (id: string, name: string) =>
+  queryOptions({ queryKey: ['trace', id, name, 'sketch'], queryFn: () => calls.getTrace(id, name, 160), staleTime: 300_000 })

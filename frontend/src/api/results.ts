@@ -19,6 +19,12 @@ export interface SensitivityCurve {
   status: string[]
 }
 
+/** Curves of all parameters through one point, the others as they are there. */
+export interface Slices {
+  curves: SensitivityCurve[]
+  at: Values
+}
+
 /** An index study over the whole box; `indices` is null where it was not computed, and `text` says why. */
 export interface IndexStudy<Row> {
   evaluations: number
@@ -198,8 +204,8 @@ export interface ValidateResult {
     at_most: number
   }
   comparison?: Compared[]
-  /** By finding: the boundary of a violation, null where it does not violate. */
-  after?: Record<string, { boundary: { text: string } | null }>
+  /** By finding, as far as validation came: slices through it, and the boundary of a violation, null where it is none. */
+  after?: Record<string, { boundary: { text: string } | null; slices?: Slices }>
 }
 
 interface ResultByKind {

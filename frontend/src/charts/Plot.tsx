@@ -38,6 +38,7 @@ export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
     spec.xLog,
     spec.yLog,
     spec.height,
+    spec.sync,
     ...spec.lines.map((line) => `${line.key} ${line.colour} ${hidden.has(line.key)}`),
   ].join('|')
 
@@ -83,11 +84,16 @@ export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
 
   return (
     <figure>
-      {spec.yTitle && <div className="ytitle">{spec.yTitle}</div>}
+      {spec.yTitle && (
+        <div className="ytitle">
+          {spec.yTitle}
+          {spec.readout && cursor && <Readout at={cursor.at} spec={spec} hidden={hidden} />}
+        </div>
+      )}
       <div className="plot" role="img" aria-label={spec.label} ref={holder}>
-        {cursor && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
+        {cursor && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
       </div>
-      <figcaption className="xtitle">{spec.xTitle}</figcaption>
+      {spec.xTitle && <figcaption className="xtitle">{spec.xTitle}</figcaption>}
     </figure>
   )
 }
@@ -103,6 +109,23 @@ function cursorOf(u: uPlot, spec: PlotSpec): Cursor | null {
   if (x === undefined) return null
   const at = u.valToPos(x, 'x') + u.over.offsetLeft
   return { at: idx, left: at, top: (top ?? 0) + u.over.offsetTop, flip: at > u.width / 2 }
+}
+
+/** The values at the crosshair, in the colours of their lines, beside the title. */
+function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: ReadonlySet<string> }) {
+  return (
+    <span className="readout">
+      {spec.lines.map((line) => {
+        const value = line.y[at]
+        return hidden.has(line.key) || typeof value !== 'number' ? null : (
+          <span key={line.key} title={line.label}>
+            <span className="sw" style={{ borderTop: `2px solid var(${line.colour})` }} />
+            {spec.yText(value)}
+          </span>
+        )
+      })}
+    </span>
+  )
 }
 
 function Tip({ cursor, spec, hidden }: { cursor: Cursor; spec: PlotSpec; hidden: ReadonlySet<string> }) {

@@ -20,6 +20,24 @@ export function drawTint(u: uPlot, spec: PlotSpec): void {
   ctx.restore()
 }
 
+/** Upright lines, under the curves' own marks. */
+export function drawRules(u: uPlot, spec: PlotSpec): void {
+  const { ctx, bbox } = u
+  for (const rule of spec.rules ?? []) {
+    const x = u.valToPos(rule.x, 'x', true)
+    if (x < bbox.left || x > bbox.left + bbox.width) continue
+    ctx.save()
+    ctx.strokeStyle = colour(rule.colour)
+    ctx.lineWidth = devicePixelRatio
+    ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio])
+    ctx.beginPath()
+    ctx.moveTo(x, bbox.top)
+    ctx.lineTo(x, bbox.top + bbox.height)
+    ctx.stroke()
+    ctx.restore()
+  }
+}
+
 export function drawCriteria(u: uPlot, spec: PlotSpec): void {
   if (spec.criterion) drawCriterion(u, spec.criterion)
   for (const criterion of spec.criteria ?? []) drawCriterion(u, criterion)
@@ -45,17 +63,20 @@ function drawCriterion(u: uPlot, criterion: { value: number; label?: string; rig
 }
 
 /** Points with their names. Names stand below, and below each other where the points are near. */
-export function drawPoints(u: uPlot, points: readonly Point[]): void {
+export function drawPoints(u: uPlot, points: readonly Point[], criterion?: number): void {
   const ratio = devicePixelRatio
   const placed = points.map((p) => ({ ...p, px: u.valToPos(p.x, 'x', true), py: u.valToPos(p.y, 'y', true) }))
   for (const point of placed) dot(u, point.px, point.py, point.colour, point.hollow)
+  const line = criterion === undefined ? null : u.valToPos(criterion, 'y', true)
   let last = { x: Number.NEGATIVE_INFINITY, y: Number.NEGATIVE_INFINITY, half: 0 }
   for (const { label, px, py, colour: name } of placed) {
     if (!label) continue
     const half = measure(u, label) / 2
     const x = clamp(px, u.bbox.left + half + 2, u.bbox.left + u.bbox.width - half - 2)
     const beside = Math.abs(x - last.x) < half + last.half + 8 * ratio
-    const y = beside ? Math.max(py + 16 * ratio, last.y + 15 * ratio) : py + 16 * ratio
+    const below = beside ? Math.max(py + 16 * ratio, last.y + 15 * ratio) : py + 16 * ratio
+    // Not on the criterion's line, which would strike the words out.
+    const y = line !== null && Math.abs(below - line) < 9 * ratio ? line + 11 * ratio : below
     text(u, label, x, y, name === '--c-worst' ? '--bad' : '--ink-2', 'center')
     last = { x, y, half }
   }

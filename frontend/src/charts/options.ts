@@ -1,7 +1,7 @@
 // From a `PlotSpec` to uPlot's options. The spec is read through a getter, so that new data needs no new plot.
 import uPlot from 'uplot'
 import { fixed, plain } from '../format/numbers'
-import { colour, drawCriteria, drawEnds, drawPoints, drawTint, font } from './draw'
+import { colour, drawCriteria, drawEnds, drawPoints, drawRules, drawTint, font } from './draw'
 import type { PlotSpec } from './spec'
 import { linearTicks, logTicks, padded, tickDecimals } from './ticks'
 
@@ -34,9 +34,15 @@ export function optionsFor(
   return {
     width,
     height: spec.height,
-    padding: [8, 14, 0, 0],
+    // Ticks at the ends of an axis need room for their words.
+    padding: [8, spec.xTicks ? 22 : 14, 0, 0],
     legend: { show: false },
-    cursor: { y: false, drag: { x: false, y: false }, points: { size: 7, width: 1.5 } },
+    cursor: {
+      y: false,
+      drag: { x: false, y: false },
+      points: { size: 7, width: 1.5 },
+      sync: spec.sync ? { key: spec.sync, setSeries: false, scales: ['x', null] } : undefined,
+    },
     scales: {
       x: { time: false, distr: spec.xLog ? 3 : 1, range: () => domainOf(read()) },
       y: { distr: spec.yLog ? 3 : 1, range: () => rangeOf(read(), hidden()) },
@@ -57,7 +63,7 @@ export function optionsFor(
     ],
     hooks: {
       drawAxes: [(u) => drawTint(u, read())],
-      draw: [(u) => drawCriteria(u, read()), (u) => drawEnds(u, read()), (u) => drawPoints(u, points())],
+      draw: [(u) => drawRules(u, read()), (u) => drawCriteria(u, read()), (u) => drawEnds(u, read()), (u) => drawPoints(u, points(), read().criterion?.value)],
       setCursor: [onCursor],
     },
   }
@@ -78,11 +84,10 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
       const spec = read()
       if (side === 'x' && spec.xTicks) return [...spec.xTicks]
       if (log()) return logTicks(low, high)
-      return linearTicks(
-        low,
-        high,
-        side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44)),
-      )
+      const about = side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44))
+      const ticks = linearTicks(low, high, about)
+      // One tick alone says nothing of the scale.
+      return ticks.length > 1 ? ticks : linearTicks(low, high, 2 * about)
     },
     filter: (_, splits) => splits,
     values: (_, splits) => {

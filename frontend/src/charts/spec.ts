@@ -36,7 +36,7 @@ export interface PlotSpec {
   x: readonly number[]
   lines: readonly Line[]
   points?: readonly Point[]
-  xTitle: ReactNode
+  xTitle?: ReactNode
   yTitle?: ReactNode
   xLog?: boolean
   yLog?: boolean
@@ -52,6 +52,12 @@ export interface PlotSpec {
   xText: (x: number) => string
   yText: (y: number) => string
   yTicks?: number
+  /** Charts of one key have one crosshair, at the same abscissa. */
+  sync?: string
+  /** Values at the crosshair stand beside the title of y instead of in a box: for small charts. */
+  readout?: boolean
+  /** Upright lines across the chart. */
+  rules?: readonly { x: number; colour: string }[]
   /** Keeps the left edge of plots that stand below each other in line [px]. */
   left?: number
 }

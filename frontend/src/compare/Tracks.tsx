@@ -8,7 +8,7 @@ import { useWidth } from '../ui/useWidth'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import type { Compared } from './data'
 import { RunKeys } from './Overlays'
-import { metaOf, type Place, placeOf, type Scale, scaleOf, trackOf } from './places'
+import { bodiesOf, line, metaOf, placeOf, type Scale, scaleOf, trackOf } from './places'
 
 const [HEIGHT, LEFT, BOTTOM] = [360, 46, 38]
 
@@ -63,7 +63,7 @@ export function Tracks({ runs, className }: { runs: Compared[]; className: strin
 function Drawing({ flights, near }: { flights: Flight[]; near: boolean }) {
   const [holder, width] = useWidth(520)
   const tracks = flights.map(({ trace }) => trackOf(trace, '', near))
-  const bodies = bodiesOf(flights)
+  const bodies = bodiesOf(flights.map((flight) => ({ ...flight, worst: flight.colour.includes('worst') })))
   const reaches = bodies.flatMap(({ at, reach }) => [
     { east: at.east - reach, north: at.north - reach },
     { east: at.east + reach, north: at.north + reach },
@@ -170,32 +170,3 @@ function Grid({ scale, width }: { scale: Scale; width: number }) {
     </>
   )
 }
-
-interface Body {
-  key: string
-  at: Place
-  radius: number
-  reach: number
-  track: Place[]
-}
-
-/** The obstacles of the worst flights: moving ones where they were at the closest approach; equal ones once. */
-function bodiesOf(flights: Flight[]): Body[] {
-  const found = new Map<string, Body>()
-  for (const { trace, key } of flights.filter(({ colour }) => colour.includes('worst'))) {
-    const { obstacles = [], closest, frame, threshold } = metaOf(trace)
-    obstacles.forEach((obstacle, i) => {
-      const met = i === closest?.obstacle
-      const position = met && closest.obstacle_position ? closest.obstacle_position : obstacle.position
-      if (!position || (obstacle.moving && !met)) return
-      const at = placeOf(position, frame)
-      const track = obstacle.moving ? trackOf(trace, `obstacle.${i}.`) : []
-      const name = [at.east.toFixed(3), at.north.toFixed(3), obstacle.radius, threshold].join(' ')
-      if (!found.has(name)) found.set(name, { key: `${key} ${i}`, at, radius: obstacle.radius ?? 0, reach: threshold ?? 0, track })
-    })
-  }
-  return [...found.values()]
-}
-
-const line = (places: readonly Place[], scale: Scale): string =>
-  places.length < 2 ? '' : `M${places.map((p) => `${scale.x(p).toFixed(1)} ${scale.y(p).toFixed(1)}`).join('L')}`

@@ -89,3 +89,41 @@ export function scaleOf(places: readonly Place[], width: number, height: number,
     north,
   }
 }
+
+export interface Body {
+  key: string
+  at: Place
+  radius: number
+  /** The distance to be kept from its centre. */
+  reach: number
+  track: Place[]
+}
+
+export interface Drawable {
+  key: string
+  /** A finding's flight, whose obstacles are drawn. */
+  worst: boolean
+  trace: TraceData
+}
+
+/** The obstacles of the worst flights: moving ones where they were at the closest approach; equal ones once. */
+export function bodiesOf(flights: readonly Drawable[]): Body[] {
+  const found = new Map<string, Body>()
+  for (const { trace, key } of flights.filter(({ worst }) => worst)) {
+    const { obstacles = [], closest, frame, threshold } = metaOf(trace)
+    obstacles.forEach((obstacle, i) => {
+      const met = i === closest?.obstacle
+      const position = met && closest.obstacle_position ? closest.obstacle_position : obstacle.position
+      if (!position || (obstacle.moving && !met)) return
+      const at = placeOf(position, frame)
+      const track = obstacle.moving ? trackOf(trace, `obstacle.${i}.`) : []
+      const name = [at.east.toFixed(3), at.north.toFixed(3), obstacle.radius, threshold].join(' ')
+      if (!found.has(name)) found.set(name, { key: `${key} ${i}`, at, radius: obstacle.radius ?? 0, reach: threshold ?? 0, track })
+    })
+  }
+  return [...found.values()]
+}
+
+/** Places as the path of a drawing; empty where there are fewer than two. */
+export const line = (places: readonly Place[], scale: Scale): string =>
+  places.length < 2 ? '' : `M${places.map((p) => `${scale.x(p).toFixed(1)} ${scale.y(p).toFixed(1)}`).join('L')}`

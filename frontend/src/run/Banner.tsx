@@ -4,10 +4,12 @@ import { summaryOf } from '../api/results'
 import type { RunDetail } from '../client'
 import { count } from '../format/numbers'
 import { HelpLink } from '../help/links'
-import { Prose } from '../ui/Prose'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
+import type { RunData } from './data'
+import { Said } from './Said'
 
-export function Banner({ run }: { run: RunDetail }) {
+export function Banner({ data }: { data: RunData }) {
+  const { run } = data
   const outcome = outcomeOf(run)
   const { sentence, scope, checks } = summaryOf(run)
   const { tone, word } = lookOf(outcome)
@@ -24,12 +26,13 @@ export function Banner({ run }: { run: RunDetail }) {
           </HelpLink>
         </span>
         <p>
-          <Prose
-            text={(run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''}
-            quantity={run.quantity}
-          />
+          <Said data={data} text={(run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''} />
         </p>
-        {run.verdict && scope && <p className="scope">Scope: {lower(scope)}</p>}
+        {run.verdict && scope && (
+          <p className="scope">
+            Scope: <Said data={data} text={lower(scope)} />
+          </p>
+        )}
         {run.verdict && checks && checks.length > 0 && (
           <ul className="checks" aria-label="Checks">
             {checks.map((check) => (
@@ -40,7 +43,7 @@ export function Banner({ run }: { run: RunDetail }) {
                   <IconCircleX className="i s bad-t" aria-label="does not hold" />
                 )}
                 <span>
-                  <span className="m">{check.name.charAt(0).toUpperCase() + check.name.slice(1)}</span>: {check.text}
+                  <span className="m">{check.name.charAt(0).toUpperCase() + check.name.slice(1)}</span>: <Said data={data} text={check.text} />
                 </span>
               </li>
             ))}
@@ -53,9 +56,12 @@ export function Banner({ run }: { run: RunDetail }) {
 
 const lower = (text: string): string => text.replace(/^scope:\s*/i, '')
 
+/** As a sentence, however it was stored. */
+const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1).replace(/[.\s]+$/, '')}.`
+
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled')
     return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations. What was flown is kept below; it says nothing about the avoidance system.`
   const attempts = run.attempts > 1 ? ` It was tried ${run.attempts} times.` : ''
-  return `${run.error ?? 'The run ended without a verdict.'}${attempts} This says nothing about the avoidance system.`
+  return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This says nothing about the avoidance system.`
 }

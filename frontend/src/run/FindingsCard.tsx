@@ -1,6 +1,5 @@
 // Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
-import { useNavigate } from '@tanstack/react-router'
 import type { MouseEvent } from 'react'
 import type { ValidateResult } from '../api/results'
 import type { FindingDetail } from '../client'
@@ -13,7 +12,11 @@ import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { useHotkeys } from '../ui/useHotkeys'
 import { NOMINAL } from './chosen'
-import type { RunData, UncertainParameter } from './data'
+import { type RunData, type UncertainParameter, valuesOf } from './data'
+import { closestOf } from './flown'
+import { ModePicture } from './ModePicture'
+import { Said } from './Said'
+import { useAddress } from './useAddress'
 
 interface FindingsProps {
   data: RunData
@@ -23,16 +26,8 @@ interface FindingsProps {
 
 export function FindingsCard({ data, result, className }: FindingsProps) {
   const { run, findings, parameters, chosen } = data
-  const navigate = useNavigate()
-  const choose = (name: string) =>
-    void navigate({
-      to: '/runs/$id',
-      params: { id: run.id },
-      search: (before) => ({ ...before, finding: name === findings[0]?.label ? undefined : name }),
-      hash: (hash) => hash ?? '',
-      replace: true,
-      resetScroll: false,
-    })
+  const [, change] = useAddress(run.id)
+  const choose = (name: string) => change({ finding: name === findings[0]?.label ? undefined : name })
   const names = [...findings.map((finding) => finding.label), NOMINAL]
   const step = (by: number) => choose(names[Math.min(names.length - 1, Math.max(0, names.indexOf(chosen) + by))] ?? NOMINAL)
   useHotkeys({ j: () => step(1), k: () => step(-1) })
@@ -48,7 +43,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
       footer={
         result?.findings && (
           <>
-            <Boundary text={result.after?.[chosen]?.boundary?.text} name={chosen} />
+            <Boundary data={data} text={result.after?.[chosen]?.boundary?.text} />
             <Told told={result.findings} kept={findings.length} />
           </>
         )
@@ -58,6 +53,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
         <thead>
           <tr>
             <th>Finding</th>
+            <th>From above</th>
             <th className="num">
               <Sign text={run.quantity || 'value'} />
               <br />
@@ -73,6 +69,18 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
               <br />
               <span className="u">s</span>
             </th>
+            <th className="num">
+              Speed there
+              <br />
+              <span className="u">m/s</span>
+            </th>
+            {run.criteria.slice(1).map((criterion) => (
+              <th key={criterion.name} className="num" title={criterion.title}>
+                <Sign text={criterion.quantity || criterion.title} />
+                <br />
+                <span className="u">{unitText(criterion.unit)}</span>
+              </th>
+            ))}
             {parameters.map((p) => (
               <th key={p.path} className="place" title={`${p.text} [${unitText(p.unit)}]`}>
                 <Sign text={p.symbol} />
@@ -107,9 +115,10 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
   return (
     <tr {...picking(label, on, choose)} data-finding={label}>
       <Name name={label} on={on} choose={choose} />
+      <Picture data={data} name={label} />
       <td className="num b">{fixed(cost, decimals)}</td>
       <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
-      <td className="num sec">{fixed(closestOf(data, label), 2)}</td>
+      <Met data={data} name={label} values={finding.values} />
       {parameters.map((p) => (
         <td key={p.path} className="place">
           <Place
@@ -140,9 +149,10 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
   return (
     <tr {...picking(NOMINAL, on, choose)} data-finding={NOMINAL}>
       <Name name={NOMINAL} on={on} choose={choose} />
+      <Picture data={data} name={NOMINAL} />
       <td className="num">{fixed(run.nominal_cost, decimals)}</td>
       <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
-      <td className="num sec">{fixed(closestOf(data, NOMINAL), 2)}</td>
+      <Met data={data} name={NOMINAL} values={valuesOf(data.nominalTrace)} />
       <td colSpan={parameters.length + 3} className="mut small">
         Every parameter at its nominal value
       </td>
@@ -170,9 +180,32 @@ function Name({ name, on, choose }: { name: string; on: boolean; choose: (name: 
   )
 }
 
-function closestOf({ traces }: RunData, name: string): number | null {
-  const closest = traces.find((trace) => trace.name === name)?.meta.closest as { time?: unknown } | null | undefined
-  return typeof closest?.time === 'number' ? closest.time : null
+function Picture({ data, name }: { data: RunData; name: string }) {
+  return (
+    <td className="pic">
+      <ModePicture run={data.run.id} name={name} stored={data.traces.some((trace) => trace.name === name)} />
+    </td>
+  )
+}
+
+/** When and how fast the flight is nearest, and what the criteria that do not decide say of it. */
+function Met({ data, name, values }: { data: RunData; name: string; values: Record<string, number | null> }) {
+  const { run, findings, nominalTrace } = data
+  const closest = closestOf(data.traces.find((trace) => trace.name === name))
+  return (
+    <>
+      <td className="num sec">{fixed(closest?.time, 2)}</td>
+      <td className="num sec">{fixed(closest?.speed, 2)}</td>
+      {run.criteria.slice(1).map((criterion) => {
+        const all = [valuesOf(nominalTrace), ...findings.map((finding) => finding.values)]
+        return (
+          <td key={criterion.name} className="num">
+            {fixed(values[criterion.name], decimalsApart(all.map((each) => each[criterion.name]), 4, 6))}
+          </td>
+        )
+      })}
+    </>
+  )
 }
 
 /** Up to three by name; of more, how many. */
@@ -217,10 +250,10 @@ function Validated({ finding }: { finding: FindingDetail }) {
 }
 
 /** How far from nominal the chosen violation begins. */
-function Boundary({ text, name }: { text: string | undefined; name: string }) {
+function Boundary({ data, text }: { data: RunData; text: string | undefined }) {
   return text ? (
     <div>
-      <span className="sec">Boundary of {name}:</span> {text}.
+      <span className="sec">Boundary of {data.chosen}:</span> <Said data={data} text={`${text}.`} />
     </div>
   ) : null
 }

@@ -1,8 +1,9 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
-import { lazy, Suspense, useMemo } from 'react'
+import { lazy, Suspense, useCallback, useMemo } from 'react'
 import { resultOf } from '../api/results'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { Banner } from './Banner'
+import { Columns } from './Columns'
 import { Convergence } from './Convergence'
 import { calledOf, NOMINAL } from './chosen'
 import { bestOf, type RunData, stageOf } from './data'
@@ -10,21 +11,25 @@ import { Failures } from './Failures'
 import { FindingsCard } from './FindingsCard'
 import { FiveFigures } from './FiveFigures'
 import { Flight } from './Flight'
+import { overTime } from './flown'
 import { FrontCard } from './FrontCard'
 import { IndicesCard } from './IndicesCard'
 import { MethodsTable } from './MethodsTable'
-import { Minima } from './Minima'
+import { Minima, SHOWN } from './Minima'
+import { MotionCard } from './MotionCard'
 import { NominalWorst } from './NominalWorst'
 import { Provenance } from './Provenance'
+import { Notes } from './Notes'
 import { Published } from './Published'
 import { SampleCard } from './SampleCard'
 import { type Section, SectionTabs } from './SectionTabs'
-import { SensitivityCard } from './SensitivityCard'
+import { SensitivityCard as Sensitivity } from './SensitivityCard'
 import { SeparationCard } from './SeparationCard'
 import { StageStrip } from './StageStrip'
 import { Tornado } from './Tornado'
 import { ValidationCard } from './ValidationCard'
 import { View } from './view'
+import { WhatToDo } from './WhatToDo'
 
 const SpaceCard = lazy(() => import('../space/SpaceCard').then((module) => ({ default: module.SpaceCard })))
 
@@ -32,6 +37,7 @@ export function Finished({ data }: { data: RunData }) {
   const { run } = data
   const { finding, chosen } = data
   const view = useMemo(() => new View(run.id), [run.id])
+  const cross = useCallback((time: number) => view.steer({ time }), [view])
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
   const certified = resultOf(stageOf(data, 'certify'), 'certify')
@@ -39,6 +45,7 @@ export function Finished({ data }: { data: RunData }) {
   const indices = sensitivity !== null && Boolean(sensitivity.morris ?? sensitivity.sobol)
   const front = searches.some((search) => search.front?.length)
   const minima = searches.filter((search) => search.minima.length > 0)
+  const published = run.verdict ? (data.campaign.published?.length ?? 0) : 0
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const failures = data.evaluations?.failures ?? []
   const space = data.parameters.length > 0 && data.evaluations?.stages.some((stage) => stage.index.length > 0)
@@ -49,12 +56,18 @@ export function Finished({ data }: { data: RunData }) {
   const flown = data.nominalTrace !== undefined
   // Two curves stand beside the separation, more take a row of their own.
   const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
+  // Beside the flight there is room below a short table.
+  const short = data.parameters.length + run.criteria.length <= 4
+  const shown = flown || data.findings.length > 0 || lowest !== null
+  const raised = sensitivity !== null && short && shown
   // Where each start ended needs a row of its own with many parameters.
   const many = data.parameters.length > 3
+  const timed = data.nominalTrace !== undefined && overTime(data.nominalTrace).length > 0
   const sections: Section[] = [
     ...(flown ? [{ id: 'flight', name: 'Flight' }] : []),
     ...(data.findings.length ? [{ id: 'findings', name: 'Findings', count: data.findings.length }] : []),
     ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
+    ...(timed ? [{ id: 'motion', name: 'Speeds and commands' }] : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
     ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
     ...(space ? [{ id: 'space', name: 'Parameter space' }] : []),
@@ -68,7 +81,7 @@ export function Finished({ data }: { data: RunData }) {
   ]
   return (
     <>
-      <Banner run={run} />
+      <Banner data={data} />
       {run.verdict ? (
         <FiveFigures data={data} />
       ) : (
@@ -78,36 +91,60 @@ export function Finished({ data }: { data: RunData }) {
       )}
       <SectionTabs sections={sections} />
       <div className="grid">
+        {run.state === 'failed' && !shown && (
+          <NominalWorst data={data} className="c7" title="What was asked" column={null} worst={null} />
+        )}
+        {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
         {flown && <Flight data={data} view={view} className="c8" />}
-        {(flown || data.findings.length > 0 || lowest) && (
+        {shown && (
           <div className={flown ? 'stack pair c4' : 'stack pair c6'}>
             <NominalWorst
               data={data}
               className=""
               title={titleOf(data)}
-              column={chosen === NOMINAL ? null : finding ? calledOf(chosen) : 'Lowest, not validated'}
+              note={finding || chosen === NOMINAL ? undefined : 'not validated'}
+              column={chosen === NOMINAL ? null : finding ? calledOf(chosen) : 'Lowest'}
               worst={finding ? { ...finding, method: methodOf(data), atBounds: finding.at_bounds } : lowest}
             />
-            {few && <Tornado data={data} result={sensitivity} className="" />}
+            {raised && <Tornado data={data} result={sensitivity} className="" />}
           </div>
         )}
         {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
-        {flown && <SeparationCard data={data} onCross={(time) => view.steer({ time })} className={few ? 'c7' : 'c12'} />}
-        {sensitivity && (
-          <SensitivityCard data={data} result={sensitivity} className={few ? 'c5' : 'c8'} height={few ? 226 : 150} />
+        {flown && (
+          <SeparationCard data={data} onCross={cross} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
         )}
-        {sensitivity && !few && <Tornado data={data} result={sensitivity} className="c4" />}
+        {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5" height={226} />}
+        {timed && <MotionCard data={data} onCross={cross} className={few ? 'c12' : 'c5'} />}
+        {sensitivity && !few && (
+          <Sensitivity
+            data={data}
+            result={sensitivity}
+            validation={validation}
+            className={raised ? 'c12' : 'c8'}
+            height={150}
+          />
+        )}
+        {sensitivity && !raised && <Tornado data={data} result={sensitivity} className="c4" tall={data.parameters.length > 6} />}
         {sensitivity && indices && <IndicesCard data={data} result={sensitivity} className="c12" />}
-        <div className="stack c7 wide">
-          {searched && <MethodsTable data={data} className="" id="methods" />}
-          {!many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="" />)}
-          {validation && <ValidationCard data={data} result={validation} className="" />}
-          {run.verdict && <Published data={data} className="" />}
-        </div>
-        <div className="stack c5 wide">
-          {searched && <Convergence data={data} className="" />}
-          {sample && <SampleCard data={data} sample={sample} grid={certified?.grid} className="" />}
-        </div>
+        {searched && <MethodsTable data={data} className="c7" id="methods" />}
+        {searched && <Convergence data={data} className="c5" height={Math.min(300, 180 + 30 * methods)} />}
+        <Columns
+          pieces={[
+            sample && {
+              height: 480,
+              card: <SampleCard key="sample" data={data} sample={sample} grid={certified?.grid} className="" />,
+            },
+            validation && {
+              height: 150 + 110 * validation.cases.length,
+              card: <ValidationCard key="validation" data={data} result={validation} className="" />,
+            },
+            ...(many ? [] : minima).map((search) => ({
+              height: 110 + 38 * Math.min(search.minima.length, SHOWN),
+              card: <Minima key={search.method} data={data} search={search} className="" />,
+            })),
+            published > 0 && { height: 130 + 44 * published, card: <Published key="published" data={data} className="" /> },
+          ]}
+        />
         {space && (
           // Loaded after the page; the height is kept for it, so that what follows does not jump.
           <div className="c12" id="space" style={{ minHeight: 520 }}>
@@ -120,7 +157,8 @@ export function Finished({ data }: { data: RunData }) {
         {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />
-        <SignoffsCard run={run} className="c12" />
+        <SignoffsCard run={run} className="c6" />
+        <Notes run={run} className="c6" />
       </div>
     </>
   )

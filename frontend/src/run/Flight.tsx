@@ -2,9 +2,10 @@
 import { IconLoader } from '@tabler/icons-react'
 import { useIsFetching } from '@tanstack/react-query'
 import { useSearch } from '@tanstack/react-router'
-import { useEffect, useRef, useState, useSyncExternalStore } from 'react'
+import { useEffect, useState, useSyncExternalStore } from 'react'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
+import { useNear } from '../ui/useNear'
 import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
 import { FlightHead, toggle } from './FlightHead'
@@ -18,8 +19,8 @@ interface FlightProps {
 
 export function Flight({ data, view, className }: FlightProps) {
   const theme = useTheme()
-  const holder = useRef<HTMLDivElement>(null)
-  const [near, setNear] = useState(false)
+  // A viewer costs the service a scene: it is opened when it comes near the window.
+  const [holder, near] = useNear<HTMLDivElement>()
   const ready = useCalm() && near
   const { t, cam } = useSearch({ from: '/runs/$id' })
   const shown = useSyncExternalStore(view.subscribe, () => view.shown)
@@ -33,17 +34,6 @@ export function Flight({ data, view, className }: FlightProps) {
   useEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
   useEffect(() => (address === null ? undefined : view.open()), [view, address])
   useEffect(() => keysOf(holder.current?.closest('section'), view), [view])
-
-  // A viewer costs the service a scene: it is opened when it comes near the window.
-  useEffect(() => {
-    const element = holder.current
-    if (!element || near) return
-    const observer = new IntersectionObserver(([entry]) => entry?.isIntersecting && setNear(true), {
-      rootMargin: '200px',
-    })
-    observer.observe(element)
-    return () => observer.disconnect()
-  }, [near])
 
   return (
     <Card

@@ -8,7 +8,9 @@ import { Sign } from '../ui/Sign'
 import { useNow } from '../ui/useNow'
 import { Convergence } from './Convergence'
 import { bestOf, leaderOf, type RunData, searchesOf } from './data'
+import { Failures } from './Failures'
 import { MethodsTable } from './MethodsTable'
+import { Notes } from './Notes'
 import { NominalWorst } from './NominalWorst'
 import { StageStrip } from './StageStrip'
 
@@ -23,8 +25,8 @@ export function Live({ data }: { data: RunData }) {
         <StageStrip run={run} />
       </div>
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <div className="stack c8">
-          <Convergence data={data} className="" height={330} />
+        <div className="stack filled c8">
+          <Convergence data={data} className="" height={400} />
           <MethodsTable data={data} className="" />
         </div>
         <div className="stack pair c4">
@@ -33,13 +35,20 @@ export function Live({ data }: { data: RunData }) {
             className=""
             title="Best so far"
             column="Best so far"
-            worst={best && { cost: best.cost, parameters: best.parameters, method: best.method }}
+            worst={best}
           />
           <Improvements data={data} className="" />
         </div>
+        <LiveFailures data={data} />
+        <Notes run={run} className="c12" />
       </div>
     </>
   )
+}
+
+/** Already while it works: what failed may be worth stopping for. */
+function LiveFailures({ data }: { data: RunData }) {
+  return data.evaluations?.failures.length ? <Failures data={data} className="c12" /> : null
 }
 
 function Queued({ data }: { data: RunData }) {
@@ -49,6 +58,10 @@ function Queued({ data }: { data: RunData }) {
         This run waits for a worker. It starts by itself as soon as one is free.
       </p>
       <StageStrip run={data.run} />
+      <div className="grid" style={{ marginTop: 'var(--gap)' }}>
+        <NominalWorst data={data} className="c6" title="What is asked" column={null} worst={null} />
+        <Notes run={data.run} className="c6" />
+      </div>
     </>
   )
 }

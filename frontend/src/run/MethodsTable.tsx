@@ -7,6 +7,7 @@ import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type RunData, type SearchStage, searchesOf, stageOf } from './data'
+import { Said } from './Said'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
   const { run } = data
@@ -25,7 +26,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
       id={id}
       flush
       right={<HelpLink to="/help/methods">What each method does</HelpLink>}
-      footer={over ? <Ends searches={searches} /> : undefined}
+      footer={over ? <Ends data={data} searches={searches} /> : undefined}
     >
       <table className="tight">
         <thead>
@@ -123,13 +124,13 @@ const membersText = (members: Member[]): string =>
   members.map((member) => `${member.title} ${count(member.evaluations)}`).join(', ')
 
 /** How each search ended, in its own words. */
-function Ends({ searches }: { searches: SearchStage[] }) {
+function Ends({ data, searches }: { data: RunData; searches: SearchStage[] }) {
   return searches.map(({ stage, title, result }) =>
     result?.stop ? (
       <div key={stage.position}>
         <span className="sec">{title}:</span> {result.stop.text}
         {result.members && result.members.length > 0 && `; ${membersText(result.members)}`}
-        {result.gap && `; ${result.gap.text}`}
+        {result.gap && <Said data={data} text={`; ${result.gap.text}`} />}
       </div>
     ) : null,
   )

@@ -1,4 +1,5 @@
 // Where the descents of a method ended: of a local one each start beside its end, of any other the lowest ends alone.
+import { useState } from 'react'
 import type { SearchResult } from '../api/results'
 import { count, decimalsApart, decimalsFor, fixed, NONE } from '../format/numbers'
 import { unitText } from '../format/units'
@@ -7,6 +8,8 @@ import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
 
+/** How many starts are listed before the card says that there are more. */
+export const SHOWN = 12
 const MOST = 40
 /** Of a method whose descents are its own affair. */
 const FEW = 5
@@ -26,7 +29,8 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
   const lowest = Math.min(...costs)
   // A method that starts from points of its own sample tells none: then only where each descent ended is shown.
   const started = search.kind === 'local'
-  const most = started ? MOST : FEW
+  const [all, setAll] = useState(false)
+  const most = all ? MOST : started ? SHOWN : FEW
   const rows = (started ? search.minima : [...search.minima].sort((a, b) => a.cost - b.cost)).slice(0, most)
   return (
     <Card
@@ -40,9 +44,14 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
       className={className}
       flush
       footer={
-        search.minima.length > most
-          ? `The ${started ? 'first' : 'lowest'} ${most} of ${count(search.minima.length)}.`
-          : undefined
+        search.minima.length > (started ? SHOWN : FEW) && (
+          <span className="row" style={{ justifyContent: 'space-between' }}>
+            The {started ? 'first' : 'lowest'} {rows.length} of {count(search.minima.length)}
+            <button type="button" className="btn s" onClick={() => setAll(!all)}>
+              {all ? 'Show fewer' : `Show ${Math.min(MOST, search.minima.length)}`}
+            </button>
+          </span>
+        )
       }
     >
       <table className="tight">

@@ -1,17 +1,20 @@
 // Nominal against worst: every uncertain parameter, where it lies within its bounds, and what comes of it.
-import { decimalsFor, fixed, NONE, plain } from '../format/numbers'
+import { decimalsFor, fixed, NARROW, NONE, plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { WithinBounds } from '../ui/bars'
 import { Card } from '../ui/Card'
 import { CopyButton } from '../ui/files'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
-import type { RunData, UncertainParameter } from './data'
+import { type RunData, type UncertainParameter, valuesOf } from './data'
+import { closestOf } from './flown'
 
 interface Worst {
   cost: number
   parameters: Record<string, number>
   method: string | null
+  /** Of every criterion, by its name. */
+  values: Record<string, number | null>
   atBounds?: Record<string, string>
 }
 
@@ -19,19 +22,22 @@ interface NominalWorstProps {
   data: RunData
   className: string
   title: string
+  note?: string
   /** Head of the column of the other flight; null for the nominal one alone. */
   column: string | null
   worst: Worst | null
   id?: string
 }
 
-export function NominalWorst({ data, className, title, column, worst, id }: NominalWorstProps) {
+export function NominalWorst({ data, className, title, note, column, worst, id }: NominalWorstProps) {
   const { run, parameters, nominalTrace, findingTrace } = data
   const decimals = decimalsFor([run.nominal_cost, worst?.cost])
-  const times = [closest(nominalTrace), closest(findingTrace)]
+  const near = [closestOf(nominalTrace), column === null || !findingTrace ? null : closestOf(findingTrace)] as const
+  const both = column !== null
   return (
     <Card
       title={title}
+      note={note}
       className={className}
       id={id}
       flush
@@ -58,16 +64,19 @@ export function NominalWorst({ data, className, title, column, worst, id }: Nomi
           {parameters.map((parameter) => (
             <Row key={parameter.path} parameter={parameter} worst={worst} alone={column === null} />
           ))}
-          {times.some((time) => time !== null) && (
-            <tr>
-              <td className="sec">
-                Time of closest approach <span className="mut small">s</span>
-              </td>
-              <td className="num sec">{fixed(times[0], 2)}</td>
-              {column !== null && <td className="num">{fixed(times[1], 2)}</td>}
-              <td />
-            </tr>
-          )}
+          <Told name="Speed at closest approach" unit="m/s" both={both} values={near.map((at) => at?.speed ?? null)} />
+          <Told name="Time of closest approach" unit="s" both={both} values={near.map((at) => at?.time ?? null)} />
+          {run.criteria.slice(1).map((criterion) => (
+            <Told
+              key={criterion.name}
+              name={criterion.title}
+              sign={criterion.quantity}
+              unit={criterion.unit}
+              both={both}
+              note={criterion.worse === 'high' ? 'more is worse' : 'less is worse'}
+              values={[valuesOf(nominalTrace)[criterion.name] ?? null, worst?.values[criterion.name] ?? null]}
+            />
+          ))}
           <tr>
             <td className="m">
               <Sign text={run.quantity || 'value'} /> <span className="mut small">{run.unit}</span>
@@ -78,7 +87,9 @@ export function NominalWorst({ data, className, title, column, worst, id }: Nomi
                 {fixed(worst?.cost, decimals)}
               </td>
             )}
-            <td className="small mut">criterion {plain(run.threshold)}</td>
+            <td className="small mut">
+              {run.threshold !== null && `criterion ${plain(run.threshold)}${NARROW}${run.unit}`}
+            </td>
           </tr>
         </tbody>
       </table>
@@ -86,9 +97,42 @@ export function NominalWorst({ data, className, title, column, worst, id }: Nomi
   )
 }
 
-function closest(trace: RunData['nominalTrace']): number | null {
-  const time = (trace?.meta.closest as { time?: unknown } | undefined)?.time
-  return typeof time === 'number' ? time : null
+interface ToldProps {
+  name: string
+  sign?: string
+  unit: string
+  both: boolean
+  note?: string
+  /** In the nominal flight and in the other one. */
+  values: (number | null)[]
+}
+
+/** What else is told of the two flights; nothing where neither tells it. */
+function Told({ name, sign, unit, both, note, values }: ToldProps) {
+  const [nominal, other] = values
+  if (nominal === null && (other === null || !both)) return null
+  const decimals = sign ? decimalsFor(values) : 2
+  return (
+    <tr>
+      <td className="sec">
+        {sign ? (
+          <span className="rn">
+            <span className="m">
+              <Sign text={sign} /> <span className="mut small">{unitText(unit)}</span>
+            </span>
+            <small>{name}</small>
+          </span>
+        ) : (
+          <>
+            {name} <span className="mut small">{unit}</span>
+          </>
+        )}
+      </td>
+      <td className="num sec">{fixed(nominal, decimals)}</td>
+      {both && <td className="num">{fixed(other, decimals)}</td>}
+      <td className="small mut">{note}</td>
+    </tr>
+  )
 }
 
 function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst: Worst | null; alone: boolean }) {

@@ -9,7 +9,7 @@ import { useEdit } from './useEdit'
 
 const MOST = 20_000
 
-export function Notes({ run }: { run: RunDetail }) {
+export function Notes({ run, className }: { run: RunDetail; className: string }) {
   const [draft, setDraft] = useState<string | null>(null)
   const [read, setRead] = useState('')
   const edit = useEdit(run, () => setDraft(null))
@@ -22,7 +22,7 @@ export function Notes({ run }: { run: RunDetail }) {
     <Card
       title="Notes"
       note={writing ? 'Markdown: **bold**, *italic*, - lists, [links](https://…), tables' : undefined}
-      className="c12"
+      className={className}
       id="notes"
       right={
         !writing && (

@@ -12,7 +12,6 @@ import { Finished } from './Finished'
 import { Head } from './Head'
 import { History } from './History'
 import { Live } from './Live'
-import { Notes } from './Notes'
 
 export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
@@ -35,7 +34,6 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
       <Head run={run} stale={stale} />
       {isLive(run) ? <Live data={data} /> : <Finished data={data} />}
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <Notes run={run} />
         <History run={run} />
       </div>
     </>

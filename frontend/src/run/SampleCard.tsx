@@ -11,6 +11,7 @@ import { SvgSign, symbolText } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import { DistributionCurve } from './DistributionCurve'
 import type { RunData } from './data'
+import { Said } from './Said'
 
 interface SampleCardProps {
   data: RunData
@@ -56,9 +57,9 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
       footer={
         <>
           Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
-          lowest {fixed(sample.lowest, decimals)} {run.unit}. {sample.text}.
-          {quantile && ` ${sentence(quantile.text)}`}
-          {grid && ` ${sentence(grid.text)}`}
+          lowest {fixed(sample.lowest, decimals)} {run.unit}. <Said data={data} text={`${sample.text}.`} />
+          {quantile && <Said data={data} text={` ${sentence(quantile.text)}`} />}
+          {grid && <Said data={data} text={` ${sentence(grid.text)}`} />}
         </>
       }
     >

@@ -1,40 +1,47 @@
-// Sensitivity: each parameter over its bounds with the others nominal; the curves share the vertical axis.
+// Sensitivity: each parameter over its bounds, the others nominal, and the others as in the chosen finding; all curves
+// share the vertical axis.
 import { useMemo, useState } from 'react'
-import type { SensitivityCurve, SensitivityResult } from '../api/results'
+import type { SensitivityCurve, SensitivityResult, Slices, ValidateResult } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
+import { type Key, Legend, useHidden } from '../charts/Legend'
 import { Plot } from '../charts/Plot'
+import { linesOn, union } from '../charts/series'
 import type { PlotSpec } from '../charts/spec'
 import { padded } from '../charts/ticks'
 import { decimalsFor, fixed, plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Seg } from '../ui/Card'
 import { Sign, symbolText } from '../ui/Sign'
+import { calledOf, NOMINAL } from './chosen'
 import type { RunData, UncertainParameter } from './data'
 
 interface SensitivityCardProps {
   data: RunData
   result: SensitivityResult
+  /** Whose slices are drawn beside the curves. */
+  validation: ValidateResult | null
   className: string
   /** Of each plot [px]. */
   height: number
 }
 
-export function SensitivityCard({ data, result, className, height }: SensitivityCardProps) {
-  const { run, parameters } = data
+export function SensitivityCard({ data, result, validation, className, height }: SensitivityCardProps) {
+  const { run, parameters, chosen } = data
   const [axis, setAxis] = useState<'near' | 'all'>('near')
-  const costs = result.curves.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
+  const [hidden, toggle] = useHidden()
+  const slices = validation?.after?.[chosen]?.slices
+  const called = calledOf(chosen).replace('Worst', 'worst')
+  const drawn = [...result.curves, ...(slices?.curves ?? [])]
+  const costs = drawn.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
   const threshold = run.threshold
   const far = threshold !== null && costs.length > 0 && Math.min(...costs) - threshold > 6 * spread(costs)
   const withCriterion = threshold !== null && (!far || axis === 'all')
   const yRange = padded(withCriterion ? [...costs, threshold] : costs, false, 0.1)
-  const failed = result.curves.reduce((sum, curve) => sum + curve.status.filter((s) => s !== 'ok').length, 0)
-  const table = () => ({
-    name: 'sensitivity',
-    columns: ['parameter', 'value', `${run.quantity}, ${run.unit}`, 'status'],
-    rows: result.curves.flatMap((curve) =>
-      curve.values.map((value, i) => [curve.path, value, curve.costs[i] ?? null, curve.status[i] ?? '']),
-    ),
-  })
+  const keys: Key[] = [
+    { key: 'nominal', label: 'Others at nominal', colour: '--c-nom' },
+    ...(slices ? [{ key: 'worst', label: `Others at ${called}`, colour: '--c-worst' }] : []),
+    ...(withCriterion ? [{ key: 'criterion', label: 'Criterion', colour: '--c-crit', dashed: true, fixed: true }] : []),
+  ]
   return (
     <ChartCard
       title={
@@ -42,25 +49,28 @@ export function SensitivityCard({ data, result, className, height }: Sensitivity
           Sensitivity of <Sign text={run.quantity || 'value'} />
         </>
       }
-      note={`${run.unit}, ${result.points} points per curve, others nominal`}
+      note={`${run.unit}, ${result.points} points per curve`}
       className={className}
       id="sensitivity"
       run={run.id}
-      data={table}
+      data={() => tableOf(data, result, slices, called)}
       right={
-        far && (
-          <Seg
-            label="Vertical axis"
-            options={[
-              { value: 'near', label: 'Values' },
-              { value: 'all', label: 'With criterion' },
-            ]}
-            value={axis}
-            onChange={setAxis}
-          />
-        )
+        <>
+          <Legend keys={keys} hidden={hidden} onToggle={toggle} />
+          {far && (
+            <Seg
+              label="Vertical axis"
+              options={[
+                { value: 'near', label: 'Values' },
+                { value: 'all', label: 'With criterion' },
+              ]}
+              value={axis}
+              onChange={setAxis}
+            />
+          )}
+        </>
       }
-      footer={failed > 0 ? `${failed} of these flights gave no value; the curves have gaps there.` : undefined}
+      footer={footerOf(drawn, missing(validation, chosen, slices))}
     >
       <div className="smalls">
         {result.curves.map((curve) => {
@@ -70,9 +80,12 @@ export function SensitivityCard({ data, result, className, height }: Sensitivity
               key={curve.path}
               data={data}
               curve={curve}
+              slices={slices}
+              called={called}
               parameter={parameter}
               yRange={yRange}
               criterion={withCriterion}
+              hidden={hidden}
               height={height}
             />
           ) : null
@@ -89,27 +102,79 @@ export function SensitivityCard({ data, result, className, height }: Sensitivity
 
 const spread = (values: number[]): number => Math.max(...values) - Math.min(...values)
 
+/** The slice of one parameter through the finding, and the finding's own value of it. */
+function throughOf(slices: Slices | undefined, path: string): Through | null {
+  const curve = slices?.curves.find((each) => each.path === path)
+  return curve && slices ? { curve, at: slices.at[path] ?? null } : null
+}
+
+interface Through {
+  curve: SensitivityCurve
+  at: number | null
+}
+
+/** Why a finding has no slices, where validation ended before it flew them. */
+function missing(validation: ValidateResult | null, chosen: string, slices: Slices | undefined): string {
+  if (slices || chosen === NOMINAL || !validation?.findings || validation.findings.complete) return ''
+  return `No slices were flown through ${chosen}: validation ended before it came to them. `
+}
+
+function footerOf(curves: readonly SensitivityCurve[], absent: string) {
+  const failed = curves.reduce((sum, curve) => sum + curve.status.filter((status) => status !== 'ok').length, 0)
+  const gaps = failed > 0 ? `${failed} of these flights gave no value; the curves have gaps there.` : ''
+  return absent || gaps ? absent + gaps : undefined
+}
+
+function tableOf({ run }: RunData, result: SensitivityResult, slices: Slices | undefined, called: string) {
+  const rows = (curves: readonly SensitivityCurve[], others: string) =>
+    curves.flatMap((curve) =>
+      curve.values.map((value, i) => [curve.path, others, value, curve.costs[i] ?? null, curve.status[i] ?? '']),
+    )
+  return {
+    name: 'sensitivity',
+    columns: ['parameter', 'others at', 'value', `${run.quantity}, ${run.unit}`, 'status'],
+    rows: [...rows(result.curves, 'nominal'), ...rows(slices?.curves ?? [], called)],
+  }
+}
+
 interface SmallProps {
   data: RunData
   curve: SensitivityCurve
+  slices: Slices | undefined
+  called: string
   parameter: UncertainParameter
   yRange: [number, number]
   criterion: boolean
+  hidden: ReadonlySet<string>
   height: number
 }
 
-function Small({ data, curve, parameter, yRange, criterion, height }: SmallProps) {
-  const { run } = data
+function Small({ data, curve, slices, called, parameter, yRange, criterion, hidden, height }: SmallProps) {
+  const { run, finding } = data
   const { symbol, unit, text, nominal, low, high } = parameter
   const [y0, y1] = yRange
+  const cost = finding?.cost ?? null
   const spec = useMemo((): PlotSpec => {
-    const decimals = decimalsFor(curve.costs, 5)
+    const through = throughOf(slices, curve.path)
+    const nominals = { x: curve.values, y: curve.costs }
+    const others = through && { x: through.curve.values, y: through.curve.costs }
+    const xs = others ? union([nominals, others]) : curve.values
+    const decimals = decimalsFor([...curve.costs, ...(others?.y ?? [])], 5)
     const digits = decimalsFor([low, high, nominal])
+    const point = through && through.at !== null && cost !== null ? { x: through.at, y: cost } : null
     return {
       label: `${symbolText(run.quantity)} over ${text}`,
-      x: curve.values,
-      lines: [{ key: 'nominal', label: 'Others nominal', colour: '--c-nom', y: curve.costs, width: 1.8 }],
-      points: run.nominal_cost === null ? [] : [{ x: nominal, y: run.nominal_cost, colour: '--c-nom' }],
+      x: xs,
+      lines: [
+        { key: 'nominal', label: 'Others at nominal', colour: '--c-nom', y: linesOn(xs, nominals), width: 1.8 },
+        ...(others
+          ? [{ key: 'worst', label: `Others at ${called}`, colour: '--c-worst', y: linesOn(xs, others), width: 1.8 }]
+          : []),
+      ],
+      points: [
+        ...(run.nominal_cost === null ? [] : [{ x: nominal, y: run.nominal_cost, colour: '--c-nom', line: 'nominal' }]),
+        ...(point ? [{ ...point, colour: '--c-worst', line: 'worst' }] : []),
+      ],
       xTitle: (
         <>
           <Sign text={symbol} />
@@ -133,6 +198,9 @@ function Small({ data, curve, parameter, yRange, criterion, height }: SmallProps
     }
   }, [
     curve,
+    slices,
+    called,
+    cost,
     run.quantity,
     run.unit,
     run.threshold,
@@ -148,5 +216,5 @@ function Small({ data, curve, parameter, yRange, criterion, height }: SmallProps
     criterion,
     height,
   ])
-  return <Plot spec={spec} />
+  return <Plot spec={spec} hidden={hidden} />
 }

@@ -1,47 +1,60 @@
 // Separation over time: nominal and worst flight, the criterion with its forbidden side, the closest approaches.
-import { useMemo, useState } from 'react'
+import { useMemo } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../charts/Legend'
 import { Plot } from '../charts/Plot'
-import { type Curve, linesOn, union } from '../charts/series'
-import type { PlotSpec, Point } from '../charts/spec'
+import { linesOn, union } from '../charts/series'
+import type { PlotSpec } from '../charts/spec'
 import type { TraceData } from '../client'
 import { decimalsFor, fixed, plain } from '../format/numbers'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { calledOf } from './chosen'
 import type { RunData } from './data'
+import { closestOf, curveOf, extentOf, firstOf, spanOf, TIME } from './flown'
+import { useAddress } from './useAddress'
 
-interface Drawn {
+export interface Flown {
   key: string
   label: string
   colour: string
-  trace: TraceData | undefined
+  trace: TraceData
+}
+
+/** The nominal flight and the chosen one, as far as they are there. */
+export function flownOf({
+  nominalTrace,
+  findingTrace,
+  chosen,
+}: Pick<RunData, 'nominalTrace' | 'findingTrace' | 'chosen'>): Flown[] {
+  const pair = [
+    { key: 'nominal', label: 'Nominal', colour: '--c-nom', trace: nominalTrace },
+    { key: 'worst', label: calledOf(chosen), colour: '--c-worst', trace: findingTrace },
+  ]
+  return pair.flatMap(({ trace, ...rest }) => (trace ? [{ ...rest, trace }] : []))
+}
+
+/** How much of the flights the charts over time show, one for all of them. */
+export function useShown(id: string): [Shown, (shown: Shown) => void] {
+  const [{ time }, change] = useAddress(id)
+  return [time ?? 'encounter', (shown) => change({ time: shown === 'all' ? 'all' : undefined })]
 }
 
 interface SeparationProps {
   data: RunData
   className: string
+  height: number
   /** Called with the time under the pointer [s]: the flight is shown at it. */
   onCross: (time: number) => void
 }
 
-export function SeparationCard({ data, className, onCross }: SeparationProps) {
-  const { run, nominalTrace, findingTrace, chosen } = data
-  const called = calledOf(chosen)
-  const [window, setWindow] = useState<Shown>('encounter')
+export function SeparationCard({ data, className, height, onCross }: SeparationProps) {
+  const { run } = data
+  const [shown, setShown] = useShown(run.id)
   const [hidden, toggle] = useHidden()
+  const { nominalTrace, findingTrace, chosen } = data
   const spec = useMemo(
-    () =>
-      specOf(
-        [
-          { key: 'nominal', label: 'Nominal', colour: '--c-nom', trace: nominalTrace },
-          { key: 'worst', label: called, colour: '--c-worst', trace: findingTrace },
-        ],
-        run.threshold,
-        run.unit,
-        window,
-      ),
-    [nominalTrace, findingTrace, called, run.threshold, run.unit, window],
+    () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), run.threshold, run.unit, shown, height),
+    [nominalTrace, findingTrace, chosen, run.threshold, run.unit, shown, height],
   )
   const keys: Key[] = [
     ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),
@@ -63,7 +76,7 @@ export function SeparationCard({ data, className, onCross }: SeparationProps) {
       right={
         <>
           <Legend keys={keys} hidden={hidden} onToggle={toggle} />
-          <WindowSeg label="Time shown" value={window} onChange={setWindow} />
+          <WindowSeg label="Time shown" value={shown} onChange={setShown} />
         </>
       }
     >
@@ -72,50 +85,25 @@ export function SeparationCard({ data, className, onCross }: SeparationProps) {
   )
 }
 
-function curveOf(trace: TraceData): Curve {
-  const name = (group: string) => trace.columns.find((column) => column.group === group)?.name ?? ''
-  const x = (trace.data[name('time')] ?? []).map((value) => value ?? 0)
-  return { x, y: trace.data[name('separation')] ?? [] }
-}
-
-interface Closest {
-  time: number
-  value: number
-}
-
-const closestOf = (trace: TraceData | undefined): Closest | null => {
-  const closest = trace?.meta.closest as Partial<Closest> | null | undefined
-  return typeof closest?.time === 'number' && typeof closest.value === 'number' ? (closest as Closest) : null
-}
-
-function specOf(all: Drawn[], threshold: number | null, unit: string, window: Shown): PlotSpec {
-  const drawn = all.flatMap(({ trace, ...rest }) => (trace ? [{ ...rest, trace, curve: curveOf(trace) }] : []))
+function specOf(all: Flown[], threshold: number | null, unit: string, shown: Shown, height: number): PlotSpec {
+  const drawn = all.map((flown) => ({ ...flown, curve: curveOf(flown.trace, firstOf(flown.trace, 'separation')) }))
   const xs = union(drawn.map(({ curve }) => curve))
-  const near = drawn.flatMap(({ trace }) => closestOf(trace) ?? [])
-  const lowest = Math.min(...near.map((point) => point.value))
-  const decimals = decimalsFor([lowest])
-  const points: Point[] = drawn.flatMap(({ key, label, colour, trace }) => {
+  const decimals = decimalsFor([Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))])
+  const points = drawn.flatMap(({ key, label, colour, trace }) => {
     const closest = closestOf(trace)
     if (!closest) return []
     const words = `${label} ${fixed(closest.value, decimals)} ${unit} at ${fixed(closest.time, 2)} s`
-    return [
-      {
-        x: closest.time,
-        y: closest.value,
-        colour,
-        label: words,
-        line: key,
-      },
-    ]
+    return [{ x: closest.time, y: closest.value, colour, label: words, line: key }]
   })
-  // The encounter: as far as separation stays within twice the larger of the criterion and the lowest value.
-  const reach = 2 * Math.max(threshold ?? 0, Number.isFinite(lowest) ? lowest : 0)
-  const inside = drawn.flatMap(({ curve }) =>
-    curve.x.filter((_, i) => (curve.y[i] ?? Number.POSITIVE_INFINITY) <= reach),
+  const xRange = spanOf(
+    drawn.map(({ trace }) => trace),
+    threshold,
+    shown,
   )
-  const whole: [number, number] = [xs[0] ?? 0, xs[xs.length - 1] ?? 1]
-  const span = inside.length > 2 ? ([Math.min(...inside), Math.max(...inside)] as [number, number]) : whole
-  const xRange = window === 'all' ? whole : span
+  const extent = extentOf(
+    drawn.map(({ curve }) => curve),
+    xRange,
+  )
   return {
     label: `Separation over time, ${drawn.map(({ label }) => label.toLowerCase()).join(' and ')} flight, with the criterion`,
     x: xs,
@@ -124,29 +112,14 @@ function specOf(all: Drawn[], threshold: number | null, unit: string, window: Sh
     yTitle: `Separation between centres, ${unit}`,
     xTitle: 'Time since start, s',
     xRange,
-    yRange: [
-      0,
-      top(
-        drawn.map(({ curve }) => curve),
-        xRange,
-      ),
-    ],
+    yRange: [0, (extent?.[1] ?? 0) * 1.04 || 1],
     criterion:
       threshold === null
         ? undefined
         : { value: threshold, label: `Criterion, ${plain(threshold)} ${unit}`, tint: true, right: true },
-    height: 280,
+    height,
+    sync: TIME,
     xText: (x) => `${fixed(x, 2)} s`,
     yText: (y) => `${fixed(y, decimals)} ${unit}`,
   }
-}
-
-function top(curves: Curve[], [from, to]: [number, number]): number {
-  let most = 0
-  for (const curve of curves)
-    curve.x.forEach((x, i) => {
-      const y = curve.y[i]
-      if (x >= from && x <= to && typeof y === 'number' && y > most) most = y
-    })
-  return most * 1.04 || 1
 }

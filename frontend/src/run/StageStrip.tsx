@@ -3,8 +3,9 @@ import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoad
 import { asCampaign } from '../api/campaign'
 import { isLive } from '../api/queries'
 import type { RunDetail, StageProgress } from '../client'
-import { count, decimalsFor, fixed } from '../format/numbers'
+import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { Progress } from '../ui/Card'
+import { methodLook } from '../ui/methods'
 
 type State = 'done' | 'act' | 'todo' | 'fail'
 
@@ -109,17 +110,25 @@ const shareOf = (stage: StageProgress): number =>
 
 function textOf(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): string {
   const working = stages.find((stage) => stage.state === 'running')
-  if (kind === 'nominal')
-    return run.nominal_cost === null
-      ? 'all parameters at their nominal values'
-      : `${fixed(run.nominal_cost, decimalsFor([run.nominal_cost]))} ${run.unit}`
-  if (kind === 'sensitivity') return 'one parameter at a time over its bounds'
-  if (kind === 'search') {
-    const number = asCampaign(run.campaign).stages.search.length
-    const methods = `${number} ${number === 1 ? 'method' : 'methods'}`
-    return working?.method ? `${working.method.replaceAll('_', ' ')}, ${methods} in all` : methods
+  if (kind === 'nominal') return nominalText(run)
+  if (kind === 'sensitivity') {
+    const number = Object.keys(asCampaign(run.campaign).uncertain).length
+    return `${number} ${number === 1 ? 'parameter' : 'parameters'}, one at a time`
   }
-  if (kind === 'certify') return 'independent sample from the distributions'
-  if (kind === 'validate') return 'half step, second integrator, neighbours'
+  if (kind === 'search') {
+    const number = stages.length || asCampaign(run.campaign).stages.search.length
+    const methods = `${number} ${number === 1 ? 'method' : 'methods'}`
+    if (!working?.method) return methods
+    const { title } = methodLook(working.method)
+    return number > 1 ? `${title}, ${stages.indexOf(working) + 1} of ${methods}` : title
+  }
+  if (kind === 'certify') return 'independent sample'
+  if (kind === 'validate') return 'half step, other integrator'
   return ''
+}
+
+function nominalText({ nominal_cost: cost, threshold, unit }: RunDetail): string {
+  if (cost === null) return 'every parameter nominal'
+  const value = `${fixed(cost, decimalsFor([cost]))} ${unit}`
+  return threshold === null ? value : `${value}, ${cost > threshold ? 'clear of' : 'not above'} ${plain(threshold)} ${unit}`
 }

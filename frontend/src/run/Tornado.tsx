@@ -19,9 +19,11 @@ interface TornadoProps {
   data: RunData
   result: SensitivityResult
   className: string
+  /** Rows farther apart: beside much that is higher. */
+  tall?: boolean
 }
 
-export function Tornado({ data, result, className }: TornadoProps) {
+export function Tornado({ data, result, className, tall }: TornadoProps) {
   const { run } = data
   const bars = barsOf(data, result)
   const decimals = decimalsFor([run.nominal_cost], 4)
@@ -48,7 +50,7 @@ export function Tornado({ data, result, className }: TornadoProps) {
         )
       }
     >
-      <Bars bars={bars} quantity={run.quantity} unit={run.unit} />
+      <Bars bars={bars} quantity={run.quantity} unit={run.unit} row={tall ? 52 : 36} />
     </ChartCard>
   )
 }
@@ -68,9 +70,9 @@ function barsOf({ run, parameters }: RunData, result: SensitivityResult): Bar[] 
 }
 
 const reach = (bar: Bar): number => Math.max(Math.abs(bar.low), Math.abs(bar.high))
-const [ROW, BAR, LEFT, SIDE] = [36, 16, 46, 34]
+const [BAR, LEFT, SIDE] = [16, 46, 34]
 
-function Bars({ bars, quantity, unit }: { bars: Bar[]; quantity: string; unit: string }) {
+function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; unit: string; row: number }) {
   const [holder, width] = useWidth(340)
   const most = Math.max(...bars.map(reach), 1e-12)
   const plot = width - LEFT - 2 * SIDE
@@ -78,7 +80,7 @@ function Bars({ bars, quantity, unit }: { bars: Bar[]; quantity: string; unit: s
   const right = linearTicks(0, most, 2).filter((tick) => tick > 0)
   const ticks = [...right.map((tick) => -tick).reverse(), 0, ...right]
   const decimals = tickDecimals(ticks)
-  const bottom = bars.length * ROW + 6
+  const bottom = bars.length * row + 6
   return (
     <div ref={holder}>
       <svg
@@ -96,7 +98,7 @@ function Bars({ bars, quantity, unit }: { bars: Bar[]; quantity: string; unit: s
           </g>
         ))}
         {bars.map((bar, i) => {
-          const y = i * ROW + 8
+          const y = i * row + (row - 20) / 2
           return (
             <g key={bar.path}>
               <text x={4} y={y + 12} className="lab">

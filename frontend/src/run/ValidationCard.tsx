@@ -5,6 +5,7 @@ import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../form
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
+import { Said } from './Said'
 
 export function ValidationCard({
   data,
@@ -37,7 +38,7 @@ export function ValidationCard({
       }
       footer={
         <>
-          {sentence(result.text)} Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
+          <Said data={data} text={sentence(result.text)} /> Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
           {neighbours && (
             <>
               {count(neighbours.flown)} neighbours of the worst case were flown

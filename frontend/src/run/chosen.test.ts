@@ -22,6 +22,16 @@ it('reads an instant and a camera', () => {
   for (const t of ['', '-1', 'nan', 'soon', '1e9', true]) expect(readChosen({ t, cam: 'behind' })).toEqual({})
 })
 
+it('reads what colours the parameter space, how much of the flight, and which columns', () => {
+  expect(readChosen({ by: 'goal_miss#2', time: 'all', columns: 'u,p_demand' })).toEqual({
+    by: 'goal_miss#2',
+    time: 'all',
+    columns: 'u,p_demand',
+  })
+  expect(readChosen({ by: 'a b', time: 'some', columns: 'u,,p' })).toEqual({})
+  expect(readChosen({ brush: 'goal_miss#2:1:2' })).toEqual({ brush: ['goal_miss#2:1:2'] })
+})
+
 it('shows the worst unless another one is known', () => {
   expect(chosenOf(undefined, found('F1', 'F2'))).toBe('F1')
   expect(chosenOf('F2', found('F1', 'F2'))).toBe('F2')

@@ -1,5 +1,5 @@
-// Which flight a run's page shows beside the nominal one, a finding or none, and which instant of it from where. It
-// stands in the address.
+// What a run's page shows beside the nominal flight, which instant of it from where, and how: it stands in the address,
+// so that a copy shows the same.
 import type { FindingDetail } from '../client'
 import { CAMERAS, type Camera } from './view'
 
@@ -10,6 +10,12 @@ export interface ChosenSearch {
   finding?: string
   /** Ranges in the parameter space, `path:from:to` each. */
   brush?: string[]
+  /** The criterion that colours the parameter space, by its name; the one that decides where there is none. */
+  by?: string
+  /** The whole flight in the charts over time, not the encounter alone. */
+  time?: 'all'
+  /** Columns of the flight shown over time, with commas between; the usual ones where there is none. */
+  columns?: string
   /** The instant that the 3D view opens at [s]; the closest approach where there is none. */
   t?: number
   /** From where it is looked at first. */
@@ -17,13 +23,16 @@ export interface ChosenSearch {
 }
 
 export function readChosen(search: Record<string, unknown>): ChosenSearch {
-  const { finding, brush, t, cam } = search
-  const time = typeof t === 'string' && t !== '' ? Number(t) : t
-  const ranges = [brush].flat().filter((range) => typeof range === 'string' && /^[\w.]+:\S+:\S+$/.test(range)) as string[]
+  const { finding, brush, by, time, columns, t, cam } = search
+  const at = typeof t === 'string' && t !== '' ? Number(t) : t
+  const ranges = [brush].flat().filter((range) => typeof range === 'string' && /^[\w.#]+:\S+:\S+$/.test(range)) as string[]
   return {
     ...(typeof finding === 'string' && /^(F[1-9]\d{0,2}|nominal)$/.test(finding) ? { finding } : {}),
     ...(ranges.length > 0 ? { brush: ranges } : {}),
-    ...(typeof time === 'number' && time >= 0 && time < 1e6 ? { t: time } : {}),
+    ...(typeof by === 'string' && /^\w+(#\d+)?$/.test(by) ? { by } : {}),
+    ...(time === 'all' ? { time } : {}),
+    ...(typeof columns === 'string' && /^[\w.]+(,[\w.]+)*$/.test(columns) ? { columns } : {}),
+    ...(typeof at === 'number' && at >= 0 && at < 1e6 ? { t: at } : {}),
     ...(CAMERAS.includes(cam as Camera) ? { cam: cam as Camera } : {}),
   }
 }

@@ -203,21 +203,29 @@ export interface Best {
   /** Counted from 1. */
   evaluation: number
   parameters: Record<string, number>
+  /** Of every criterion, by its name. */
+  values: Record<string, number | null>
 }
 
 /** The lowest value of all searches with its parameters, as far as the page knows them. */
-export function bestOf({ evaluations }: RunData): Best | null {
+export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
   let best: Best | null = null
   for (const series of evaluations?.stages ?? []) {
     if (series.kind !== 'search') continue
     series.cost.forEach((cost, i) => {
       if (cost === null || (best && cost >= best.cost)) return
       const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
-      best = { cost, method: series.method, evaluation: (series.index[i] ?? 0) + 1, parameters }
+      const further = Object.entries(series.further).map(([name, v]) => [name, v[i] ?? null] as const)
+      const values = { [run.criteria[0]?.name ?? '']: cost, ...Object.fromEntries(further) }
+      best = { cost, method: series.method, evaluation: (series.index[i] ?? 0) + 1, parameters, values }
     })
   }
   return best
 }
+
+/** The values of all criteria at a stored flight, by their names; none where they were not stored. */
+export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | null> =>
+  (trace?.meta.values as Record<string, number | null> | undefined) ?? {}
 
 /** The search stage that has found the lowest value so far. */
 export function leaderOf(run: RunDetail): StageProgress | null {

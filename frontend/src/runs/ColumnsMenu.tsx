@@ -2,7 +2,7 @@
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { COLUMNS } from './columns'
 import { type ColumnKey, USUAL } from './columnKeys'
-import { Menu } from './FilterMenu'
+import { Menu } from '../ui/Menu'
 
 interface ColumnsMenuProps {
   cols: ColumnKey[] | undefined

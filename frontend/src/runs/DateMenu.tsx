@@ -1,6 +1,6 @@
 // When a run was submitted: today, in the last days, or between two days.
 import { DAYS, type Days, type RunsSearch } from './search'
-import { Menu } from './FilterMenu'
+import { Menu } from '../ui/Menu'
 
 const NAME: Record<Days, string> = { 1: 'today', 7: 'last 7 days', 30: 'last 30 days' }
 

@@ -1,9 +1,8 @@
 // A filter with several answers: a button that says what is chosen, and a list to choose from.
-import { Popover } from '@mantine/core'
-import { IconChevronDown } from '@tabler/icons-react'
 import { type ReactNode, useState } from 'react'
 import type { Facet } from '../client'
 import { count } from '../format/numbers'
+import { Menu } from '../ui/Menu'
 
 interface FilterMenuProps {
   name: string
@@ -60,34 +59,5 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
         </button>
       )}
     </Menu>
-  )
-}
-
-interface MenuProps {
-  name: string
-  said: ReactNode
-  on: boolean
-  icon?: ReactNode
-  children: ReactNode
-}
-
-/** A button with a panel below it. */
-export function Menu({ name, said, on, icon, children }: MenuProps) {
-  return (
-    <Popover position="bottom-start" width={280} trapFocus returnFocus shadow="none" withinPortal>
-      <Popover.Target>
-        <button type="button" className={on ? 'chip on' : 'chip'}>
-          {icon}
-          <span className="cut">
-            {name}
-            {said !== null && <>: {said}</>}
-          </span>
-          <IconChevronDown className="i mut" aria-hidden />
-        </button>
-      </Popover.Target>
-      <Popover.Dropdown aria-label={name}>
-        <div className="panel">{children}</div>
-      </Popover.Dropdown>
-    </Popover>
   )
 }

@@ -10,7 +10,7 @@ const [WIDTH, LEFT] = [180, 8]
 export function ColourBar({ ink, symbol, unit, threshold }: { ink: Ink; symbol: string; unit: string; threshold: number | null }) {
   const { low, high, theme } = ink
   const id = useId()
-  const palette = shades(theme)
+  const palette = ink.turned ? shades(theme).reverse() : shades(theme)
   const at = threshold !== null && threshold >= low && threshold <= high && high > low ? (threshold - low) / (high - low) : null
   return (
     <svg

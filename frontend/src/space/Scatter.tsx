@@ -9,7 +9,7 @@ import { useWidth } from '../ui/useWidth'
 import { Layer } from './Layer'
 import { type Cell, paintPoints, placed, pointNear } from './paint'
 import type { ViewProps } from './Parallel'
-import { type Axis, rangeOn, shareOf, type Space, valueAt } from './space'
+import { type Axis, parametersOf, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
 
 const [LEFT, BOTTOM, TOP, RIGHT, GAP] = [62, 40, 8, 10, 14]
@@ -24,8 +24,8 @@ export function Scatter({ height, pair, ...view }: ScatterProps) {
   const { space, kept, ink, worst, over } = view
   const [holder, width] = useWidth(520)
   const cells = useMemo(
-    () => (pair ? [cellOf(pair, width, height)] : matrixOf(space, width, height)),
-    [space, pair, width, height],
+    () => (pair ? [cellOf(pair, width, height)] : matrixOf(space, ink.axis, width, height)),
+    [space, ink.axis, pair, width, height],
   )
   const paint = useCallback(
     (ctx: CanvasRenderingContext2D) => paintPoints(ctx, space, kept, ink, cells),
@@ -65,9 +65,9 @@ const cellOf = ([x, y]: readonly [number, number], width: number, height: number
   height: height - TOP - BOTTOM,
 })
 
-/** The lower triangle of all pairs, parameters in order, the value in the last row. */
-function matrixOf({ axes }: Space, width: number, height: number): Cell[] {
-  const order = [...axes.keys()].slice(1).concat(0)
+/** The lower triangle of all pairs, parameters in order, what gives the colours in the last row. */
+function matrixOf({ axes }: Space, last: number, width: number, height: number): Cell[] {
+  const order = [...parametersOf(axes), last]
   const across = order.length - 1
   const w = (width - LEFT - RIGHT - GAP * (across - 1)) / across
   const h = (height - TOP - BOTTOM - GAP * (across - 1)) / across

@@ -1,7 +1,6 @@
 // The parameter space: every stage's evaluations with their value as colour, in parallel coordinates and over pairs of
 // parameters. A range on an axis keeps what lies within it, in every view. Start reading at `SpaceCard`.
 import { IconX } from '@tabler/icons-react'
-import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useEffect, useMemo, useState } from 'react'
 import type { EvaluationSeries } from '../client'
 import { ChartCard } from '../charts/ChartCard'
@@ -10,12 +9,14 @@ import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import type { RunData } from '../run/data'
 import { useTheme } from '../theme/useTheme'
+import { Seg } from '../ui/Card'
+import { useAddress } from '../run/useAddress'
 import { Sign, symbolText } from '../ui/Sign'
 import { ColourBar } from './ColourBar'
 import type { Ink } from './paint'
 import { Parallel, type ViewProps } from './Parallel'
 import { Scatter } from './Scatter'
-import { type Axis, type Brush, brushed, brushOf, brushTexts, FATES, keptOf, type Space, spaceOf, valueAxis, worstOf } from './space'
+import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, FATES, keptOf, parametersOf, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
 import './space.css'
 
@@ -27,23 +28,31 @@ const FEW = 4
 export function SpaceCard({ data, className }: { data: RunData; className: string }) {
   const { run, catalogue, evaluations, parameters } = data
   const theme = useTheme()
+  const [address, change] = useAddress(run.id)
+  const further = useMemo(() => run.criteria.slice(1), [run.criteria])
   const space = useMemo(() => {
     const value = valueAxis(evaluations, run.quantity || 'value', run.unit, run.threshold)
     const titleOf = ({ method, kind }: EvaluationSeries) =>
       catalogue?.methods.find((m) => m.name === method)?.title ?? method ?? kind.charAt(0).toUpperCase() + kind.slice(1)
-    return spaceOf({ evaluations, axes: [value, ...parameters.map((p) => ({ ...p, key: p.path }))], titleOf, most: MOST })
-  }, [evaluations, parameters, catalogue, run.quantity, run.unit, run.threshold])
+    // Not all stages of a run may have them: what was flown by an older version knows only the one that decides.
+    const told = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
+    const axes = [value, ...told.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
+    return spaceOf({ evaluations, axes, titleOf, most: MOST })
+  }, [evaluations, parameters, catalogue, further, run.quantity, run.unit, run.threshold])
   const [brush, setBrush] = useAddressedBrush(run.id, space.axes)
   const [hidden, toggle] = useHidden()
   const [over, setOver] = useState<number | null>(null)
-  const [pair, setPair] = useState<readonly [number, number]>([1, 2])
+  const [first = 1, second = 2] = parametersOf(space.axes)
+  const [asked, setPair] = useState<readonly [number, number] | null>(null)
+  const pair = asked ?? ([first, second] as const)
+  const by = Math.max(0, space.axes.findIndex(({ key }) => key === address.by))
   const kept = useMemo(() => keptOf(space, brush, hidden), [space, brush, hidden])
   const worst = useMemo(() => worstOf(space, kept), [space, kept])
   const ink = useMemo((): Ink => {
-    const values = (space.columns[0] ?? new Float64Array()).filter((value) => !Number.isNaN(value))
+    const values = (space.columns[by] ?? new Float64Array()).filter((value) => !Number.isNaN(value))
     const [low, high] = [values.reduce((a, b) => Math.min(a, b), Infinity), values.reduce((a, b) => Math.max(a, b), -Infinity)]
-    return { theme, low, high }
-  }, [space, theme])
+    return { theme, low, high, axis: by, turned: space.axes[by]?.worse === 'high' }
+  }, [space, theme, by])
   if (space.count === 0 || parameters.length === 0) return null
   const view: ViewProps = {
     space,
@@ -79,9 +88,26 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
             <Toggles space={space} hidden={hidden} onToggle={toggle} />
             <Ranges {...view} onClear={() => setBrush({})} />
           </div>
-          {ink.low <= ink.high && (
-            <ColourBar ink={ink} symbol={run.quantity || 'value'} unit={run.unit} threshold={run.threshold} />
-          )}
+          <div className="by">
+            {further.length > 0 && (
+              <Seg
+                label="Colours by"
+                options={run.criteria
+                  .filter((_, k) => k === 0 || space.axes[k]?.worse)
+                  .map((c, k) => ({ value: k === 0 ? VALUE : c.name, label: c.title }))}
+                value={space.axes[by]?.key ?? VALUE}
+                onChange={(name) => change({ by: name === VALUE ? undefined : name })}
+              />
+            )}
+            {ink.low <= ink.high && (
+              <ColourBar
+                ink={ink}
+                symbol={space.axes[by]?.symbol ?? 'value'}
+                unit={space.axes[by]?.unit ?? ''}
+                threshold={by === 0 ? run.threshold : null}
+              />
+            )}
+          </div>
         </div>
         <div className="views">
           <Parallel {...view} height={height ?? 340} none={some} />
@@ -98,29 +124,16 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
 
 /** The ranges, which stand in the address too: its copy shows the same. */
 function useAddressedBrush(id: string, axes: readonly Axis[]) {
-  const asked = useSearch({ from: '/runs/$id' }).brush
-  const navigate = useNavigate()
+  const [{ brush: asked }, change] = useAddress(id)
   const [brush, setBrush] = useState<Brush>(() => brushOf(asked ?? [], axes))
   const texts = brushTexts(brush).join(' ')
   const there = asked?.join(' ') ?? ''
   useEffect(() => {
     if (texts === there) return
     // The address follows once the range rests.
-    const timer = setTimeout(
-      () =>
-        void navigate({
-          to: '/runs/$id',
-          params: { id },
-          search: (before) => ({ ...before, brush: texts ? texts.split(' ') : undefined }),
-          hash: (hash) => hash ?? '',
-          replace: true,
-          resetScroll: false,
-          hashScrollIntoView: false,
-        }),
-      300,
-    )
+    const timer = setTimeout(() => change({ brush: texts ? texts.split(' ') : undefined }), 300)
     return () => clearTimeout(timer)
-  }, [texts, there, id, navigate])
+  }, [texts, there, change])
   return [brush, setBrush] as const
 }
 
@@ -226,7 +239,7 @@ function Reading({ space, at, lowest }: { space: Space; at: number | null; lowes
 
 function tableOf(space: Space, kept: Uint32Array) {
   const headed = (axis: Axis) => {
-    const name = axis === space.axes[0] ? symbolText(axis.symbol) : axis.key
+    const name = axis === space.axes[0] || axis.worse ? symbolText(axis.symbol) : axis.key
     return axis.unit ? `${name}, ${axis.unit}` : name
   }
   return {

@@ -29,6 +29,10 @@ export interface Ink {
   /** The values at the ends of the colour scale. */
   low: number
   high: number
+  /** Whose values they are, by its position among the axes. */
+  axis: number
+  /** Whether high values are the ones to stand out, not low ones. */
+  turned: boolean
 }
 
 /** Canvas lines beyond which Chromium's rasteriser takes longer for one path than for several. */
@@ -47,14 +51,20 @@ export function prepared(canvas: HTMLCanvasElement, width: number, height: numbe
   return ctx
 }
 
-/** Rows by shade from the highest values to the lowest; behind them those without a value. */
-export function layersOf(space: Space, kept: Uint32Array, { low, high }: Ink): { fates: number[][]; shaded: number[][] } {
+/** Rows by shade, what stands out first; behind them those without a value. */
+export function layersOf(
+  space: Space,
+  kept: Uint32Array,
+  { low, high, axis, turned }: Ink,
+): { fates: number[][]; shaded: number[][] } {
   const fates: number[][] = [[], [], []]
   const shaded: number[][] = Array.from({ length: SHADES }, () => [])
-  const values = space.columns[0] as Float64Array
+  const values = space.columns[axis] as Float64Array
   for (const i of kept) {
-    const fate = space.fates[i] as number
-    if (fate === 0) shaded[shadeOf(values[i] as number, low, high)]?.push(i)
+    const value = values[i] as number
+    const fate = space.fates[i] || (Number.isNaN(value) ? 1 : 0)
+    const shade = shadeOf(value, low, high)
+    if (fate === 0) shaded[turned ? SHADES - 1 - shade : shade]?.push(i)
     else fates[fate]?.push(i)
   }
   return { fates, shaded }

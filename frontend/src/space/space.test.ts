@@ -2,6 +2,7 @@
 import { expect, it } from 'vitest'
 import type { Evaluations, EvaluationSeries } from '../client'
 import { rgbOf, SHADES, shadeOf } from './colours'
+import { layersOf } from './paint'
 import {
   type Axis,
   brushed,
@@ -15,6 +16,8 @@ import {
   VALUE,
   valueAt,
   valueAxis,
+  criterionAxis,
+  parametersOf,
   worstOf,
 } from './space'
 
@@ -51,6 +54,20 @@ it('puts all stages into columns', () => {
   expect([...TWO.fates]).toEqual([0, 0, 1, 2, 0, 0])
   expect([...TWO.of]).toEqual([0, 0, 0, 0, 1, 1])
   expect(TWO.groups.map(({ shown }) => shown)).toEqual([4, 2])
+})
+
+it('has further criteria between the value and the parameters', () => {
+  const told = { ...series(2, [3, 1, null], [1, 2, 3], ['ok', 'ok', 'failed']), further: { miss: [7, 9, null] } }
+  const criterion = { name: 'miss', component: 'miss', title: 'Miss', quantity: 'd', unit: 'm', worse: 'high' } as const
+  const further = criterionAxis({ criteria: [criterion], stages: [told], failures: [] }, criterion)
+  expect([further.key, further.worse, further.low < 7, further.high > 9]).toEqual(['miss', 'high', true, true])
+  const axes = [axis(VALUE), further, axis('a')]
+  const space = spaceOf({ evaluations: { criteria: [], stages: [told], failures: [] }, axes, titleOf: () => '', most: 10 })
+  expect([...(space.columns[1] ?? [])]).toEqual([7, 9, Number.NaN])
+  expect(parametersOf(axes)).toEqual([2])
+  const ink = { theme: 'light', low: 7, high: 9, axis: 1, turned: true } as const
+  // What is worst lies in the first layer, which is painted last.
+  expect(layersOf(space, Uint32Array.of(0, 1, 2), ink).shaded[0]).toEqual([1])
 })
 
 it('leaves out a stage without the parameters', () => {

@@ -1,11 +1,13 @@
 // The evaluations of all stages as columns for charts, and which of them ranges on the axes keep.
 // Start reading at `spaceOf` and `keptOf`.
-import type { Evaluations, EvaluationSeries } from '../client'
+import type { CriterionOut, Evaluations, EvaluationSeries } from '../client'
 import { padded } from '../charts/ticks'
 
 export interface Axis {
-  /** A parameter's path, or `VALUE`. */
+  /** A parameter's path, `VALUE`, or the name of a further criterion. */
   key: string
+  /** Of a further criterion: which end is worse. */
+  worse?: 'low' | 'high'
   symbol: string
   unit: string
   text: string
@@ -30,7 +32,7 @@ export const FATES = ['ok', 'failed', 'excluded'] as const
 export type Fate = (typeof FATES)[number]
 
 export interface Space {
-  /** The value first, then the parameters. */
+  /** The value first, then the further criteria, then the parameters. */
   axes: Axis[]
   groups: Group[]
   /** By axis; the value of a failed or excluded evaluation is NaN. */
@@ -57,7 +59,7 @@ interface Source {
 
 /** At most about `most` evaluations, each stage by its share, with the lowest of each. */
 export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
-  const stages = (evaluations?.stages ?? []).filter((series) => axes.every(({ key }) => key === VALUE || series.parameters[key]))
+  const stages = (evaluations?.stages ?? []).filter((series) => axes.every(({ key }) => key === VALUE || columnOf(series, key)))
   const there = stages.reduce((sum, series) => sum + series.index.length, 0)
   const rows = stages.map((series) => thinned(series.cost, Math.ceil((series.index.length * most) / Math.max(there, most))))
   const count = rows.reduce((sum, chosen) => sum + chosen.length, 0)
@@ -83,7 +85,7 @@ export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
       const cost = series.cost[row] ?? Number.NaN
       axes.forEach(({ key }, k) => {
         const column = space.columns[k] as Float64Array
-        column[at] = key === VALUE ? cost : (series.parameters[key]?.[row] ?? Number.NaN)
+        column[at] = key === VALUE ? cost : (columnOf(series, key)?.[row] ?? Number.NaN)
       })
       space.fates[at] = series.status[row] === 'ok' ? 0 : series.status[row] === 'excluded' ? 2 : 1
       space.of[at] = group
@@ -93,6 +95,10 @@ export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
   })
   return space
 }
+
+/** What a stage tells of a parameter or of a further criterion; their keys differ, paths have dots. */
+const columnOf = (series: EvaluationSeries, key: string): readonly (number | null)[] | undefined =>
+  series.parameters[key] ?? series.further?.[key]
 
 /** At most `most` rows, evenly spread, the lowest among them. */
 export function thinned(costs: readonly (number | null)[], most: number): number[] {
@@ -209,3 +215,15 @@ export function valueAxis(evaluations: Evaluations | undefined, symbol: string, 
   const range = near ? padded([...costs, threshold], false, 0.02) : [low, high]
   return { key: VALUE, symbol, unit, text: '', low: range[0] as number, high: range[1] as number }
 }
+
+/** The axis of a criterion that does not decide: all its values. */
+export function criterionAxis(evaluations: Evaluations | undefined, criterion: CriterionOut): Axis {
+  const { name, title, quantity, unit, worse } = criterion
+  const values = (evaluations?.stages ?? []).flatMap((series) => (series.further[name] ?? []).filter((value) => value !== null))
+  const [low, high] = padded(values, false, 0.02)
+  return { key: name, symbol: quantity || title, unit, text: title, low, high, worse }
+}
+
+/** Positions of the parameters among the axes: behind the value and the further criteria. */
+export const parametersOf = (axes: readonly Axis[]): number[] =>
+  axes.flatMap((axis, k) => (k === 0 || axis.worse ? [] : [k]))

@@ -1,12 +1,28 @@
-// A sentence of the service with the symbol of the quantity set as in print.
+// A sentence of the service as in print: symbols of the quantity and of parameters, numbers with their units.
+import { pieces } from '../format/prose'
 import { Sign } from './Sign'
 
-export function Prose({ text, quantity }: { text: string; quantity: string }) {
-  if (!quantity.includes('_')) return text
-  return text.split(quantity).map((part, i) => (
-    <span key={i}>
-      {i > 0 && <Sign text={quantity} />}
-      {part}
-    </span>
-  ))
+interface ProseProps {
+  text: string
+  quantity: string
+  /** Of the quantity. */
+  unit?: string
+  /** Uncertain parameters, by whose paths sentences name them. */
+  parameters?: readonly { path: string; symbol: string; unit: string; text: string }[]
+}
+
+export function Prose({ text, quantity, unit = '', parameters = [] }: ProseProps) {
+  const terms = [
+    ...(quantity.includes('_') ? [{ written: quantity, symbol: quantity }] : []),
+    ...parameters.map(({ path, symbol }) => ({ written: path, symbol })),
+  ]
+  return pieces(text, terms, ['s', unit, ...parameters.map((parameter) => parameter.unit)]).map((piece, i) =>
+    'symbol' in piece ? (
+      <span key={i} title={piece.written === piece.symbol ? undefined : piece.written}>
+        <Sign text={piece.symbol} />
+      </span>
+    ) : (
+      <span key={i}>{piece.text}</span>
+    ),
+  )
 }

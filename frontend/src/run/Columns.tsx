@@ -1,0 +1,19 @@
+// Cards of unlike heights in two columns, so that neither ends long before the other.
+import type { ReactNode } from 'react'
+import { balanced, type Weighed } from './balanced'
+
+export interface Piece extends Weighed {
+  card: ReactNode
+}
+
+/** What is false or null is left out; a single card takes the whole width. */
+export function Columns({ pieces }: { pieces: readonly (Piece | false | null)[] }) {
+  const there = pieces.filter((piece): piece is Piece => Boolean(piece))
+  if (there.length === 0) return null
+  if (there.length === 1) return <div className="stack c12">{there[0]?.card}</div>
+  return balanced(there).map((column, i) => (
+    <div key={i} className="stack filled c6 wide">
+      {column.map((piece) => piece.card)}
+    </div>
+  ))
+}

@@ -1,0 +1,32 @@
+// A button with a panel of choices below it.
+import { Popover } from '@mantine/core'
+import { IconChevronDown } from '@tabler/icons-react'
+import type { ReactNode } from 'react'
+
+interface MenuProps {
+  name: string
+  said: ReactNode
+  on: boolean
+  icon?: ReactNode
+  children: ReactNode
+}
+
+export function Menu({ name, said, on, icon, children }: MenuProps) {
+  return (
+    <Popover position="bottom-start" width={280} trapFocus returnFocus shadow="none" withinPortal>
+      <Popover.Target>
+        <button type="button" className={on ? 'chip on' : 'chip'}>
+          {icon}
+          <span className="cut">
+            {name}
+            {said !== null && <>: {said}</>}
+          </span>
+          <IconChevronDown className="i mut" aria-hidden />
+        </button>
+      </Popover.Target>
+      <Popover.Dropdown aria-label={name}>
+        <div className="panel">{children}</div>
+      </Popover.Dropdown>
+    </Popover>
+  )
+}

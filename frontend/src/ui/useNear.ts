@@ -1,0 +1,18 @@
+// Whether an element has come near the window: what costs much is asked for only then.
+import { type RefObject, useEffect, useRef, useState } from 'react'
+
+/** A reference for the element, and true once it has been near; stays true. */
+export function useNear<T extends HTMLElement>(): [RefObject<T | null>, boolean] {
+  const element = useRef<T>(null)
+  const [near, setNear] = useState(false)
+  useEffect(() => {
+    const held = element.current
+    if (!held || near) return
+    const observer = new IntersectionObserver(([entry]) => entry?.isIntersecting && setNear(true), {
+      rootMargin: '200px',
+    })
+    observer.observe(held)
+    return () => observer.disconnect()
+  }, [near])
+  return [element, near]
+}

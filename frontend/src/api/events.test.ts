@@ -9,6 +9,7 @@ const SERIES = {
   seconds: [0.1, 0.3],
   cost: [5, 4],
   status: ['ok', 'ok'],
+  further: { goal_miss: [8, 9] },
   parameters: { 'vehicle.m': [1, 2] },
   improvements: { index: [0, 2], seconds: [0.1, 0.3], cost: [5, 4] },
 } as unknown as EvaluationSeries
@@ -25,6 +26,7 @@ it('has the best with its parameters, and every improvement', () => {
   const after = extended(SERIES, fresh([5, 7], [3, 2], { 'vehicle.m': 6 }))
   expect(after.improvements).toMatchObject({ index: [0, 2, 5, 7], cost: [5, 4, 3, 2] })
   expect(after).toMatchObject({ total: 9, index: [0, 2, 7], cost: [5, 4, 2], parameters: { 'vehicle.m': [1, 2, 6] } })
+  expect(after.further).toEqual({ goal_miss: [8, 9, null] })
 })
 
 it('takes nothing twice', () => {

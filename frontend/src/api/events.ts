@@ -155,6 +155,9 @@ function withBest(stage: EvaluationSeries, fresh: Improvements): EvaluationSerie
   const parameters: Record<string, number[]> = {}
   for (const [path, values] of Object.entries(stage.parameters))
     parameters[path] = [...values, fresh.parameters[path] ?? Number.NaN]
+  // The stream brings the deciding value alone: the others come when the evaluations are read again.
+  const further: Record<string, (number | null)[]> = {}
+  for (const [name, values] of Object.entries(stage.further)) further[name] = [...values, null]
   return {
     ...stage,
     index: [...stage.index, at],
@@ -162,5 +165,6 @@ function withBest(stage: EvaluationSeries, fresh: Improvements): EvaluationSerie
     cost: [...stage.cost, cost],
     status: [...stage.status, 'ok'],
     parameters,
+    further,
   }
 }

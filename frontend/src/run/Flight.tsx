@@ -33,7 +33,7 @@ export function Flight({ data, view, className }: FlightProps) {
 
   useEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
   useEffect(() => (address === null ? undefined : view.open()), [view, address])
-  useEffect(() => keysOf(holder.current?.closest('section'), view), [view])
+  useEffect(() => keysOf(holder.current?.closest('section'), view), [view, holder])
 
   return (
     <Card

@@ -165,6 +165,11 @@ export function Editor(props: EditorProps) {
             set={draft.set}
           />
           <div className="stack stuck">
+            <Summary
+              problems={problems}
+              trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}
+              onForm={() => onTab(undefined)}
+            />
             {(draft.readable || start.source === 'form') && (
               <PreviewCard
                 campaign={draft.campaign}
@@ -176,11 +181,6 @@ export function Editor(props: EditorProps) {
               />
             )}
             {draft.readable && <Estimate checked={draft.checked} campaign={draft.campaign} />}
-            <Summary
-              problems={problems}
-              trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}
-              onForm={() => onTab(undefined)}
-            />
             <div>
               <StartButton disabled={blocked} busy={launch.isPending} why={why} onStart={begin} />
               <DraftBar

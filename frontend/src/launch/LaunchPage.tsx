@@ -1,8 +1,10 @@
 // Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or keep it.
+import { IconLoader } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
-import { useNavigate, useSearch } from '@tanstack/react-router'
+import { Link, useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo, useState } from 'react'
 import { asCampaign } from '../api/campaign'
+import { Refusal } from '../api/problems'
 import { catalogueQuery, draftQuery, libraryQuery, runQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
@@ -17,6 +19,26 @@ interface Own {
   draft: string
   key: string
   start: Start
+}
+
+/** Before any worker came there are no components to choose from; the page asks for them until there are. */
+function Waiting({ error }: { error: Error }) {
+  if (!(error instanceof Refusal) || error.status !== 503) return <Trouble error={error} />
+  return (
+    <div className="card centre" role="alert">
+      <IconLoader size={36} stroke={1.5} className="spin" aria-hidden />
+      <h1>Waiting for a worker</h1>
+      <p>
+        Vehicles, controllers, avoiders and search methods are told by the workers, and none has started on this database
+        yet. Start one with <code>clearance worker</code>: this page goes on by itself.
+      </p>
+      <div className="acts">
+        <Link to="/runs" className="btn">
+          All runs
+        </Link>
+      </div>
+    </div>
+  )
 }
 
 export function LaunchPage() {
@@ -51,7 +73,7 @@ export function LaunchPage() {
 
   const failed = [library, catalogue, earlier, draft, opened].find((query) => query.isError)
   if (failed) return <Trouble error={failed.error} retry={() => void failed.refetch()} />
-  if (catalogue.failureReason && !catalogue.data) return <Trouble error={catalogue.failureReason} />
+  if (catalogue.failureReason && !catalogue.data) return <Waiting error={catalogue.failureReason} />
   if (!library.data || !catalogue.data || !start) return <Loading what="campaigns" />
   const version = start.draft && `${start.draft.id}@${start.draft.version}`
   const key = kept?.key ?? version ?? search.from ?? chosen ?? ''

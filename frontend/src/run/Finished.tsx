@@ -15,7 +15,7 @@ import { overTime } from './flown'
 import { FrontCard } from './FrontCard'
 import { IndicesCard } from './IndicesCard'
 import { MethodsTable } from './MethodsTable'
-import { Minima, SHOWN } from './Minima'
+import { Minima, rowsOf } from './Minima'
 import { MotionCard } from './MotionCard'
 import { NominalWorst } from './NominalWorst'
 import { Provenance } from './Provenance'
@@ -139,7 +139,7 @@ export function Finished({ data }: { data: RunData }) {
               card: <ValidationCard key="validation" data={data} result={validation} className="" />,
             },
             ...(many ? [] : minima).map((search) => ({
-              height: 110 + 38 * Math.min(search.minima.length, SHOWN),
+              height: 110 + 38 * rowsOf(search),
               card: <Minima key={search.method} data={data} search={search} className="" />,
             })),
             published > 0 && { height: 130 + 44 * published, card: <Published key="published" data={data} className="" /> },

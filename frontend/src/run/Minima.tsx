@@ -9,8 +9,13 @@ import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
 
 /** How many starts are listed before the card says that there are more. */
-export const SHOWN = 12
+const SHOWN = 12
 const MOST = 40
+
+/** How many rows the card has at first. */
+export const rowsOf = (search: SearchResult): number =>
+  Math.min(search.minima.length, search.kind === 'local' ? SHOWN : FEW)
+
 /** Of a method whose descents are its own affair. */
 const FEW = 5
 

@@ -147,7 +147,9 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
           <span className="m">
             <Sign text={symbol} /> <span className="mut small">{unitText(unit)}</span>
           </span>
-          <small>{text}</small>
+          <small className="two" title={text}>
+            {text}
+          </small>
         </span>
       </td>
       <td className="num sec">{fixed(nominal, span)}</td>

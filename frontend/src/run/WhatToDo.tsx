@@ -2,6 +2,7 @@
 import { Link } from '@tanstack/react-router'
 import type { RunDetail } from '../client'
 import { Card } from '../ui/Card'
+import { methodLook } from '../ui/methods'
 
 export function WhatToDo({ run, className }: { run: RunDetail; className: string }) {
   const stage = run.stages.find(({ state }) => state === 'running')
@@ -10,7 +11,7 @@ export function WhatToDo({ run, className }: { run: RunDetail; className: string
       <ol className="todo-list">
         <li>
           <b>Run it again</b> with the button above, as it is or changed. If it ended by the same reason
-          {stage && ` in the stage ${stage.method?.replaceAll('_', ' ') ?? stage.kind}`}, take a smaller budget or step, or leave
+          {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step, or leave
           that stage out, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
         </li>
         <li>

@@ -1,12 +1,14 @@
 """The camera of one viewer: set to a place, going with the vehicle, or the visitor's own. Start reading at `Following`.
 
 The browser tells every movement of its camera, also those that it was told to make. What it was told is remembered, so
-that a movement to anywhere else is known to be the visitor's own: it ends the following.
+that a movement to anywhere else is known to be the visitor's own: it ends the following. A browser that is sent on in
+every picture would never show what its visitor does: it is sent on once it has come there, and a picture later.
 """
 
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any
@@ -22,6 +24,8 @@ from backend.scenes.world import World
 
 FRAME = 1 / 30
 """Time between movements of the camera at least [s]."""
+PATIENCE = 0.4
+"""A browser that does not say that it has come to where it was sent is sent on after this time [s]."""
 REMEMBERED = 300
 """So many places told to a browser are remembered: 10 s of them for one that is slow to draw."""
 OWN = 1e-3
@@ -41,7 +45,9 @@ class Following(Part):
         self._told: deque[Floats] = deque(maxlen=REMEMBERED)
         self._heard = self._left = False
         self._lock = threading.Lock()
-        self._time, self._due, self._last = 0.0, False, 0.0
+        self._time, self._due = 0.0, False
+        self._last = self._next = 0.0
+        """When the camera was moved last, and when it may be moved next [s]."""
         server.on_client_connect(self._connected)
 
     def first(self, time: float) -> None:
@@ -57,7 +63,7 @@ class Following(Part):
     def set(self, camera: Camera | None) -> None:
         """Go there, and follow where it moves."""
         with self._lock:
-            self.camera, self._heard, self._due = camera, False, camera is not None
+            self.camera, self._heard, self._due, self._next = camera, False, camera is not None, 0.0
         self._wake()
 
     def moved(self, time: float) -> None:
@@ -84,9 +90,9 @@ class Following(Part):
             self._left = False
             self.on_own()
         with self._lock:
-            if not self._due or now - self._last < 0.9 * FRAME or self.camera is None:
+            if not self._due or now < self._next or self.camera is None:
                 return
-            self._due, self._last = False, now
+            self._due, self._last, self._next = False, now, now + PATIENCE
             eye, target = self._remembered(self._pose(self.camera))
         for client in self._server.get_clients().values():
             with client.atomic():
@@ -103,7 +109,7 @@ class Following(Part):
     def _connected(self, client: viser.ClientHandle) -> None:
         client.camera.on_update(self._seen)
         with self._lock:
-            self._due = self.camera is not None
+            self._due, self._next = self.camera is not None, 0.0
         self._wake()
 
     async def _seen(self, camera: viser.CameraHandle) -> None:
@@ -115,6 +121,10 @@ class Following(Part):
         eye, target = np.array(camera.position), np.array(camera.look_at)
         near = OWN * float(np.linalg.norm(eye - target))
         with self._lock:
+            if self._told and float(np.linalg.norm(eye - self._told[-1])) <= near:
+                # As long again as it took to get there: about one picture, and 30 a second at most.
+                now = time.monotonic()
+                self._next = min(self._next, max(now + min(now - self._last, PATIENCE), self._last + 0.9 * FRAME))
             if any(float(np.linalg.norm(eye - told)) <= near for told in self._told):
                 self._heard = True
             elif self._heard and self.camera is not None:

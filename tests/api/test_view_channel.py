@@ -10,6 +10,7 @@ import httpx
 import numpy as np
 import pytest
 
+from backend.scenes import following
 from tests.api.finished import Work, finish, flight
 from tests.api.server import Service, until
 from tests.api.test_access import problem
@@ -106,6 +107,22 @@ def test_the_camera_follows_until_the_visitor_moves_it(service: Service, client:
         vehicle = np.array([0.4 * 9, 4.8, target[2]])
         assert target == pytest.approx(vehicle, abs=1e-3)
         assert np.linalg.norm(eye[:2] - (4, 4)) < np.linalg.norm(eye[:2] - vehicle[:2]), "the obstacle is between"
+
+
+def test_a_browser_is_sent_on_once_it_has_come(
+    service: Service, client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(following, "PATIENCE", 60.0)
+    with viewing(service, client, f"/view/{run}/t/2/cam/chase/key/{KEY}") as connection:
+        panel = Panel(connection, last="Trail")
+        first = panel.told()
+        for moment in (4.0, 6.0, 7.0):
+            steer(client, run, time=moment)
+        with pytest.raises(TimeoutError):
+            panel.told(seconds=0.3)
+        panel.look(*first)
+        eye, _ = panel.told()
+        assert eye - first[0] == pytest.approx(np.array([0.4 * 5, 0, 0]), abs=1e-6), "to the newest time at once"
 
 
 @pytest.mark.parametrize("camera", ["chase", "intruder", "encounter"])

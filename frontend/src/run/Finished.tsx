@@ -142,9 +142,12 @@ export function Finished({ data }: { data: RunData }) {
               height: 110 + 38 * rowsOf(search),
               card: <Minima key={search.method} data={data} search={search} className="" />,
             })),
-            published > 0 && { height: 130 + 44 * published, card: <Published key="published" data={data} className="" /> },
+            // Beside a sample there is no room for it: a row of its own is lower than two columns of unlike height.
+            published > 0 &&
+              !sample && { height: 130 + 44 * published, card: <Published key="published" data={data} className="" /> },
           ]}
         />
+        {published > 0 && sample && <Published data={data} className="c12" />}
         {space && (
           // Loaded after the page; the height is kept for it, so that what follows does not jump.
           <div className="c12" id="space" style={{ minHeight: 520 }}>

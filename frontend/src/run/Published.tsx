@@ -1,6 +1,7 @@
 // Published values beside ours, where the campaign repeats a study. Ours is flown at the published point where one is given.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
+import { Fragment } from 'react'
 import { asCampaign, type Campaign, type Published as PublishedValue } from '../api/campaign'
 import { libraryQuery } from '../api/queries'
 import type { Minimum } from '../api/results'
@@ -106,10 +107,12 @@ function where({ parameters }: RunData, row: PublishedValue) {
   const points = Object.entries(row.at ?? {})
   if (points.length === 0) return null
   return points.map(([path, value], i) => (
-    <span key={path} className="nw">
+    <Fragment key={path}>
       {i > 0 && ', '}
-      <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} /> = {value}
-    </span>
+      <span className="nw">
+        <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} /> = {value}
+      </span>
+    </Fragment>
   ))
 }
 

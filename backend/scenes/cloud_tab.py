@@ -67,6 +67,7 @@ class CloudTab(Part):
         self._cloud: Cloud | None = None
         self._read, self._whole = 0.0, False
         """When the evaluations were read last [s]; whether the run was over then."""
+        self._stopped = False
         self._picked: Evaluation | None = None
         self._along: Axes = (None, None, None)
         self._before: Camera | None = None
@@ -130,9 +131,11 @@ class CloudTab(Part):
         self._redraw()
 
     def stop(self) -> None:
-        """Read and fly nothing more."""
+        """Read, fly and draw nothing more."""
         self._loads.stop()
         self._flies.stop()
+        with self._driver.drawing():
+            self._stopped = True
 
     def _leave(self) -> None:
         self._box.value = False  # which calls `show`
@@ -161,7 +164,7 @@ class CloudTab(Part):
 
     def _redraw(self) -> None:
         with self._driver.drawing():
-            if self._cloud is None:
+            if self._cloud is None or self._stopped:
                 return
             known = axes(self._setting, self._cloud)
             self._along = [known.get(one.value) for one in self._axes]
@@ -190,13 +193,17 @@ class CloudTab(Part):
         try:
             answer = self._live.fly(self._setting.document, self._setting.digest, one.parameters, ROWS)
         except LiveError as error:
-            self._result.content = words.flying(one) + tables.note(str(error), strong=True)
+            self._say(words.flying(one) + tables.note(str(error), strong=True), None, one)
             return
-        flight = from_live(answer)
-        if flight is not None:
-            self._shown.parameters(one.parameters)
-            self._shown.flight(flight)
-            self._shown.outcome()
+        self._say(words.outcome(one, answer, self._setting), from_live(answer), one)
+
+    def _say(self, result: str, flight: Flight | None, one: Evaluation) -> None:
         with self._driver.drawing():
-            self._result.content = words.outcome(one, answer, self._setting)
+            if self._stopped:
+                return
+            if flight is not None:
+                self._shown.parameters(one.parameters)
+                self._shown.flight(flight)
+                self._shown.outcome()
+            self._result.content = result
             self._go.disabled = flight is None

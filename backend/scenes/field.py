@@ -19,7 +19,7 @@ from backend.scenes.field_slice import Grid, Slice
 from backend.scenes.flights import Flights
 from backend.scenes.latest import Latest
 from backend.scenes.live import Live, LiveError
-from backend.scenes.palette import DARK, Palette, rgb
+from backend.scenes.palette import DARK, Palette, Rgb, rgb
 from backend.scenes.part import Driver, Part
 from backend.scenes.setting import Setting
 from backend.scenes.world import World
@@ -55,12 +55,15 @@ class FieldSlice(Part):
     ) -> None:
         self._scene, self._setting, self._world, self._flights = server.scene, setting, world, flights
         self._live, self._driver, self._palette = live, driver, palette
-        self._time = 0.0
+        self._time, self._stopped = 0.0, False
         self._root: Any = self._scene.add_frame("/field/slice", show_axes=False, visible=False)
         self._box: Any = server.gui.add_checkbox(
             "Avoider's field", False, hint="What the avoider would ask for elsewhere, over the plane at this height."
         )
         self._legend: Any = server.gui.add_html("")
+        self._drawn: tuple[Grid, Rgb] | None = None
+        self._plane: Any = None
+        self._lines: Any = None
         self._latest: Latest[_Asked] = Latest(self._work)
         self._box.on_update(lambda _: self._toggled())
 
@@ -79,8 +82,10 @@ class FieldSlice(Part):
         self._ask()
 
     def stop(self) -> None:
-        """Ask no more."""
+        """Ask and draw no more."""
         self._latest.stop()
+        with self._driver.drawing():
+            self._stopped = True
 
     def _toggled(self) -> None:
         with self._driver.drawing():
@@ -106,8 +111,9 @@ class FieldSlice(Part):
             answer = self._live.field(setting.document, setting.digest, asked.parameters, asked.time, places)
         except LiveError as error:
             with self._driver.drawing():
-                self._root.visible = False
-                self._legend.content = tables.note(str(error), strong=True)
+                if not self._stopped:
+                    self._root.visible = False
+                    self._legend.content = tables.note(str(error), strong=True)
             return
         found = field_slice.read(answer, grid, setting.axes)
         dark = asked.palette is DARK
@@ -115,33 +121,33 @@ class FieldSlice(Part):
         arrows = field_slice.arrows(found)
         words = field_slice.legend(found, asked.title, setting, dark)
         with self._driver.drawing():
-            if self._box.value:
+            if self._box.value and not self._stopped:
                 self._draw(found, picture, arrows, rgb(asked.palette.ink))
                 self._legend.content = words
 
-    def _draw(self, found: Slice, picture: NDArray[np.uint8], arrows: Floats, ink: tuple[int, int, int]) -> None:
-        grid, span = found.grid, self._world.frame.span
-        lift = 1e-3 * span * self._setting.planar
-        self._scene.add_image(
-            "/field/slice/plane",
-            picture,
-            grid.columns * grid.cell,
-            grid.rows * grid.cell,
-            format="png",
-            position=(*grid.middle, found.height + lift),
-            cast_shadow=False,
-            receive_shadow=False,
-        )
-        if not len(arrows):
-            self._scene.remove_by_name("/field/slice/arrows")
-        else:
-            up = np.array([0.0, 0.0, 3 * lift])
-            heads = [shapes.arrow_lines(start + up, end + up, HEAD * grid.cell) for start, end in arrows]
-            self._scene.add_line_segments(
-                "/field/slice/arrows",
-                np.concatenate(heads).astype(np.float32),
-                ink,
-                thickness=WIDTH,
-                thickness_units="screen",
+    def _draw(self, found: Slice, picture: NDArray[np.uint8], arrows: Floats, ink: Rgb) -> None:
+        """Draw it; what is only another picture of the same plane is changed in place, so that nothing flickers."""
+        grid, lift = found.grid, 1e-3 * self._world.frame.span * self._setting.planar
+        if self._drawn != (grid, ink):
+            self._drawn = grid, ink
+            self._plane = self._scene.add_image(
+                "/field/slice/plane",
+                picture,
+                grid.columns * grid.cell,
+                grid.rows * grid.cell,
+                format="png",
+                cast_shadow=False,
+                receive_shadow=False,
             )
+            self._lines = self._scene.add_line_segments(
+                "/field/slice/arrows", np.zeros((1, 2, 3), np.float32), ink, thickness=WIDTH, thickness_units="screen"
+            )
+        else:
+            self._plane.image = picture
+        self._plane.position = (*grid.middle, found.height + lift)
+        up = np.array([0.0, 0.0, 3 * lift])
+        lines = [shapes.arrow_lines(start + up, end + up, HEAD * grid.cell) for start, end in arrows]
+        self._lines.visible = bool(lines)
+        if lines:
+            self._lines.points = np.concatenate(lines).astype(np.float32)
         self._root.visible = True

@@ -133,7 +133,7 @@ def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
     magnitude, unit = found.magnitude, found.unit
     known = magnitude[np.isfinite(magnitude)]
     name = str(setting.document["scenario"]["avoider"]["component"]).replace("_", " ")
-    where = "over the plane" if setting.planar else f"at the height of {found.height:.4g} m"
+    where = "over the plane" if setting.planar else f"at the height of {_number(found.height)} m"
     said = (
         f"{found.kind.capitalize()} [{unit}] that the avoider ({name}) asks for {where}, at t = {found.time:.2f} s of "
         f"{title}: with the vehicle's velocity and attitude, and the obstacles as it perceives them, of then"

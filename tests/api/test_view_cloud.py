@@ -11,8 +11,12 @@ import numpy as np
 import pytest
 from websockets.sync.client import ClientConnection
 
+from backend.db.engine import read
 from backend.db.records import Columns
-from backend.scenes.world import ROOTS
+from backend.scenes import setting
+from backend.scenes.palette import DARK, LIGHT
+from backend.scenes.relay import open_server
+from backend.scenes.world import ROOTS, World
 from campaigns import library, load_file
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.server import Service
@@ -113,3 +117,20 @@ def test_nothing_of_the_flights_is_left_out_when_they_are_hidden(bare: Service) 
             names = {name.decode() for name in re.findall(rb"\xa4name.{1,2}?/(\w+)", received, re.DOTALL)}
             assert {"flights", "ground", "north", "vectors"} <= names
             assert names <= {*ROOTS, "ground", "course", "space", "WorldAxes"}
+
+
+def test_a_hidden_scene_stays_hidden_when_it_is_drawn_anew(service: Service, client: httpx.Client) -> None:
+    submit(client)
+    with read(service.engine) as reader:
+        found = setting.load(reader, 1)
+    server = open_server("nobody knows")
+    try:
+        world = World(server, found, LIGHT)
+        for visible in (False, True):
+            world.show(visible)
+            world.paint(DARK)
+            world.fit([])
+            nodes = [*world._roots, *world._flat.values()]
+            assert {node.visible for node in nodes} == {visible}
+    finally:
+        server.stop()

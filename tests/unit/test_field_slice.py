@@ -88,7 +88,7 @@ def test_the_words_say_what_is_shown() -> None:
     told = legend(sliced([7.0] * 6, memory=2), "F1", aloft, dark=True)  # type: ignore[arg-type]
     assert "The same everywhere: 7 m/s" in told
     assert "what the avoider remembers then" in told
-    assert "at the height of -30 m" in told
+    assert "at the height of \u221230 m" in told
     nothing = legend(sliced([0.0] * 6), "F1", aloft, dark=True)  # type: ignore[arg-type]
     assert "Nothing is asked for anywhere" in nothing
 

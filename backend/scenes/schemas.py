@@ -25,6 +25,8 @@ class ViewChange(Schema):
     """[s] since the start; held at the horizon."""
     step: Seconds | None = None
     """[s] from `time`, or from the time shown; held at start and horizon."""
+    passing: bool = False
+    """The time is pointed at in passing: a view that plays goes on and leaves it."""
     closest: bool = False
     """Go to the closest approach of the worst flight shown."""
     camera: Camera | None = None

@@ -193,7 +193,7 @@ class Viewer:
     def _steer_time(self, change: ViewChange) -> None:
         if change.closest:
             self._tab.go_to_closest()
-        if change.time is not None or change.step is not None:
+        if (change.time is not None or change.step is not None) and not (change.passing and self._tab.playing):
             self._tab.play(False)
             self._tab.go_to((self._tab.time if change.time is None else change.time) + (change.step or 0.0))
         if change.playing is not None:

@@ -58,6 +58,10 @@ def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, clie
         steer(client, run, theme="dark", camera="top")
         frames_until(connection, b"ThemeConfigurationMessage", b"/flights/nominal/path", b"/obstacles/0/ring")
         assert steer(client, run, step=-0.25)["time"] == 7.0
+        assert steer(client, run, time=6.5, passing=True)["time"] == 6.5
+        assert steer(client, run, playing=True)["playing"]
+        assert steer(client, run, time=1.0, passing=True)["playing"], "it plays on"
+        assert not steer(client, run, time=7.0)["playing"]
         assert steer(client, run, time=1e9)["time"] == 15.0
         assert steer(client, run, step=-1e9)["time"] == 0.0
         assert steer(client, run, playing=True)["playing"]

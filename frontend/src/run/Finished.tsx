@@ -37,7 +37,7 @@ export function Finished({ data }: { data: RunData }) {
   const { run } = data
   const { finding, chosen } = data
   const view = useMemo(() => new View(run.id), [run.id])
-  const cross = useCallback((time: number) => view.steer({ time }), [view])
+  const cross = useCallback((time: number) => view.steer({ time, passing: true }), [view])
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
   const certified = resultOf(stageOf(data, 'certify'), 'certify')

@@ -12,6 +12,9 @@ it('puts changes together, the newest of each kind', () => {
   expect(merged({ closest: true }, { camera: 'chase' })).toEqual({ closest: true, camera: 'chase' })
   expect(merged({ closest: true }, { step: 0.1 })).toEqual({ step: 0.1 })
   expect(merged({ time: 0, step: 0.1 }, {})).toEqual({ time: 0, step: 0.1 })
+  expect(merged({ time: 1 }, { time: 2, passing: true })).toEqual({ time: 2, passing: true })
+  expect(merged({ time: 1, passing: true }, { time: 2 })).toEqual({ time: 2 })
+  expect(merged({ time: 1, passing: true }, { camera: 'top' })).toEqual({ time: 1, passing: true, camera: 'top' })
 })
 
 it('keeps one page for all views that a page opens', () => {

@@ -16,10 +16,14 @@ export type Wanted = Required<Pick<ViewChange, 'flight' | 'theme'>>
 
 /** Two changes as one: a time replaces what was said of it before, steps add up. */
 export function merged(before: ViewChange, next: ViewChange): ViewChange {
-  const { time, step, closest, ...rest } = { ...before, ...next }
+  const { time, step, closest, passing, ...rest } = { ...before, ...next }
   if (next.closest) return { ...rest, closest: true }
-  if (typeof next.time === 'number') return { ...rest, time: next.time, ...(next.step ? { step: next.step } : {}) }
-  if (!next.step) return { ...rest, ...(time != null && { time }), ...(step != null && { step }), ...(closest && { closest }) }
+  if (typeof next.time === 'number')
+    return { ...rest, time: next.time, ...(next.step && { step: next.step }), ...(next.passing && { passing: true }) }
+  if (!next.step) {
+    const kept = { ...(step != null && { step }), ...(closest && { closest }), ...(passing && { passing }) }
+    return { ...rest, ...(time != null && { time }), ...kept }
+  }
   // A step from the closest approach cannot be said in one: the step alone is what was asked last.
   return { ...rest, ...(time != null && { time }), step: (before.step ?? 0) + next.step }
 }

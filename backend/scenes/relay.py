@@ -20,12 +20,14 @@ from anyio import to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 
+from backend.scenes import wakeful
 from backend.scenes.viewer import Viewer
 
 SECRET = "X-Clearance-Relay"
 GOING_AWAY = 1001
 rich.reconfigure(quiet=True)  # viser prints a banner for every server, whatever it is told
 assert viser.__version__ == "1.1.1", "the private names used here are those of viser 1.1.1"
+wakeful.install()
 
 
 def open_server(secret: str) -> viser.ViserServer:

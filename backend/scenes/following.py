@@ -48,6 +48,8 @@ class Following(Part):
         self._time, self._due = 0.0, False
         self._last = self._next = 0.0
         """When the camera was moved last, and when it may be moved next [s]."""
+        self._sent: set[int] = set()
+        """The browsers that were sent somewhere."""
         server.on_client_connect(self._connected)
 
     def first(self, time: float) -> None:
@@ -94,7 +96,9 @@ class Following(Part):
                 return
             self._due, self._last, self._next = False, now, now + PATIENCE
             eye, target = self._remembered(self._pose(self.camera))
-        for client in self._server.get_clients().values():
+            clients = self._server.get_clients()
+            self._sent.update(clients)
+        for client in clients.values():
             with client.atomic():
                 client.camera.position = eye
                 client.camera.look_at = target
@@ -109,6 +113,8 @@ class Following(Part):
     def _connected(self, client: viser.ClientHandle) -> None:
         client.camera.on_update(self._seen)
         with self._lock:
+            if client.client_id in self._sent:  # it was among the browsers before this was called
+                return
             self._due, self._next = self.camera is not None, 0.0
         self._wake()
 

@@ -5,6 +5,7 @@ In space a flight has a shadow on the ground and stems at even times, so that he
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -184,6 +185,14 @@ class Drawn:
             "top-right": "top-right",
         }
         return place, sides[f"{self.style.label}-{away}"]
+
+
+def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:
+    """By which corner the label of an obstacle hangs, so that it leads away from the labels of these flights."""
+    closest = next((one.flight.closest for one in flights if one.flight and one.flight.closest), None)
+    if closest is None:
+        return f"{edge}-center"
+    return f"{edge}-{'left' if closest.obstacle[0] >= closest.position[0] else 'right'}"
 
 
 def _shape(setting: Setting) -> tuple[shapes.Mesh, shapes.Mesh]:

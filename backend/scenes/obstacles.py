@@ -15,7 +15,7 @@ import viser
 from backend.scenes import shapes
 from backend.scenes.axes import along
 from backend.scenes.bodies import Body, body_of
-from backend.scenes.drawn import Drawn
+from backend.scenes.drawn import Drawn, anchor_of
 from backend.scenes.palette import Palette, Rgb, rgb, shade
 from backend.scenes.setting import Setting
 from backend.scenes.world import LINE, World
@@ -224,7 +224,7 @@ class Obstacles:
             f"{group.name}/label",
             ", ".join(words),
             position=(0.0, off, 0.0) if setting.planar else (0.0, 0.0, off),
-            anchor="bottom-center" if second else "top-center",
+            anchor=anchor_of(group.members, "bottom" if second else "top"),
             font_screen_scale=0.8,
         )
 

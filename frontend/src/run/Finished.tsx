@@ -2,6 +2,7 @@
 import { lazy, Suspense, useCallback, useMemo } from 'react'
 import { resultOf } from '../api/results'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
+import { useCalm } from '../ui/useCalm'
 import { Banner } from './Banner'
 import { Columns } from './Columns'
 import { Convergence } from './Convergence'
@@ -37,6 +38,8 @@ export function Finished({ data }: { data: RunData }) {
   const { run } = data
   const { finding, chosen } = data
   const view = useMemo(() => new View(run.id), [run.id])
+  // What is drawn of thousands of points, and in many charts, comes after all that answers at once.
+  const calm = useCalm()
   const cross = useCallback((time: number) => view.steer({ time, passing: true }), [view])
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
   const searches = data.stages.flatMap((stage) => resultOf(stage, 'search') ?? [])
@@ -114,7 +117,11 @@ export function Finished({ data }: { data: RunData }) {
           <SeparationCard data={data} onCross={cross} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
         )}
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5" height={226} />}
-        {timed && <MotionCard data={data} onCross={cross} className={few ? 'c12' : 'c5'} />}
+        {timed && (
+          <div className={few ? 'stack filled c12' : 'stack filled c5'} id="motion" style={{ minHeight: few ? 220 : 380 }}>
+            {calm && <MotionCard data={data} onCross={cross} className="" />}
+          </div>
+        )}
         {sensitivity && !few && (
           <Sensitivity
             data={data}
@@ -151,9 +158,11 @@ export function Finished({ data }: { data: RunData }) {
         {space && (
           // Loaded after the page; the height is kept for it, so that what follows does not jump.
           <div className="c12" id="space" style={{ minHeight: 520 }}>
-            <Suspense>
-              <SpaceCard data={data} className="" />
-            </Suspense>
+            {calm && (
+              <Suspense>
+                <SpaceCard data={data} className="" />
+              </Suspense>
+            )}
           </div>
         )}
         {front && <FrontCard data={data} className="c12" />}

@@ -1,10 +1,10 @@
 // The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
 import { IconLoader } from '@tabler/icons-react'
-import { useIsFetching } from '@tanstack/react-query'
 import { useSearch } from '@tanstack/react-router'
 import { useEffect, useState, useSyncExternalStore } from 'react'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
+import { useCalm } from '../ui/useCalm'
 import { useNear } from '../ui/useNear'
 import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
@@ -82,21 +82,6 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
   }
   card.addEventListener('keydown', pressed)
   return () => card.removeEventListener('keydown', pressed)
-}
-
-/** The viewer takes the window's thread for a second or two as it starts: what the page shows itself comes first. */
-const CALM = 400
-
-/** True once everything asked for has come and been drawn for a moment; stays true. */
-function useCalm(): boolean {
-  const fetching = useIsFetching() > 0
-  const [calm, setCalm] = useState(false)
-  useEffect(() => {
-    if (fetching || calm) return
-    const timer = setTimeout(() => setCalm(true), CALM)
-    return () => clearTimeout(timer)
-  }, [fetching, calm])
-  return calm
 }
 
 const flights = (chosen: string): string =>

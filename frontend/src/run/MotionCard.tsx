@@ -69,7 +69,6 @@ export function MotionCard({ data, className, onCross }: MotionProps) {
       title="Speeds and commands"
       note={columns.length < all.length ? `${columns.length} of ${all.length}` : undefined}
       className={className}
-      id="motion"
       run={run.id}
       data={() => tableOf(columns, flights)}
       footer="Dotted: the closest approaches. Values stand beside each name under the crosshair, which the separation shares."

@@ -1,12 +1,11 @@
 // The best value of each method in each run, on one axis with the criterion.
-import { linearTicks, padded, tickDecimals } from '../charts/ticks'
 import { decimalsApart, fixed, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Compared, unitOf } from './data'
-import { Mark, MarkKeys } from './marks'
+import { AxisHead, axisOf, Mark, MarkKeys } from './marks'
 import { Letter } from './Picks'
 
 const [WIDTH, EDGE] = [280, 10]
@@ -23,12 +22,9 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
   const methods = [...new Set(bests.flatMap((found) => [...found.keys()]))]
   const values = bests.flatMap((found) => [...found.values()])
   const limits = [...new Set(runs.flatMap(({ run }) => run.threshold ?? []))]
-  const spread = Math.max(...values) - Math.min(...values)
-  const shown = limits.filter((limit) => Math.min(...values.map((v) => Math.abs(v - limit))) <= 3 * spread)
-  const [low, high] = padded([...values, ...shown])
-  const x = (value: number) => EDGE + ((WIDTH - 2 * EDGE) * (value - low)) / (high - low)
+  const axis = axisOf(values, limits, WIDTH, EDGE)
+  const { x, shown } = axis
   const decimals = decimalsApart(values, 4, 6)
-  const ticks = linearTicks(low, high, 5)
   if (methods.length === 0 || unit === null) return null
   return (
     <Card
@@ -53,15 +49,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
               </th>
             ))}
             {two && <th className="num">B minus A</th>}
-            <th style={{ width: WIDTH }}>
-              <svg className="ch" width={WIDTH} height={14} style={{ width: WIDTH }} aria-hidden="true">
-                {ticks.map((tick) => (
-                  <text key={tick} x={x(tick)} y={11} textAnchor="middle">
-                    {fixed(tick, tickDecimals(ticks))}
-                  </text>
-                ))}
-              </svg>
-            </th>
+            <AxisHead axis={axis} />
           </tr>
         </thead>
         <tbody>

@@ -1,11 +1,10 @@
 // What each parameter alone can do in each run: the values over its bounds, with the others nominal.
-import { linearTicks, padded, tickDecimals } from '../charts/ticks'
 import { resultOf } from '../api/results'
-import { fixed, plain } from '../format/numbers'
+import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { type Compared, unitOf } from './data'
-import { MarkKeys, Span } from './marks'
+import { AxisHead, axisOf, MarkKeys, Span } from './marks'
 
 const [WIDTH, EDGE, STEP] = [300, 12, 13]
 
@@ -16,11 +15,8 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
   const values = spans.flatMap((found) => [...found.values()].flat())
   if (paths.length === 0 || unit === null) return null
   const limits = [...new Set(runs.flatMap(({ run }) => run.threshold ?? []))]
-  const spread = Math.max(...values) - Math.min(...values)
-  const shown = limits.filter((limit) => Math.min(...values.map((v) => Math.abs(v - limit))) <= 3 * spread)
-  const [low, high] = padded([...values, ...shown])
-  const x = (value: number) => EDGE + ((WIDTH - 2 * EDGE) * (value - low)) / (high - low)
-  const ticks = linearTicks(low, high, 5)
+  const axis = axisOf(values, limits, WIDTH, EDGE)
+  const { x, shown } = axis
   const height = 6 + STEP * runs.length
   return (
     <Card
@@ -35,15 +31,7 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
         <thead>
           <tr>
             <th>Parameter</th>
-            <th style={{ width: WIDTH }}>
-              <svg className="ch" width={WIDTH} height={14} style={{ width: WIDTH }} aria-hidden="true">
-                {ticks.map((tick) => (
-                  <text key={tick} x={x(tick)} y={11} textAnchor="middle">
-                    {fixed(tick, tickDecimals(ticks))}
-                  </text>
-                ))}
-              </svg>
-            </th>
+            <AxisHead axis={axis} />
           </tr>
         </thead>
         <tbody>

@@ -1,4 +1,38 @@
-// How the runs are told apart on a common axis: the first filled, the second hollow, the third and fourth smaller.
+// A common axis for values of several runs, and how they are told apart on it: the first filled, the second hollow, the
+// third and fourth smaller.
+import { linearTicks, padded, tickDecimals } from '../charts/ticks'
+import { fixed } from '../format/numbers'
+
+export interface Axis {
+  width: number
+  edge: number
+  x: (value: number) => number
+  ticks: number[]
+  /** The criteria that lie near enough to be shown. */
+  shown: number[]
+}
+
+/** An axis of that width [px] for these values, and for the criteria that lie no further off than three times their spread. */
+export function axisOf(values: readonly number[], limits: readonly number[], width: number, edge: number): Axis {
+  const spread = Math.max(...values) - Math.min(...values)
+  const shown = limits.filter((limit) => Math.min(...values.map((v) => Math.abs(v - limit))) <= 3 * spread)
+  const [low, high] = padded([...values, ...shown])
+  const x = (value: number) => edge + ((width - 2 * edge) * (value - low)) / (high - low)
+  return { width, edge, x, ticks: linearTicks(low, high, 5), shown }
+}
+
+/** The numbers of the axis, as the head of a table's column. */
+export const AxisHead = ({ axis: { width, x, ticks } }: { axis: Axis }) => (
+  <th style={{ width }}>
+    <svg className="ch" width={width} height={14} style={{ width }} aria-hidden="true">
+      {ticks.map((tick) => (
+        <text key={tick} x={x(tick)} y={11} textAnchor="middle">
+          {fixed(tick, tickDecimals(ticks))}
+        </text>
+      ))}
+    </svg>
+  </th>
+)
 
 export const MarkKeys = ({ letters }: { letters: readonly string[] }) => (
   <span className="lg">

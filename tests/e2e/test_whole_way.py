@@ -183,7 +183,8 @@ def test_a_run_is_watched_to_its_verdict(signed_in: Visit) -> None:
     assert api(signed_in, "/drafts/D-0001")["run"] == "R-0001"
     outcome = page.get_by_test_id("outcome")
     expect(outcome).to_have_text(re.compile("Queued|Running"))
-    expect(page.get_by_role("list", name="Stages").get_by_role("listitem")).to_have_count(5)
+    # As many before a worker has planned the run as after it.
+    expect(page.get_by_role("list", name="Stages").get_by_role("listitem")).to_have_count(6)
     expect(page.get_by_role("img", name=re.compile("^Convergence"))).to_be_visible(timeout=2 * PATIENCE)
     signed_in.shot("run-live-1440-light")
     # The page is not loaded again: it hears of the verdict by itself.

@@ -62,8 +62,7 @@ function StepIcon({ state, cancelled }: { state: State; cancelled: boolean }) {
 }
 
 function stepsOf(run: RunDetail): Step[] {
-  const kinds = [...new Set(run.stages.map((stage) => stage.kind))]
-  if (kinds.length === 0) kinds.push('nominal', 'sensitivity', 'search', 'validate')
+  const kinds = run.stages.length > 0 ? [...new Set(run.stages.map((stage) => stage.kind))] : asked(run)
   const steps = kinds.map((kind) =>
     step(
       run,
@@ -80,6 +79,15 @@ function stepsOf(run: RunDetail): Step[] {
     share: verdict ? 1 : 0,
   })
   return steps
+}
+
+/** What the campaign asks for, in its order: no worker has planned the run yet. */
+function asked(run: RunDetail): StageProgress['kind'][] {
+  const { sensitivity, certify } = asCampaign(run.campaign).stages
+  const left = new Set<StageProgress['kind']>()
+  if (sensitivity === null) left.add('sensitivity')
+  if (!certify) left.add('certify')
+  return (Object.keys(NAME) as StageProgress['kind'][]).filter((kind) => !left.has(kind))
 }
 
 function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): Step {

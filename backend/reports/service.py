@@ -83,6 +83,7 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "verdict": {"tone": tone, "word": word, "icon": icon, "sentence": sentence, "error": run.error},
         "scope": str(summary.get("scope") or "").removeprefix("Scope: "),
         "of": held.of,
+        "terms": held.terms,
         "parts": sections.components(held),
         "uncertain": sections.uncertain(held),
         "criteria": sections.criteria(held),

@@ -9,7 +9,8 @@ import datetime
 import itertools
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
+from typing import NamedTuple
 
 from markupsafe import Markup, escape
 
@@ -20,6 +21,18 @@ _GREEK = {
     "chi": "χ", "psi": "ψ", "omega": "ω",
 }  # fmt: skip
 _RAISED = {"2": "²", "3": "³", "4": "⁴"}
+
+
+class Terms(NamedTuple):
+    """What stored sentences may speak of."""
+
+    symbols: Mapping[str, str]
+    """The symbol of what is written: d_min of d_min, m of vehicle.m."""
+    units: Collection[str]
+    """Those that numbers may have."""
+
+
+NO_TERMS = Terms({}, ())
 
 
 def known(value: object) -> bool:
@@ -149,21 +162,31 @@ def svg_sign(symbol: str) -> Markup:
     return Markup('<tspan font-style="italic">{}</tspan>{}').format(base, below if index else "")
 
 
-def prose(text: str | None, symbol: str = "") -> Markup:
-    """A stored sentence, escaped, with the criterion's symbol set as in print."""
-    clean = escape(text or "")
-    if not symbol or "_" not in symbol:
-        return clean
-    pattern = rf"(?<![\w.]){re.escape(str(escape(symbol)))}(?![\w.]*\w)"
-    return Markup(re.sub(pattern, lambda _: str(sign(symbol)), str(clean)))
+def prose(text: str | None, terms: Terms = NO_TERMS) -> Markup:
+    """A stored sentence, escaped and set as in print: symbols for what is written in ASCII, signs, units."""
+    clean = typeset(text or "", terms.units)
+    written = sorted((term for term in terms.symbols if term != terms.symbols[term] or "_" in term), key=len)
+    if not written:
+        return escape(clean)
+    any_of = "|".join(map(re.escape, reversed(written)))
+    parts = re.split(rf"(?<![\w.])({any_of})(?!\w|\.\w)", clean)
+    return Markup("").join(sign(terms.symbols[part]) if i % 2 else escape(part) for i, part in enumerate(parts))
 
 
-def sentence(text: str | None, symbol: str = "") -> Markup:
+def sentence(text: str | None, terms: Terms = NO_TERMS) -> Markup:
     """As `prose`, of a clause that is to begin with a capital and end with a full stop."""
     clean = (text or "").strip()
-    if clean and not clean.startswith(symbol or "\0"):
+    if clean and not any(clean.startswith(term) for term in terms.symbols):
         clean = clean[0].upper() + clean[1:]
-    return prose(clean if clean.endswith(".") else f"{clean}.", symbol) if clean else Markup("")
+    return prose(clean if clean.endswith(".") else f"{clean}.", terms) if clean else Markup("")
+
+
+def typeset(text: str, units: Iterable[str]) -> str:
+    """Numbers and units of plain text as in print: true minus signs, narrow spaces before units."""
+    signs = re.sub(rf"(?<![\w.{MINUS}-])-(?=\d)|(?<=\de)-(?=\d)", MINUS, text)
+    known_units = sorted({*units, "%"} - {""}, key=len, reverse=True)
+    pattern = rf"(?<=\d) ({'|'.join(map(re.escape, known_units))})(?![\w/])"
+    return re.sub(pattern, lambda found: NARROW + unit(found[1]), signs)
 
 
 WRAPPED = 85

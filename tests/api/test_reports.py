@@ -58,8 +58,8 @@ def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None
 def test_its_numbers_are_those_that_are_stored(client: httpx.Client, run: str) -> None:
     text = html.unescape(re.sub(r"<[^>]+>", "", report(client, run)))
     for said in (
-        "dmin stayed above 0.5 m in all 1\u202f000 evaluations. A search can miss a worse case.",
-        "At most 5 % of the flights have dmin below 1.33 m.",
+        "dmin stayed above 0.5\u202fm in all 1\u202f000 evaluations. A search can miss a worse case.",
+        "At most 5\u202f% of the flights have dmin below 1.33\u202fm.",
         "0 of 3\u202f000 flights drawn violate the criterion",
         "Half the step and DOP853 agree for nominal and F1.",
         "did the 100 iterations asked for",
@@ -237,6 +237,11 @@ def test_numbers_as_in_print() -> None:
     assert (words.signed(7.194), words.signed(0.0001)) == ("+7.19", "0.00")
     assert (words.plain(0.05), words.plain(1e-6), words.plain(12000.5)) == ("0.05", "1e\u22126", "12\u202f000.5")
     assert words.unit("N s2/m") == "N·s²/m"
-    assert words.prose("a < d_min and d_min2", "d_min") == 'a &lt; <i class="v">d</i><sub>min</sub> and d_min2'
+    terms = words.Terms({"d_min": "d_min", "vehicle.m": "m", "avoider.dpsi": "dpsi"}, {"m", "m/s", "kg m2"})
+    set_ = words.prose("a < d_min and d_min2; vehicle.m at -0.2 m/s, 3e-06 kg m2, vehicle.mass, 2 metres.", terms)
+    assert set_ == (
+        'a &lt; <i class="v">d</i><sub>min</sub> and d_min2; <i class="v">m</i> at \u22120.2\u202fm/s, '
+        "3e\u221206\u202fkg·m², vehicle.mass, 2 metres."
+    )
     assert plot.linear_ticks(-2, 2, 4) == [-2, -1, 0, 1, 2]
     assert words.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"

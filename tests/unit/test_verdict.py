@@ -251,21 +251,21 @@ def test_local_methods_alone_are_not_enough() -> None:
 
 def test_a_global_method_that_stopped_short_is_named_with_how_much() -> None:
     searches = [search("ga", WORST + 0.0125), search("direct"), search("sqp")]
-    said = "the worst case is 0.84, but Genetic algorithm stopped 0.0125 above it"
+    said = "the worst case is 0.84 m, but Genetic algorithm stopped 0.0125 m above it"
     assert barred("agreement", searches=searches) == said
 
 
 def test_every_global_method_that_stopped_short_is_named() -> None:
     searches = [search("ga", WORST + 0.0125), search("direct", WORST + 0.05), search("sqp")]
     said = barred("agreement", searches=searches)
-    assert said.endswith("but Genetic algorithm stopped 0.0125 above it and DIRECT stopped 0.05 above it")
+    assert said.endswith("but Genetic algorithm stopped 0.0125 m above it and DIRECT stopped 0.05 m above it")
 
 
 @pytest.mark.parametrize("first", [WORST, WORST + 0.05])
 def test_every_stage_of_a_global_method_must_reach_it(first: float) -> None:
     other = WORST + 0.05 if first == WORST else WORST
     said = barred("agreement", searches=[search("direct", first), search("direct", other), search("sqp")])
-    assert said == "the worst case is 0.84, but DIRECT stopped 0.05 above it"
+    assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
 
 
 def test_a_global_method_without_a_flight_is_named() -> None:
@@ -278,7 +278,7 @@ def test_a_global_method_without_a_flight_is_named() -> None:
 def test_the_worst_of_the_sample_holds_against_the_global_methods() -> None:
     searches = [search("direct", WORST + 0.05), search("sqp", WORST + 0.05), search("monte_carlo", sample=sample())]
     said = barred("agreement", searches=searches)
-    assert said == "the worst case is 0.84, but DIRECT stopped 0.05 above it"
+    assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
 
 
 def test_agreement_is_a_share_of_nominal_minus_worst() -> None:
@@ -367,4 +367,4 @@ def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
 def test_a_portfolio_is_a_global_method() -> None:
     assert concluded(searches=[search("portfolio"), search("sqp")]).verdict == "cleared"
     said = barred("agreement", searches=[search("portfolio", WORST + 0.03), search("direct"), search("sqp")])
-    assert said == "the worst case is 0.84, but Portfolio stopped 0.03 above it"
+    assert said == "the worst case is 0.84 m, but Portfolio stopped 0.03 m above it"

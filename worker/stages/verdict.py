@@ -101,7 +101,7 @@ def _checks(problem: Problem, evidence: Evidence) -> list[Check]:
         _nominal(problem, evidence),
         _ended(evidence),
         _no_violation(problem, evidence),
-        _agreement(problem.campaign, evidence),
+        _agreement(problem, evidence),
         _validated(evidence),
         _none_failed(evidence),
     ]
@@ -144,24 +144,24 @@ def _no_violation(problem: Problem, evidence: Evidence) -> Check:
     )
 
 
-def _agreement(campaign: Campaign, evidence: Evidence) -> Check:
+def _agreement(problem: Problem, evidence: Evidence) -> Check:
     """Global methods against the worst known from anywhere, and at least two searches that reached it."""
-    finding, nominal = evidence.finding, evidence.nominal["cost"]
+    finding, nominal, unit = evidence.finding, evidence.nominal["cost"], problem.parts.criterion.unit
     titles = [s["title"] for s in evidence.searches if s["kind"] == "global"]
     if finding is None or nominal is None:
         return Check("agreement", False, "there is no worst case to agree on")
     if not titles:
         return Check("agreement", False, "no global method searched; add one, such as DIRECT")
-    allowed = max(campaign.agreement * (nominal - finding.cost), 1e-9 * max(abs(finding.cost), 1.0))
+    allowed = max(problem.campaign.agreement * (nominal - finding.cost), 1e-9 * max(abs(finding.cost), 1.0))
     aiming = [s for s in evidence.searches if s["kind"] in ("global", "local")]
     above = [float("inf") if s["best"] is None else s["best"]["cost"] - finding.cost for s in aiming]
     late = [
-        f"{s['title']} stopped {number(by)} above it" if s["best"] is not None else f"{s['title']} found no flight"
+        f"{s['title']} " + (f"stopped {number(by)} {unit} above it" if s["best"] is not None else "found no flight")
         for s, by in zip(aiming, above, strict=True)
         if s["kind"] == "global" and by > allowed
     ]
     if late:
-        return Check("agreement", False, f"the worst case is {number(finding.cost)}, but {' and '.join(late)}")
+        return Check("agreement", False, f"the worst case is {number(finding.cost)} {unit}, but {' and '.join(late)}")
     reached = {s["method"]: s["title"] for s, by in zip(aiming, above, strict=True) if by <= allowed}
     if len(reached) < 2:
         (only,) = reached.values()
@@ -169,7 +169,7 @@ def _agreement(campaign: Campaign, evidence: Evidence) -> Check:
             "agreement", False, f"only {only} reached the worst case; a verdict needs a second method to confirm it"
         )
     spread = number(max(by for by in above if by <= allowed))
-    return Check("agreement", True, f"{listed(list(reached.values()))} agree on the worst case within {spread}")
+    return Check("agreement", True, f"{listed(list(reached.values()))} agree on the worst case within {spread} {unit}")
 
 
 def _validated(evidence: Evidence) -> Check:

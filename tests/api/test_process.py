@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import socket
@@ -15,6 +16,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from backend.__main__ import _listen
 from backend.settings import Settings
 
 WAIT = 30.0
@@ -111,3 +113,21 @@ def test_settings_come_from_the_environment_and_mistakes_are_named() -> None:
     assert (settings.cookie, settings.url(9000)) == ("clearance_9000", "https://c.example")
     with pytest.raises(ValueError, match=r"CLEARANCE_PORT: .* given '99999'"):
         Settings.load({"CLEARANCE_PORT": "99999"})
+
+
+def test_an_answer_does_not_wait_for_the_acknowledgement_of_its_head() -> None:
+    async def undelayed() -> int:
+        found: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+        async def serve(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            accepted = writer.get_extra_info("socket")
+            found.set_result(accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY))
+            writer.close()
+
+        async with await asyncio.start_server(serve, sock=_listen(Settings(port=0))) as server:
+            _, writer = await asyncio.open_connection(*server.sockets[0].getsockname()[:2])
+            option = await found
+            writer.close()
+            return option
+
+    assert asyncio.run(undelayed())

@@ -19,8 +19,8 @@ import sqlalchemy as sa
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.queue import Claim, LostLease
-from backend.db.store import PATIENCE, RunStore
-from campaigns import Campaign, CampaignError
+from backend.db.store import PATIENCE, OtherComponents, RunStore
+from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.load import load_document
 from worker.store import Store
 
@@ -40,26 +40,28 @@ def main() -> None:
     document = catalogue()
     write(engine, lambda connection: workers.publish(connection, document), PATIENCE)
     _say(answers, {"ready": True})
-    serve(engine, execute, requests, answers)
+    serve(engine, execute, document, requests, answers)
 
 
-def serve(engine: sa.Engine, execute: Execute, requests: TextIO, answers: TextIO) -> None:
+def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO) -> None:
     """Work on one claim after the other; how each ended is an answer, never an exception."""
     for line in requests:
-        _say(answers, perform(execute, engine, Claim(**json.loads(line))))
+        _say(answers, perform(execute, engine, components, Claim(**json.loads(line))))
 
 
-def perform(execute: Execute, engine: sa.Engine, claim: Claim) -> dict[str, str]:
+def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (the campaign), `failed` (this attempt)."""
     from worker.problem import CampaignUnusable
 
     try:
         campaign = load_document(claim.document, f"run {claim.run_id}")
-        if execute(campaign, RunStore(engine, claim)) is None:
+        store = RunStore(engine, claim)
+        store.describe(campaign, components)
+        if execute(campaign, store) is None:
             return {"outcome": "failed", "text": "the runner ended without a verdict"}
     except LostLease:
         return {"outcome": "lost", "text": ""}
-    except (CampaignUnusable, CampaignError) as error:
+    except (CampaignUnusable, CampaignError, OtherComponents) as error:
         return {"outcome": "unusable", "text": str(error)}
     except (Exception, SystemExit) as error:
         traceback.print_exc()

@@ -9,6 +9,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, ProblemOut
+from backend.db import snapshots
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.errors import RefusedError, not_found
@@ -36,6 +37,11 @@ def published(reader: sa.Connection) -> Catalogue | None:
 def _read(text: str) -> Catalogue:
     """Kept, because a live page asks for it several times a second and it is the largest document there is."""
     return Catalogue.model_validate_json(text)
+
+
+def described(reader: sa.Connection, run_id: int) -> Catalogue | None:
+    """What a run's components meant: as it kept them, of earlier runs as they are described now."""
+    return snapshots.of_run(reader, run_id) or published(reader)
 
 
 def required(reader: sa.Connection) -> Catalogue:

@@ -20,6 +20,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
+from campaigns.catalogue import Catalogue
 from campaigns.spec import Campaign
 
 ENDED = ("done", "failed", "cancelled")
@@ -68,16 +69,18 @@ def begin(
     *,
     worker: str,
     lease: float,
+    catalogue: Catalogue | None = None,
 ) -> Claim:
     """Create the run that continues run `old` under the campaign, with these evaluations in its stages, and hold it.
 
-    It has the old run's name, tags and owner. In the caller's transaction.
+    It has the old run's name, tags and owner, and keeps of the catalogue what its components mean. In the caller's
+    transaction.
     """
     kept = (Run.name, Run.tags, Run.owner, Run.priority, Run.best_so_far)
     cited = connection.execute(sa.select(*kept).where(Run.id == old)).one()
     run_id = submit(
         connection, campaign, name=cited.name, tags=cited.tags, owner=cited.owner, priority=cited.priority,
-        planned=sum(stage.planned for stage in planned),
+        planned=sum(stage.planned for stage in planned), catalogue=catalogue,
     )  # fmt: skip
     for position, stage in enumerate(planned):
         columns = carried.get(position)

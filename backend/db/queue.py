@@ -14,9 +14,11 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.db import snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
+from campaigns.catalogue import Catalogue
 from campaigns.spec import Campaign
 
 LEASE = 10.0
@@ -65,8 +67,12 @@ def submit(
     owner: str,
     planned: int,
     priority: int = 0,
+    catalogue: Catalogue | None = None,
 ) -> int:
-    """Put a run of the campaign into the queue, in the caller's transaction; returns its number."""
+    """Put a run of the campaign into the queue, in the caller's transaction; returns its number.
+
+    Of the catalogue it keeps what the campaign's components mean.
+    """
     created = now(connection)
     row = {"digest": campaign.digest, "name": campaign.name, "document": campaign.document(), "created": created}
     connection.execute(insert(connection, CampaignRow).values(**row).on_conflict_do_nothing())
@@ -79,6 +85,7 @@ def submit(
         "priority": priority,
         "planned": planned,
         "threshold": campaign.criterion.threshold,
+        "snapshot": None if catalogue is None else snapshots.keep(connection, campaign, catalogue),
     }
     return int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
 

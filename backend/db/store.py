@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
+from backend.db import snapshots
 from backend.db.course import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
@@ -20,6 +21,9 @@ from backend.db.records import Columns, Conclusion, Finding, StagePlan, StageRec
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
+from campaigns.catalogue import Catalogue
+from campaigns.snapshot import values_changed
+from campaigns.spec import Campaign
 
 OK, FAILED, TIMEOUT, EXCLUDED = range(4)
 """An evaluation's status, as in the tables."""
@@ -28,12 +32,23 @@ PATIENCE = 120.0
 """How long a write is tried again while the database cannot be reached or stays locked [s]."""
 
 
+class OtherComponents(ValueError):
+    """The run was begun with components that would fly otherwise here; the message says which and what to do."""
+
+
 class RunStore:
     """The results of one claimed run. Writes raise `LostLease` once the run is another worker's or has ended."""
 
     def __init__(self, engine: sa.Engine, claim: Claim, patience: float = PATIENCE) -> None:
         self.engine, self.claim, self.patience = engine, claim, patience
         self._run = claim.run_id
+
+    def describe(self, campaign: Campaign, catalogue: Catalogue) -> None:
+        """Keep what the components mean that are about to fly; raises `OtherComponents` where others have flown.
+
+        The catalogue at submission may have been another worker's.
+        """
+        self._write(lambda connection: self._describe(connection, campaign, catalogue))
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         """Write the plan of a new run; return every stage as it stands."""
@@ -109,6 +124,17 @@ class RunStore:
             "error": None,
         }
         self._write(lambda connection: fenced(connection, self.claim, finished=now(connection), **values))
+
+    def _describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
+        begun = connection.scalar(sa.select(Stage.position).where(Stage.run_id == self._run).limit(1))
+        if begun is None:
+            fenced(connection, self.claim, snapshot=snapshots.keep(connection, campaign, catalogue))
+            return
+        flown = snapshots.of_run(connection, self._run)
+        others = [] if flown is None else values_changed(campaign, flown, catalogue)
+        if others:
+            detail = "; ".join(others)
+            raise OtherComponents(f"it was begun with other components than this worker's ({detail}): submit it again")
 
     def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
         fenced(connection, self.claim, planned=sum(stage.planned for stage in stages))

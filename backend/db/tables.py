@@ -11,9 +11,10 @@ from typing import Any
 import sqlalchemy as sa
 from sqlalchemy import orm
 
-
-class Base(orm.DeclarativeBase):
-    type_annotation_map = {dict[str, Any]: sa.JSON, list[Any]: sa.JSON, float: sa.Double}  # noqa: RUF012
+from backend.db.base import Base as Base
+from backend.db.tables_access import LoginLink as LoginLink
+from backend.db.tables_access import Session as Session
+from backend.db.tables_access import Token as Token
 
 
 class Campaign(Base):
@@ -25,6 +26,16 @@ class Campaign(Base):
     document: orm.Mapped[dict[str, Any]]
     created: orm.Mapped[float]
     __table_args__ = (sa.Index("ix_campaigns_name", "name", "digest"),)
+
+
+class CatalogueSnapshot(Base):
+    """What the components and methods of a campaign meant when its run was submitted, by its digest; shared by runs."""
+
+    __tablename__ = "catalogue_snapshots"
+    digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
+    document: orm.Mapped[dict[str, Any]]
+    """A catalogue with the used entries alone; see `campaigns.snapshot`."""
+    created: orm.Mapped[float]
 
 
 _LISTED = (
@@ -53,6 +64,8 @@ class Run(Base):
     finished: orm.Mapped[float | None]
     continues: orm.Mapped[int | None] = orm.mapped_column(sa.ForeignKey("runs.id"))
     """The run whose searches this one goes on with, under larger budgets."""
+    snapshot: orm.Mapped[str | None] = orm.mapped_column(sa.ForeignKey("catalogue_snapshots.digest"))
+    """What its components meant; None of runs that are older than snapshots."""
     # queue
     priority: orm.Mapped[int] = orm.mapped_column(default=0)
     attempts: orm.Mapped[int] = orm.mapped_column(default=0)
@@ -197,38 +210,6 @@ class Worker(Base):
     started: orm.Mapped[float]
     beat: orm.Mapped[float]
     run_id: orm.Mapped[int | None]
-
-
-class Token(Base):
-    """An API token: only its hash is kept."""
-
-    __tablename__ = "tokens"
-    id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
-    name: orm.Mapped[str] = orm.mapped_column(sa.String(64), unique=True)
-    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), unique=True)
-    created: orm.Mapped[float]
-    last_used: orm.Mapped[float | None]
-    revoked: orm.Mapped[float | None]
-
-
-class LoginLink(Base):
-    """A login link printed at start: good once."""
-
-    __tablename__ = "login_links"
-    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
-    created: orm.Mapped[float]
-    expires: orm.Mapped[float]
-    used: orm.Mapped[float | None]
-
-
-class Session(Base):
-    """A browser session: only the hash of its cookie is kept."""
-
-    __tablename__ = "sessions"
-    hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
-    user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    created: orm.Mapped[float]
-    expires: orm.Mapped[float]
 
 
 class IdempotencyKey(Base):

@@ -13,7 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from backend.catalog.service import bounds, published
+from backend.catalog.service import bounds, described
 from backend.db.engine import is_sqlite, read
 from backend.db.tables import Run
 from backend.errors import RefusedError
@@ -137,7 +137,7 @@ def _watched(reader: sa.Connection, run_id: int) -> _Watched:
         asked = service.campaign(reader, run_id)
     except RefusedError:  # its progress is told all the same
         return _Watched([], {})
-    return _Watched(list(asked.uncertain), bounds(asked, published(reader)))
+    return _Watched(list(asked.uncertain), bounds(asked, described(reader, run_id)))
 
 
 def _stages(reader: sa.Connection, run_id: int, watched: _Watched) -> list[Event]:

@@ -17,6 +17,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.db import snapshots
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, Trace
 from backend.exports.naming import named
@@ -26,6 +27,7 @@ from backend.reports import pdf
 from backend.results import service as results
 from backend.results.digest import results_digest
 from backend.runs import service as runs
+from backend.runs.components import components
 from backend.runs.schemas import RunSummary
 from backend.signoffs import service as signoffs
 
@@ -53,7 +55,7 @@ FILES = (
     Kind(
         "run.json",
         "Everything, JSON",
-        "Campaign, stages with every evaluation, findings, flights, verdict, versions",
+        "Campaign, components, stages with every evaluation, findings, flights, verdict, versions",
         "application/json",
     ),
     Kind(
@@ -179,12 +181,19 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
             "format": FORMAT,
             "results_digest": results_digest(reader, run_id),
             "run": runs.detail(reader, run_id).model_dump(mode="json"),
+            "components": _components(reader, run_id),
             "signoffs": [s.model_dump(mode="json") for s in signoffs.listed(reader, run_id).items],
             "findings": [f.model_dump(mode="json") for f in results.findings(reader, run_id)],
         }
         stages = [s.model_dump(mode="json") for s in runs.stages(reader, run_id)]
         flights = [flight.name for flight in results.traces(reader, run_id)]
     return _run_json(engine, found, told, stages, flights)
+
+
+def _components(reader: sa.Connection, run_id: int) -> dict[str, Any] | None:
+    """What the components meant; None where the run kept nothing: what is installed now may be something else."""
+    told = snapshots.of_run(reader, run_id) and components(reader, run_id)
+    return told.model_dump(mode="json") if told else None
 
 
 def _run_json(

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
-from backend.catalog.service import bounds, published
+from backend.catalog.service import bounds, described
 from backend.db.engine import read
 from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
@@ -90,7 +90,7 @@ class Sheet:
 
 def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
     """The sheet of a run as it stands now."""
-    catalogue = published(reader)
+    catalogue = described(reader, run_id)
     limits = bounds(asked, catalogue)
     units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}
     query = sa.select(Stage.position, Stage.kind, Stage.method, Stage.evaluations)

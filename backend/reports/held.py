@@ -9,6 +9,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.catalog.service import bounds, published
+from backend.db import snapshots
 from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
 from backend.reports.words import Terms
@@ -16,6 +17,7 @@ from backend.results import evaluations
 from backend.results import service as results
 from backend.results.schemas import Evaluations, FindingDetail
 from backend.runs import service as runs
+from backend.runs.components import changed
 from backend.runs.schemas import RunDetail, StageDetail
 from backend.signoffs import service as signoffs
 from backend.signoffs.schemas import Signoffs
@@ -36,6 +38,9 @@ class Held:
     run: RunDetail
     campaign: Campaign
     catalogue: Catalogue | None
+    """What its components meant, as the run kept it; where it kept nothing, what is installed."""
+    changes: list[str] | None
+    """What is installed otherwise now, as sentences; None where the run kept nothing."""
     known: dict[str, tuple[ParameterEntry, float]]
     """Every parameter by path, with its nominal value; empty without a catalogue."""
     limits: dict[str, tuple[float, float, float]]
@@ -119,13 +124,15 @@ class Held:
 
 def load(reader: sa.Connection, run_id: int) -> Held:
     """Read it all in one snapshot; 404 for no run."""
-    campaign, catalogue = runs.campaign(reader, run_id), published(reader)
+    campaign, kept, installed = runs.campaign(reader, run_id), snapshots.of_run(reader, run_id), published(reader)
+    catalogue = kept or installed
     found = results.findings(reader, run_id)
     flown = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
     return Held(
         run=runs.detail(reader, run_id),
         campaign=campaign,
         catalogue=catalogue,
+        changes=None if kept is None else changed(kept, installed),
         known={} if catalogue is None else parameters(campaign, catalogue),
         limits=bounds(campaign, catalogue),
         stages=runs.stages(reader, run_id),

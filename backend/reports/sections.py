@@ -34,7 +34,7 @@ def uncertain(held: Held) -> list[Row]:
         rows.append({
             "path": path,
             "symbol": _symbol(held, path),
-            "text": held.words(path) if entry else "not in the catalogue of this installation",
+            "text": held.words(path) if entry else "not described",
             "unit": words.unit(entry.unit if entry else asked.unit or ""),
             "nominal": words.plain(nominal),
             "low": words.plain(low),
@@ -244,14 +244,15 @@ def validation(held: Held) -> list[Row]:
 
 
 def doubts(held: Held) -> list[str]:
-    """Where this installation may describe other components than those that flew: its texts, defaults and bounds."""
+    """Where the components may be described otherwise than those that flew: their texts, defaults and bounds."""
     if held.catalogue is None:
         return ["this installation has no catalogue of components: units, bounds and texts are not known here"]
     found = []
     flown = (held.summary.get("provenance") or {}).get("clearance")
     if flown is not None and flown != held.catalogue.version:
+        kept = "are described by" if held.changes is None else "were kept with the run as described by"
         found.append(
-            f"the run was flown with clearance {flown}, and the components are described by {held.catalogue.version}: "
+            f"the run was flown with clearance {flown}, and the components {kept} {held.catalogue.version}: "
             "their texts and default values may not be those that flew"
         )
     nominal = next((case.meta.get("parameters") or {} for case in held.cases if case.label == "Nominal"), {})

@@ -129,6 +129,7 @@ def _origin(held: Held) -> list[tuple[str, str]]:
     return [
         ("Campaign", f"sha256 {held.run.campaign_digest}"),
         ("Results", f"sha256 {held.digest}"),
+        ("Components", _components(held)),
         ("Simulation kernel", str(told.get("loop") or unknown)),
         ("Seed", str(told.get("seed", held.campaign.seed))),
         ("Clearance", str(told.get("clearance") or unknown)),
@@ -145,6 +146,12 @@ def _origin(held: Held) -> list[tuple[str, str]]:
         ("Finished", words.moment(held.run.finished)),
         ("Goes on with", held.run.continues or "no earlier run"),
     ]
+
+
+def _components(held: Held) -> str:
+    """Whether what the components meant was kept."""
+    digest = held.run.components_digest
+    return f"sha256 {digest}" if digest else "not kept: described as they are installed now"
 
 
 def _margins(held: Held) -> str:

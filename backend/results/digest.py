@@ -1,7 +1,8 @@
 """The digest of a run's results: what a reviewer signs, and what tells whether a file of it is still the same.
 
 SHA-256 over canonical JSON of campaign digest, state, verdict with its parts, findings, stages with their results, and
-over the bytes of the stored flights. Names, tags, notes and times are no results. Start reading at `results_digest`.
+over the bytes of the stored flights, and of what the components meant, where the run kept it: a stored point of the
+unit cube is a mass only by that. Names, tags, notes and times are no results. Start reading at `results_digest`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from backend.db import snapshots
 from backend.db.tables import Finding, Run, Stage, Trace
 
 _RUN = ("campaign_digest", "state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
@@ -27,6 +29,9 @@ def results_digest(reader: sa.Connection, run_id: int) -> str:
         "findings": _rows(reader, Finding, _FINDING, Finding.run_id == run_id, Finding.label),
         "traces": _traces(reader, run_id),
     }
+    components = snapshots.digest(reader, run_id)
+    if components is not None:  # earlier runs keep the digest that they were signed under
+        parts["components"] = [[components]]
     canonical = json.dumps(parts, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()
 

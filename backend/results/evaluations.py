@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from backend.catalog.criteria import criteria
 from backend.catalog.schemas import CriterionOut
-from backend.catalog.service import bounds, published
+from backend.catalog.service import bounds, described
 from backend.db.records import Columns, join
 from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
@@ -29,7 +29,7 @@ Bounds = Mapping[str, tuple[float, float, float]]
 def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
     """Every stage's evaluations, at most `most` of each, and the first failures with their reasons; 404 for no run."""
     asked = campaign(reader, run_id)
-    catalogue = published(reader)
+    catalogue = described(reader, run_id)
     limits = bounds(asked, catalogue)
     told = criteria(asked.document(), catalogue)
     paths = list(asked.uncertain)
@@ -54,7 +54,7 @@ def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) ->
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
         flown = np.flatnonzero(columns.status != STATUS.index("excluded"))[: most - len(found)]
-        values = in_units(columns.points[flown], list(asked.uncertain), bounds(asked, published(reader)))
+        values = in_units(columns.points[flown], list(asked.uncertain), bounds(asked, described(reader, run_id)))
         found += [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
         if len(found) >= most:
             break

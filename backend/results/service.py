@@ -9,7 +9,7 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
-from backend.catalog.service import bounds, published
+from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.errors import not_found
 from backend.results import thin
@@ -19,7 +19,7 @@ from backend.runs.service import campaign, require
 
 def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     """The findings of a run, the worst first; 404 for no run."""
-    limits = bounds(campaign(reader, run_id), published(reader))
+    limits = bounds(campaign(reader, run_id), described(reader, run_id))
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
     flown = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}

@@ -13,12 +13,14 @@ from backend.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.deps import Engine, Reader
 from backend.runs import edits, listing, service
+from backend.runs.components import components
 from backend.runs.facets import facets
 from backend.runs.filters import Filters
 from backend.runs.history import history
 from backend.runs.order import Sort
 from backend.runs.schemas import (
     HistoryEntry,
+    RunComponents,
     RunDetail,
     RunEdit,
     RunFacets,
@@ -140,6 +142,12 @@ def cancel_run(run: str, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
 def list_stages(run: str, reader: Reader) -> list[StageDetail]:
     """The stages of a run with their results."""
     return service.stages(reader, service.number(run))
+
+
+@router.get("/runs/{run}/components")
+def list_run_components(run: str, reader: Reader) -> RunComponents:
+    """What the components and methods of a run meant when it was submitted, and what is said otherwise now."""
+    return components(reader, service.number(run))
 
 
 @router.get("/runs/{run}/history")

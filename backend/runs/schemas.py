@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from backend.catalog.schemas import CriterionOut
+from campaigns import Catalogue
 
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
 VerdictWord = Literal["cleared", "violated", "inconclusive"]
@@ -148,6 +149,8 @@ class RunDetail(RunSummary):
     campaign: dict[str, Any]
     criteria: list[CriterionOut]
     """The one that decides first, then the objectives."""
+    components_digest: str | None
+    """Of what its components meant when it was submitted (`/runs/{run}/components`); None where it was not kept."""
     stages: list[StageProgress]
     summary: dict[str, Any]
     """Parts of the verdict (`scope`, `checks`), statistics, versions; see `worker.stages.verdict`."""
@@ -155,6 +158,17 @@ class RunDetail(RunSummary):
     """Evaluations per second of the running stage."""
     remaining: float | None
     """Estimated time left [s]; None while it cannot be told."""
+
+
+class RunComponents(Schema):
+    """What the components and methods of a run meant: texts, units, limits and default values in force."""
+
+    digest: str | None
+    """SHA-256 of what was kept when the run was submitted; None where nothing was, and the installed ones are told."""
+    catalogue: Catalogue
+    """The entries that the run's campaign uses."""
+    changes: list[str]
+    """What this installation says otherwise now, as sentences; empty where it says the same."""
 
 
 class RunPage(Schema):

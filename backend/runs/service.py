@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from backend import bodies
 from backend.catalog.criteria import criteria
-from backend.catalog.service import published, required
+from backend.catalog.service import described, required
 from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import now, read
@@ -20,7 +20,7 @@ from backend.db.tables import IdempotencyKey, Run, Stage
 from backend.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
-from campaigns import Campaign, CampaignError, check
+from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.load import load_document
 from campaigns.plan import plan
 
@@ -66,13 +66,14 @@ def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSummary:
     """Queue a run, or give the one queued before under the same key; what is refused leaves no row."""
     with read(engine) as reader:
-        problems = check(submission.campaign, required(reader))
+        catalogue = required(reader)
+    problems = check(submission.campaign, catalogue)
     if problems:
         raise bodies.invalid(CampaignError("request", problems))
     with engine.begin() as writer:
         run_id = None if key is None else _repeated(writer, submission, visitor, key)
         if run_id is None:
-            run_id = _queue(writer, submission, visitor)
+            run_id = _queue(writer, submission, visitor, catalogue)
             told = {"campaign": submission.campaign.digest, "name": submission.name}
             audit.note(writer, visitor, "run.submitted", listing.name(run_id), told)
             if key is not None:
@@ -81,7 +82,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         return summary(reader, run_id)
 
 
-def _queue(writer: sa.Connection, submission: Submission, visitor: Visitor) -> int:
+def _queue(writer: sa.Connection, submission: Submission, visitor: Visitor, catalogue: Catalogue) -> int:
     return queue.submit(
         writer,
         submission.campaign,
@@ -90,6 +91,7 @@ def _queue(writer: sa.Connection, submission: Submission, visitor: Visitor) -> i
         owner=visitor.user,
         priority=submission.priority,
         planned=sum(stage.planned for stage in plan(submission.campaign)),
+        catalogue=catalogue,
     )
 
 
@@ -123,8 +125,8 @@ def summary(reader: sa.Connection, run_id: int) -> RunSummary:
 def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     """One run with its campaign, stages and the time it may still take."""
     base = summary(reader, run_id)
-    document, parts, notes = reader.execute(
-        sa.select(CampaignRow.document, Run.summary, Run.notes)
+    document, parts, notes, snapshot = reader.execute(
+        sa.select(CampaignRow.document, Run.summary, Run.notes, Run.snapshot)
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id == run_id)
     ).one()
@@ -134,7 +136,8 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         **base.model_dump(),
         notes=notes,
         campaign=document,
-        criteria=criteria(document, published(reader)),
+        criteria=criteria(document, described(reader, run_id)),
+        components_digest=snapshot,
         stages=stages,
         summary=parts,
         rate=rate,

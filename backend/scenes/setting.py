@@ -11,7 +11,7 @@ import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
-from backend.catalog.service import published
+from backend.catalog.service import described
 from backend.db.tables import Finding, Run, Stage, Trace
 from backend.results import service as results
 from backend.results.improvements import Improvements
@@ -80,7 +80,7 @@ class Setting:
 def load(reader: sa.Connection, run_id: int) -> Setting:
     """The setting of a run; 404 for none."""
     asked = campaign(reader, run_id)
-    catalogue = published(reader)
+    catalogue = described(reader, run_id)
     known = {} if catalogue is None else parameters(asked, catalogue)
     values = _given(asked) | {path: nominal for path, (_, nominal) in known.items()}
     vehicle = None if catalogue is None else catalogue.component("vehicle", asked.scenario.vehicle.component)

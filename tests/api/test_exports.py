@@ -14,7 +14,7 @@ import sqlalchemy as sa
 from scipy.io import loadmat
 
 from backend.db.records import Columns
-from backend.db.tables import CatalogueDocument
+from backend.db.tables import CatalogueDocument, Run
 from backend.exports import service as exports
 from tests.api.finished import Work, finish, flight, search
 from tests.api.server import Service
@@ -86,6 +86,7 @@ def test_every_evaluation_is_a_row_with_all_its_digits(client: httpx.Client, run
 def test_without_a_catalogue_parameters_are_told_as_shares(service: Service, client: httpx.Client, run: str) -> None:
     with service.engine.begin() as connection:
         connection.execute(sa.delete(CatalogueDocument))
+        connection.execute(sa.update(Run).values(snapshot=None))
     head, first, *_ = table(client.get(f"/api/v1/runs/{run}/exports/evaluations.csv"))
     assert head[-2:] == ["vehicle.m [share of range]", "vehicle.J [share of range]"]
     assert [float(value) for value in first[-2:]] == search(0, 1).points[0].tolist()

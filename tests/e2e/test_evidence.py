@@ -16,10 +16,12 @@ from typing import Any
 
 import httpx
 import pytest
+import sqlalchemy as sa
 from PIL import Image
 from playwright.sync_api import Browser, Download, expect
 
-from tests.api.catalogue import campaign
+from backend.db.tables import CatalogueDocument
+from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import SCREENSHOTS, Visit, visiting
@@ -151,6 +153,22 @@ def test_the_report_is_read_and_printed(visit: Visit) -> None:
     page.keyboard.press("Escape")
     printed = saved(visit, "Safety-case report, PDF")
     assert printed.path().read_bytes().startswith(b"%PDF-")
+
+
+def test_what_is_installed_otherwise_now_is_told(finished: Service, visit: Visit) -> None:
+    page, card = visit.page, visit.page.locator("#components")
+    expect(card).to_contain_text("What is installed now says the same.")
+    document = CATALOGUE.model_dump(mode="json")
+    document["components"][0]["parameters"][1]["default"] = 0.2
+    with finished.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=document))
+    page.reload()
+    expect(card.get_by_role("listitem")).to_have_text(
+        "The default of J of the vehicle unicycle was 0.05 kg m2, here it is 0.2 kg m2."
+    )
+    card.get_by_role("button", name="Show").click()
+    card.get_by_text("Vehicle: unicycle").click()
+    expect(card.get_by_role("row", name=re.compile("^J"))).to_contain_text("0.05")
 
 
 def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit) -> None:

@@ -17,12 +17,15 @@ from typing import Any, NamedTuple
 import sqlalchemy as sa
 
 from backend.db import continuation as stored
+from backend.db import snapshots
 from backend.db.engine import connect, migrate, read, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
 from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
 from campaigns.load import load_document
 from campaigns.plan import plan
+from campaigns.snapshot import values_changed
+from worker.catalog import catalogue
 from worker.cli import WrongInputError
 from worker.cli._results import read_folder
 from worker.cli._where import existing_url_of
@@ -86,7 +89,7 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
         claim = write(
             engine,
             lambda connection: stored.begin(
-                connection, run_id, onward, planned, columns, worker="clearance run", lease=LEASE
+                connection, run_id, onward, planned, columns, worker="clearance run", lease=LEASE, catalogue=catalogue()
             ),
             PATIENCE,
         )
@@ -110,6 +113,10 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
             campaign = load_document(document, _name(run_id))
         except CampaignError as error:
             raise CannotContinue(f"its campaign is of another version of Clearance: {error}") from None
+        flown = snapshots.of_run(connection, run_id)
+        others = [] if flown is None else values_changed(campaign, flown, catalogue())
+        if others:
+            raise CannotContinue(f"its evaluations were flown with other components: {'; '.join(others)}")
         return _Earlier(_name(run_id), campaign, _snapshot(connection, run_id))
 
 

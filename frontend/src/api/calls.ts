@@ -14,6 +14,7 @@ import type {
   LibraryCampaign,
   ListRunsData,
   Preview,
+  RunComponents,
   RunDetail,
   RunEdit,
   RunFacets,
@@ -68,6 +69,8 @@ export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
   answer(sdk.editRun({ path: { run }, body: change }))
 export const cancelRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk.cancelRuns({ body: { runs } }))
 export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
+/** What its components meant, and what this installation says otherwise. */
+export const getComponents = (run: string): Promise<RunComponents> => answer(sdk.listRunComponents({ path: { run } }))
 export const getHistory = (run: string): Promise<HistoryEntry[]> => answer(sdk.listHistory({ path: { run } }))
 export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk.listFindings({ path: { run } }))
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))

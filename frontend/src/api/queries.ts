@@ -27,13 +27,17 @@ export const isLive = (run: Pick<RunSummary, 'state'>): boolean =>
 
 export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: calls.getSession, staleTime: 60_000 })
 
+/** A worker publishes the catalogue when it starts: until then the service answers 503. */
+const untilPublished = {
+  retry: (count: number, error: Error) => refused(error, 503) || (count < 2 && !refused(error, 404)),
+  retryDelay: 1500,
+}
+
 export const catalogueQuery = queryOptions({
+  ...untilPublished,
   queryKey: ['catalogue'],
   queryFn: calls.getCatalogue,
   staleTime: 300_000,
-  // A worker publishes the catalogue when it starts: until then the service answers 503.
-  retry: (count, error) => refused(error, 503) || count < 2,
-  retryDelay: 1500,
 })
 
 export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: calls.getLibrary, staleTime: 300_000 })
@@ -62,6 +66,10 @@ export const runsQuery = (filter: calls.RunFilter) =>
 export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: calls.getFacets })
 
 export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], queryFn: () => calls.getRun(id) })
+
+/** What a run's components mean: kept with it, so that it is told alike whatever is installed. */
+export const componentsQuery = (id: string) =>
+  queryOptions({ ...untilPublished, queryKey: ['components', id], queryFn: () => calls.getComponents(id), staleTime: 300_000 })
 
 export const stagesQuery = (id: string) =>
   queryOptions({ queryKey: ['stages', id], queryFn: () => calls.getStages(id) })

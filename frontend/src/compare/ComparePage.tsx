@@ -65,9 +65,8 @@ interface ComparedProps {
 }
 
 function Compared({ comparison, all, onAll }: ComparedProps) {
-  const { runs, catalogue } = comparison
-  const details = runs.map(({ run }) => run)
-  const rows = differences(details, catalogue)
+  const { runs } = comparison
+  const rows = differences(runs)
   return (
     <>
       <Change runs={runs} />
@@ -82,7 +81,7 @@ function Compared({ comparison, all, onAll }: ComparedProps) {
         </div>
         <SeparationOverlay runs={runs} className="c7" />
         <Tracks runs={runs} className="c5" />
-        <ConvergenceOverlay runs={runs} catalogue={catalogue} className="c7" />
+        <ConvergenceOverlay runs={runs} className="c7" />
         <Samples runs={runs} className="c5" />
         <div className="stack c7 wide">
           <Methods runs={runs} className="" />

@@ -5,7 +5,7 @@ import { ChartCard } from '../charts/ChartCard'
 import { Plot } from '../charts/Plot'
 import { type Curve, linesOn, stepsOn, union } from '../charts/series'
 import type { Line, PlotSpec, Point } from '../charts/spec'
-import type { Catalogue, TraceData } from '../client'
+import type { TraceData } from '../client'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { convergenceOf, searchesOf } from '../run/data'
 import { MethodName } from '../ui/MethodMark'
@@ -163,17 +163,17 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   }
 }
 
-export function ConvergenceOverlay({ runs, catalogue, className }: CardProps & { catalogue: Catalogue | undefined }) {
+export function ConvergenceOverlay({ runs, className }: CardProps) {
   const unit = unitOf(runs) ?? ''
   const searches = useMemo(
     () =>
       runs.flatMap((of) => {
-        const { run, stages, evaluations } = of
+        const { run, stages, evaluations, catalogue } = of
         return searchesOf({ run, stages, evaluations, catalogue })
           .map((search) => ({ of, search, curve: convergenceOf(search, 'evaluations') }))
           .filter(({ curve }) => curve.x.length > 0)
       }),
-    [runs, catalogue],
+    [runs],
   )
   const spec = useMemo((): PlotSpec => {
     const xs = union(searches.map(({ curve }) => curve))

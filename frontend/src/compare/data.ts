@@ -1,7 +1,7 @@
 // What the cards of the compare page share: each run with its letter, its dash and its answers. Start at `useCompared`.
-import { useQueries, useQuery } from '@tanstack/react-query'
+import { useQueries } from '@tanstack/react-query'
 import { asCampaign } from '../api/campaign'
-import { catalogueQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
+import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
 import { type Sample, summaryOf } from '../api/results'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
 import { uncertainOf, type UncertainParameter } from '../run/data'
@@ -17,19 +17,19 @@ export interface Compared {
   evaluations: Evaluations | undefined
   nominal: TraceData | undefined
   worst: TraceData | undefined
+  /** What its components and methods meant. */
+  catalogue: Catalogue | undefined
   parameters: UncertainParameter[]
 }
 
 export interface Comparison {
   runs: Compared[]
-  catalogue: Catalogue | undefined
   /** The runs that cannot be shown, with why. */
   missing: { id: string; error: Error }[]
   loading: boolean
 }
 
 export function useCompared(ids: readonly string[]): Comparison {
-  const catalogue = useQuery(catalogueQuery).data
   const runs = useQueries({ queries: ids.map(runQuery) })
   const known = ids.filter((_, i) => runs[i]?.data)
   const stages = useQueries({ queries: known.map(stagesQuery) })
@@ -37,8 +37,8 @@ export function useCompared(ids: readonly string[]): Comparison {
   const evaluations = useQueries({ queries: known.map(evaluationsQuery) })
   const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal')) })
   const worst = useQueries({ queries: known.map((id) => traceOf(id, 'F1')) })
+  const components = useQueries({ queries: known.map(componentsQuery) })
   return {
-    catalogue,
     loading: runs.some((query) => query.isPending),
     missing: ids.flatMap((id, i) => {
       const error = runs[i]?.data ? null : runs[i]?.error
@@ -58,7 +58,8 @@ export function useCompared(ids: readonly string[]): Comparison {
         evaluations: evaluations[i]?.data,
         nominal: nominal[i]?.data ?? undefined,
         worst: worst[i]?.data ?? undefined,
-        parameters: uncertainOf(asCampaign(run.campaign), catalogue),
+        catalogue: components[i]?.data?.catalogue,
+        parameters: uncertainOf(asCampaign(run.campaign), components[i]?.data?.catalogue),
       }
     }),
   }

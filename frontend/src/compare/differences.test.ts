@@ -48,11 +48,20 @@ const run = (changed: (copy: typeof campaign) => void): RunDetail => {
   return { campaign: copy } as unknown as RunDetail
 }
 const differing = (...runs: RunDetail[]) =>
-  differences(runs, catalogue)
+  differences(runs.map((run) => ({ run, catalogue })))
     .filter((row) => row.differs)
     .map((row) => [row.path, ...row.values])
 
 describe('differences', () => {
+  it('gives each run the default values that it was flown with', () => {
+    const later = structuredClone(catalogue)
+    const changed = later.components.flatMap((c) => c.parameters).find((p) => p.name === 'k')
+    Object.assign(changed ?? {}, { default: 3 })
+    const same = run(() => undefined)
+    const found = differences([{ run: same, catalogue }, { run: same, catalogue: later }])
+    expect(found.filter((row) => row.differs).map((row) => [row.path, ...row.values])).toEqual([['controller.k', 1, 3]])
+  })
+
   it('leaves words and spelt-out defaults out', () => {
     const other = run((copy) => {
       copy.name = 'Two'
@@ -63,7 +72,7 @@ describe('differences', () => {
   })
   it('names parameters by their path, with unit and words', () => {
     const other = run((copy) => (copy.scenario.vehicle.parameters.m = 6))
-    const found = differences([run(() => undefined), other], catalogue).filter((row) => row.differs)
+    const found = differences([run(() => undefined), other].map((run) => ({ run, catalogue }))).filter((row) => row.differs)
     expect(found.map((row) => row.path)).toEqual(['vehicle.m', 'uncertain.vehicle.m.low', 'uncertain.vehicle.m.high'])
     expect(found[0]).toMatchObject({ values: [5, 6], unit: 'kg', text: 'The m', group: 'Scenario' })
   })

@@ -36,6 +36,12 @@ const GROUPS: Record<string, string> = {
   stages: 'Methods and stages',
 }
 
+interface Described {
+  run: Pick<RunDetail, 'campaign'>
+  /** What its own components meant. */
+  catalogue: Catalogue | undefined
+}
+
 interface Entry {
   value: Setting
   text?: string
@@ -43,8 +49,8 @@ interface Entry {
 }
 
 /** Every setting of every run, in the order of the first that has it. */
-export function differences(runs: readonly RunDetail[], catalogue: Catalogue | undefined): Row[] {
-  const all = runs.map((run) => settingsOf(run, catalogue))
+export function differences(runs: readonly Described[]): Row[] {
+  const all = runs.map(({ run, catalogue }) => settingsOf(run, catalogue))
   const paths = [...new Set(all.flatMap((settings) => [...settings.keys()]))]
   // A stage that is none in one run and has settings in another is told by those alone.
   const inner = paths.filter((path) => !paths.some((other) => other.startsWith(`${path}.`)))

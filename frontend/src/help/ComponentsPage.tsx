@@ -3,11 +3,8 @@ import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
-import type { ComponentEntry, ParameterEntry } from '../client'
-import { plain } from '../format/numbers'
-import { unitText } from '../format/units'
-import { Sign } from '../ui/Sign'
-import { Docstring } from './Docstring'
+import type { ComponentEntry } from '../client'
+import { ComponentText } from './ComponentText'
 import { HelpFrame } from './HelpFrame'
 import { idOfComponent } from './links'
 
@@ -62,12 +59,7 @@ function distinctTitle({ title, dimension }: ComponentEntry, among: readonly Com
 }
 
 function Component({ component }: { component: ComponentEntry }) {
-  const { role, name, title, text, parameters, starts, goals } = component
-  const groups = [
-    { title: 'Parameters', entries: parameters },
-    { title: 'Start states', entries: starts },
-    { title: 'Goal', entries: goals },
-  ].filter((group) => group.entries.length > 0)
+  const { role, name, title } = component
   return (
     <section className="card" id={idOfComponent(role, name)}>
       <div className="h">
@@ -76,15 +68,7 @@ function Component({ component }: { component: ComponentEntry }) {
         <span className="r small mut">{facts(component)}</span>
       </div>
       <div className="bd stack">
-        <Docstring text={text} />
-        {groups.map((group) => (
-          <details key={group.title}>
-            <summary>
-              {group.title}: {group.entries.length}
-            </summary>
-            <Parameters entries={group.entries} />
-          </details>
-        ))}
+        <ComponentText component={component} />
       </div>
     </section>
   )
@@ -103,37 +87,4 @@ function facts({ dimension, frame, role, demand, demands, fits, unit, quantity, 
   ]
     .filter(Boolean)
     .join(' · ')
-}
-
-function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
-  return (
-    <table className="tight">
-      <thead>
-        <tr>
-          <th>Name</th>
-          <th>Symbol</th>
-          <th>Meaning</th>
-          <th className="num">Usual value</th>
-          <th className="num">Allowed</th>
-          <th>Unit</th>
-        </tr>
-      </thead>
-      <tbody>
-        {entries.map((entry) => (
-          <tr key={entry.name}>
-            <td className="mono">{entry.name}</td>
-            <td>
-              <Sign text={entry.symbol} />
-            </td>
-            <td className="sec">{entry.text}</td>
-            <td className="num">{entry.default === null ? 'must be given' : plain(entry.default)}</td>
-            <td className="num sec">
-              {plain(entry.low)} to {plain(entry.high)}
-            </td>
-            <td className="sec">{unitText(entry.unit)}</td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
-  )
 }

@@ -5,10 +5,9 @@ import { catalogueQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
 import type { MethodEntry } from '../client'
-import { count } from '../format/numbers'
 import { MethodName } from '../ui/MethodMark'
-import { Docstring } from './Docstring'
 import { HelpFrame } from './HelpFrame'
+import { MethodText } from './MethodText'
 
 const KINDS: Record<MethodEntry['kind'], { name: string; text: string }> = {
   global: { name: 'Global', text: 'Looks everywhere. The global methods must agree before anything is cleared.' },
@@ -58,18 +57,7 @@ export function MethodsPage() {
   )
 }
 
-interface Rule {
-  type?: string
-  default?: unknown
-  description?: string
-  minimum?: number
-  maximum?: number
-  enum?: unknown[]
-  anyOf?: Rule[]
-}
-
 function Method({ method }: { method: MethodEntry }) {
-  const options = Object.entries((method.options.properties ?? {}) as Record<string, Rule>)
   return (
     <section className="card" id={method.name}>
       <div className="h">
@@ -79,59 +67,8 @@ function Method({ method }: { method: MethodEntry }) {
         <span className="d">{method.how}</span>
       </div>
       <div className="bd stack">
-        <Docstring text={method.text} />
-        <dl className="guarantee">
-          <dt>In a campaign</dt>
-          <dd className="mono">{method.name}</dd>
-          <dt>Source</dt>
-          <dd>{method.source}</dd>
-          <dt>Usual budget</dt>
-          <dd>{count(method.evaluations)} evaluations</dd>
-          {method.starts && (
-            <>
-              <dt>Starts</dt>
-              <dd>from points that the campaign gives</dd>
-            </>
-          )}
-        </dl>
-        {options.length > 0 && (
-          <details>
-            <summary>{options.length === 1 ? 'One setting' : `${options.length} settings`}</summary>
-            <table className="tight">
-              <thead>
-                <tr>
-                  <th>Setting</th>
-                  <th>Usual value</th>
-                  <th>Meaning</th>
-                </tr>
-              </thead>
-              <tbody>
-                {options.map(([name, rule]) => (
-                  <tr key={name}>
-                    <td className="mono">{name}</td>
-                    <td className="tn nw">{rule.default === undefined ? 'must be given' : said(rule.default)}</td>
-                    <td className="sec">{meaning(rule)}</td>
-                  </tr>
-                ))}
-              </tbody>
-            </table>
-          </details>
-        )}
+        <MethodText method={method} />
       </div>
     </section>
   )
-}
-
-const said = (value: unknown): string =>
-  value === null ? 'none' : typeof value === 'string' || typeof value === 'number' ? String(value) : JSON.stringify(value)
-
-function meaning(rule: Rule): string {
-  const of = rule.anyOf?.find((option) => option.type !== 'null') ?? rule
-  const limits =
-    of.minimum !== undefined && of.maximum !== undefined
-      ? `${of.minimum} to ${of.maximum}`
-      : of.enum
-        ? of.enum.map(said).join(', ')
-        : ''
-  return [rule.description, limits].filter(Boolean).join(' · ')
 }

@@ -5,6 +5,7 @@ import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { useCalm } from '../ui/useCalm'
 import { Banner } from './Banner'
 import { Columns } from './Columns'
+import { Components } from './Components'
 import { Convergence } from './Convergence'
 import { calledOf, NOMINAL } from './chosen'
 import { bestOf, type RunData, stageOf } from './data'
@@ -169,6 +170,7 @@ export function Finished({ data }: { data: RunData }) {
         {many && minima.map((search) => <Minima key={search.method} data={data} search={search} className="c12" tall />)}
         {failures.length > 0 && <Failures data={data} className="c12" />}
         <Provenance data={data} className="c12" />
+        <Components run={run} className="c12" />
         <SignoffsCard run={run} className="c6" />
         <Notes run={run} className="c6" />
       </div>

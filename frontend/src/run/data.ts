@@ -4,7 +4,7 @@ import { useEffect, useRef } from 'react'
 import { asCampaign, type Campaign } from '../api/campaign'
 import { useStreamStatus } from '../api/events'
 import {
-  catalogueQuery,
+  componentsQuery,
   evaluationsQuery,
   findingsQuery,
   isLive,
@@ -41,6 +41,7 @@ export interface UncertainParameter {
 export interface RunData {
   run: RunDetail
   campaign: Campaign
+  /** What its components and methods meant. */
   catalogue: Catalogue | undefined
   parameters: UncertainParameter[]
   stages: StageDetail[]
@@ -59,7 +60,7 @@ export interface RunData {
 export function useRunData(run: RunDetail, asked?: string): RunData {
   const over = !isLive(run)
   useFreshAtEnd(run.id, over)
-  const catalogue = useQuery(catalogueQuery).data
+  const catalogue = useQuery(componentsQuery(run.id)).data?.catalogue
   const stages = useQuery(stagesQuery(run.id)).data ?? []
   const evaluations = useQuery(evaluationsQuery(run.id))
   // The stream brings every improvement with its place. What it does not bring is read rarely: all evaluations of a long
@@ -118,7 +119,7 @@ function useFreshAtEnd(id: string, over: boolean): void {
   }, [cache, id, over])
 }
 
-/** The uncertain parameters in the campaign's order, as the catalogue of today describes them. */
+/** The uncertain parameters in the campaign's order, as a catalogue describes them. */
 export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
   const known = new Map(catalogue ? parametersOf(campaign, catalogue).map((p) => [p.path, p]) : [])
   const found = Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {

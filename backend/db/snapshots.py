@@ -1,0 +1,45 @@
+"""What the components of runs meant, kept once for all runs that share it. Start reading at `keep` and `of_run`."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.engine import insert, now
+from backend.db.tables import CatalogueSnapshot, Run
+from campaigns.catalogue import Catalogue
+from campaigns.snapshot import digest_of, snapshot
+from campaigns.spec import Campaign
+
+
+def keep(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> str:
+    """Store what the catalogue says of a campaign's components unless it is there already; returns its digest."""
+    document = snapshot(campaign, catalogue).model_dump(mode="json")
+    digest = digest_of(document)
+    row = {"digest": digest, "document": document, "created": now(writer)}
+    writer.execute(insert(writer, CatalogueSnapshot).values(**row).on_conflict_do_nothing())
+    return digest
+
+
+def of_run(reader: sa.Connection, run_id: int) -> Catalogue | None:
+    """What a run's components meant; None where it kept nothing, or there is no such run."""
+    text = reader.scalar(_stored(sa.cast(CatalogueSnapshot.document, sa.Text), run_id))
+    return None if text is None else _read(text)
+
+
+def digest(reader: sa.Connection, run_id: int) -> str | None:
+    """The digest of what is stored, worked out anew, so that a later change of it shows; None where nothing is."""
+    document: dict[str, Any] | None = reader.scalar(_stored(CatalogueSnapshot.document, run_id))
+    return None if document is None else digest_of(document)
+
+
+def _stored(what: Any, run_id: int) -> sa.Select[Any]:
+    return sa.select(what).join(Run, Run.snapshot == CatalogueSnapshot.digest).where(Run.id == run_id)
+
+
+@functools.lru_cache(maxsize=32)
+def _read(text: str) -> Catalogue:
+    """Kept: a page asks for it with every answer that has parameters in their units."""
+    return Catalogue.model_validate_json(text)

@@ -1,0 +1,30 @@
+"""What the components of a run meant, and what this installation says otherwise. Start reading at `components`."""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+
+from backend.catalog.service import published, required
+from backend.db import snapshots
+from backend.db.tables import Run
+from backend.runs import service
+from backend.runs.schemas import RunComponents
+from campaigns import Catalogue
+from campaigns.snapshot import changes, snapshot
+
+
+def components(reader: sa.Connection, run_id: int) -> RunComponents:
+    """As the run kept them; of a run that kept nothing as they are described now. 404 for no run."""
+    asked = service.campaign(reader, run_id)
+    kept = snapshots.of_run(reader, run_id)
+    if kept is None:
+        return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[])
+    digest = reader.scalar(sa.select(Run.snapshot).where(Run.id == run_id))
+    return RunComponents(digest=digest, catalogue=kept, changes=changed(kept, published(reader)))
+
+
+def changed(kept: Catalogue, installed: Catalogue | None) -> list[str]:
+    """What is described otherwise now, as sentences."""
+    if installed is None:
+        return []
+    return [f"{clause[0].upper()}{clause[1:]}." for clause in changes(kept, installed)]

@@ -1,0 +1,74 @@
+// A method's own text with its settings: of this installation on the help pages, as it was kept on a run's page.
+import type { MethodEntry } from '../client'
+import { count } from '../format/numbers'
+import { Docstring } from './Docstring'
+
+interface Rule {
+  type?: string
+  default?: unknown
+  description?: string
+  minimum?: number
+  maximum?: number
+  enum?: unknown[]
+  anyOf?: Rule[]
+}
+
+export function MethodText({ method }: { method: MethodEntry }) {
+  const options = Object.entries((method.options.properties ?? {}) as Record<string, Rule>)
+  return (
+    <>
+      <Docstring text={method.text} />
+      <dl className="guarantee">
+        <dt>In a campaign</dt>
+        <dd className="mono">{method.name}</dd>
+        <dt>Source</dt>
+        <dd>{method.source}</dd>
+        <dt>Usual budget</dt>
+        <dd>{count(method.evaluations)} evaluations</dd>
+        {method.starts && (
+          <>
+            <dt>Starts</dt>
+            <dd>from points that the campaign gives</dd>
+          </>
+        )}
+      </dl>
+      {options.length > 0 && (
+        <details>
+          <summary>{options.length === 1 ? 'One setting' : `${options.length} settings`}</summary>
+          <table className="tight">
+            <thead>
+              <tr>
+                <th>Setting</th>
+                <th>Usual value</th>
+                <th>Meaning</th>
+              </tr>
+            </thead>
+            <tbody>
+              {options.map(([name, rule]) => (
+                <tr key={name}>
+                  <td className="mono">{name}</td>
+                  <td className="tn nw">{rule.default === undefined ? 'must be given' : said(rule.default)}</td>
+                  <td className="sec">{meaning(rule)}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </details>
+      )}
+    </>
+  )
+}
+
+const said = (value: unknown): string =>
+  value === null ? 'none' : typeof value === 'string' || typeof value === 'number' ? String(value) : JSON.stringify(value)
+
+function meaning(rule: Rule): string {
+  const of = rule.anyOf?.find((option) => option.type !== 'null') ?? rule
+  const limits =
+    of.minimum !== undefined && of.maximum !== undefined
+      ? `${of.minimum} to ${of.maximum}`
+      : of.enum
+        ? of.enum.map(said).join(', ')
+        : ''
+  return [rule.description, limits].filter(Boolean).join(' · ')
+}

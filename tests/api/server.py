@@ -33,10 +33,10 @@ def until(condition: Callable[[], Any], seconds: float = 10.0) -> Any:
 class Service:
     """A running service: its address, its database, and visitors to it."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, port: int = 0) -> None:
         self.app = create(settings)
         self.settings = settings
-        self._socket = socket.create_server((settings.host, 0))
+        self._socket = socket.create_server((settings.host, port))
         self.port = self._socket.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}"
         self.server = Server(server_config(self.app))

@@ -19,10 +19,16 @@ from campaigns import CampaignError
 
 CLEARED, VIOLATED, INCONCLUSIVE, WRONG_INPUT, INTERNAL, INTERRUPTED = 0, 1, 2, 3, 4, 130
 """Exit codes: the verdicts, wrong input or usage, a failure of Clearance itself, interrupted."""
+CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
+"""Those of the verdicts."""
 
 
 class WrongInputError(Exception):
     """What was given cannot be used; the message is a sentence for the user. Ends the command with `WRONG_INPUT`."""
+
+
+class UnreachableError(Exception):
+    """A service that did not answer, for as long as was waited for it. Ends the command with `INTERNAL`."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -37,6 +43,9 @@ def invoke(arguments: Sequence[str]) -> int:
     except (typer.TyperException, CampaignError, AccessError, WrongInputError) as error:
         _explain(error)
         return WRONG_INPUT
+    except UnreachableError as error:
+        _explain(error)
+        return INTERNAL
     except (KeyboardInterrupt, typer.Abort):
         typer.echo("interrupted", err=True)
         return INTERRUPTED

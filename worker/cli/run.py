@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from worker.cli import CLEARED, INCONCLUSIVE, VIOLATED, WrongInputError
+from worker.cli import CODES, WrongInputError
 from worker.cli import _interrupt as interrupt
+from worker.cli._out import writable
 from worker.cli._where import DATA, Data, Database
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from worker.store import Conclusion, MemoryStore, Store
 
 Fly: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Conclusion]"
-
-CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
 
 
 def run(
@@ -49,7 +48,7 @@ def run(
 ) -> None:  # fmt: skip
     """Run a campaign here and print its verdict; the exit code is the verdict."""
     _asked_right(file, onward, budget)
-    _writable(out)
+    writable(out)
     fly = _flying(threads or None, quiet=as_json)
     if onward:
         from worker.cli._continue import execute_continued
@@ -151,15 +150,3 @@ def _flying(threads: int | None, quiet: bool) -> Fly:
                 return execute(campaign, store, asked, progress=shown.show, threads=threads)
 
     return fly
-
-
-def _writable(out: Path | None) -> None:
-    if out is None:
-        return
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        probe = out / ".writable"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise WrongInputError(f"the folder {out} cannot be written: {error.strerror}") from None

@@ -1,0 +1,111 @@
+"""What `clearance submit` and `clearance follow` show and leave behind: progress, the verdict, the files of a run.
+
+Start reading at `follow_to_the_end`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from worker.cli import CODES, INTERNAL, INTERRUPTED, UnreachableError, WrongInputError
+
+if TYPE_CHECKING:
+    from worker.cli._remote import Remote
+
+FILES = {
+    "run.json": "runs/{run}/exports/run.json",
+    "evaluations.csv": "runs/{run}/exports/evaluations.csv",
+    "findings.csv": "runs/{run}/exports/findings.csv",
+    "report.html": "runs/{run}/report.html",
+}
+"""What is saved of a run, and where the service has it."""
+
+Service = Annotated[
+    str, typer.Option(help="Address of the service.", envvar="CLEARANCE_SERVICE", metavar="URL", show_default=True)
+]
+SERVICE = "http://127.0.0.1:8000"
+Token = Annotated[
+    str,
+    typer.Option(
+        "--token-file", metavar="FILE", show_default=False,
+        help="File that holds an API token; else the token is in CLEARANCE_TOKEN.",
+    ),
+]  # fmt: skip
+Out = Annotated[Path | None, typer.Option(help=f"Folder for the run's files: {', '.join(FILES)}.", file_okay=False)]
+PATIENCE = 120.0
+Patience = Annotated[float, typer.Option(help="How long a service that does not answer is asked again [s].", min=0.0)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the run as the API gives it, and nothing else.")]
+
+
+def token_of(file: str, found: str | None) -> str:
+    """The token of a file, else that of the environment; `WrongInputError` where there is none."""
+    if file:
+        try:
+            found = Path(file).read_text("utf-8")
+        except (OSError, ValueError) as error:
+            raise WrongInputError(f"the token's file {file} cannot be read: {error}") from None
+    token = (found or "").strip()
+    if not token:
+        raise WrongInputError(
+            "no API token: set CLEARANCE_TOKEN or give --token-file; `clearance token create ci` makes one"
+        )
+    if not token.isascii() or not token.isprintable() or " " in token:
+        raise WrongInputError("the API token is not one word of ASCII; `clearance token create ci` prints one")
+    return token
+
+
+def follow_to_the_end(service: Remote, run: str, out: Path | None, as_json: bool) -> int:
+    """Show a run until it has ended, save its files; returns the exit code."""
+    try:
+        told = _shown(service, run, quiet=as_json)
+    except (KeyboardInterrupt, UnreachableError):
+        typer.echo(f"{run} goes on by itself; `clearance follow {run}` takes it up again", err=True)
+        raise
+    if out is not None:
+        for name, path in FILES.items():
+            service.save(path.format(run=run), out / name)
+    typer.echo(json.dumps(told, indent=2) if as_json else "\n".join(_ended(service, told, out)))
+    if told["state"] == "done":
+        return CODES[told["verdict"]]
+    return INTERRUPTED if told["state"] == "cancelled" else INTERNAL
+
+
+def _shown(service: Remote, run: str, quiet: bool) -> dict[str, Any]:
+    """The run once it has ended; until then a line for every stage, in place where that is a terminal."""
+    live, before, told = not quiet and sys.stderr.isatty(), "", {}
+    for told in service.followed(run):
+        line = _line(told, figures=live)
+        if quiet or line == before:
+            continue
+        typer.echo(f"\r\033[K{line}" if live else line, err=True, nl=not live)
+        before = line
+    if live and before:
+        typer.echo("\r\033[K", err=True, nl=False)
+    return told
+
+
+def _line(told: dict[str, Any], figures: bool) -> str:
+    stage = told["stage"]
+    if told["state"] != "running" or stage is None:
+        return f"{told['id']} {told['state']}"
+    name = stage["kind"] if stage["method"] is None else f"{stage['kind']}: {stage['method']}"
+    if not figures:
+        return f"{told['id']} {name}"
+    best = "" if stage["best"] is None else f", best {stage['best']:.6g} {told['unit']}"
+    return f"{told['id']} {name}, {stage['evaluations']:,} of at most {stage['planned']:,} evaluations{best}"
+
+
+def _ended(service: Remote, told: dict[str, Any], out: Path | None) -> list[str]:
+    if told["state"] == "done":
+        lines = [told["verdict"].capitalize(), told["reason"]]
+    elif told["state"] == "cancelled":
+        lines = ["Cancelled: no verdict"]
+    else:
+        lines = ["Failed: no verdict", told["error"] or "no reason is recorded"]
+    lines.append(f"{service.address}/runs/{told['id']}")
+    return lines if out is None else [*lines, f"Files in {out}"]

@@ -1,0 +1,131 @@
+"""A Clearance service somewhere else, as the command line speaks to it: its REST API with a token (RFC 6750).
+
+What the service refuses is told in its own words (RFC 9457). A service that restarts is waited for. Start reading at
+`Remote`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import httpx
+
+from campaigns import CampaignError, Problem
+from worker.cli import UnreachableError, WrongInputError
+
+PAUSE = 1.0
+"""Between two questions [s]."""
+_BUSY = (429, 502, 503, 504)
+LONGEST = 300.0
+"""For a file that the service has to make first, such as a report [s]."""
+
+
+class Remote:
+    """The runs of a service."""
+
+    def __init__(self, address: str, token: str, patience: float) -> None:
+        self.address, self.patience = address.rstrip("/"), patience
+        try:
+            self._client = httpx.Client(
+                base_url=f"{self.address}/api/v1/", headers={"Authorization": f"Bearer {token}"}, timeout=30.0
+            )
+        except (httpx.InvalidURL, UnicodeEncodeError, ValueError):
+            raise _no_address(address) from None
+        if self._client.base_url.scheme not in ("http", "https") or not self._client.base_url.host:
+            raise _no_address(address)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._client.close()
+
+    def submit(self, body: Mapping[str, Any], source: str, key: str) -> dict[str, Any]:
+        """Queue a run; asked again under the same key it is the same run. Raises `CampaignError` for a refused one."""
+        answer = self._ask("POST", "runs", json=body, headers={"Idempotency-Key": key})
+        errors = _problem(answer).get("errors")
+        if answer.status_code == 422 and errors:
+            problems = (Problem(e["field"].removeprefix("campaign."), e["given"], e["message"]) for e in errors)
+            raise CampaignError(source, list(problems))
+        return self._read(answer)
+
+    def run(self, run: str) -> dict[str, Any]:
+        """One run as it stands."""
+        return self._read(self._ask("GET", f"runs/{run}"))
+
+    def followed(self, run: str) -> Iterator[dict[str, Any]]:
+        """The run as it stands, again and again until it has ended."""
+        while (told := self.run(run))["state"] in ("queued", "running", "cancelling"):
+            yield told
+            time.sleep(PAUSE)
+        yield told
+
+    def save(self, path: str, file: Path) -> None:
+        """Write what is at a path of the API into a file; what was not received whole leaves none."""
+        part = file.with_name(f"{file.name}.part")
+        answer = self._ask("GET", path, stream=True, timeout=LONGEST)
+        try:
+            if answer.is_error:
+                answer.read()
+                raise self._refused(answer)
+            with part.open("wb") as out:
+                for chunk in answer.iter_bytes():
+                    out.write(chunk)
+            part.replace(file)
+        except httpx.TransportError as error:
+            raise UnreachableError(f"{path} could not be read from {self.address}: {_said(error)}") from None
+        except OSError as error:
+            raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
+        finally:
+            answer.close()
+            part.unlink(missing_ok=True)
+
+    def _ask(self, method: str, path: str, *, stream: bool = False, **how: Any) -> httpx.Response:
+        """Ask until there is an answer, at most as long as patience lasts."""
+        until = time.monotonic() + self.patience
+        while True:
+            try:
+                answer = self._client.send(self._client.build_request(method, path, **how), stream=stream)
+                if answer.status_code not in _BUSY:
+                    return answer
+                answer.read()
+                said = _problem(answer).get("detail") or f"it answers {answer.status_code}"
+            except httpx.TransportError as error:
+                said = _said(error)
+            if time.monotonic() > until:
+                raise UnreachableError(f"{self.address} did not answer for {self.patience:g} s: {said}")
+            time.sleep(PAUSE)
+
+    def _read(self, answer: httpx.Response) -> dict[str, Any]:
+        if answer.is_error:
+            raise self._refused(answer)
+        try:
+            told = answer.json()
+        except ValueError:
+            told = None
+        if not isinstance(told, dict) or "id" not in told:
+            raise WrongInputError(f"{self.address} is no Clearance service: it does not answer as one")
+        return told
+
+    def _refused(self, answer: httpx.Response) -> WrongInputError:
+        said = _problem(answer).get("detail") or f"it answers {answer.status_code} {answer.reason_phrase}"
+        return WrongInputError(f"{self.address}: {said}")
+
+
+def _problem(answer: httpx.Response) -> dict[str, Any]:
+    """The problem document of an answer; empty where it is none."""
+    if not answer.headers.get("content-type", "").startswith("application/problem+json"):
+        return {}
+    told = answer.json()
+    return told if isinstance(told, dict) else {}
+
+
+def _said(error: Exception) -> str:
+    return str(error) or type(error).__name__
+
+
+def _no_address(given: str) -> WrongInputError:
+    return WrongInputError(f"{given!r} is not the address of a service; it is like http://127.0.0.1:8000")

@@ -1,0 +1,32 @@
+"""`clearance follow RUN`: a run of a service to its verdict, whoever has started it. Start reading at `follow`."""
+
+from __future__ import annotations
+
+import os
+import re
+from typing import Annotated
+
+import typer
+
+from worker.cli._following import PATIENCE, SERVICE, AsJson, Out, Patience, Service, Token
+
+
+def follow(
+    run: Annotated[str, typer.Argument(help="Its number, such as R-0001.")],
+    service: Service = SERVICE,
+    token_file: Token = "",
+    out: Out = None,
+    as_json: AsJson = False,
+    patience: Patience = PATIENCE,
+) -> None:
+    """Wait for the verdict of a run of a service, which is the exit code."""
+    from worker.cli import WrongInputError
+    from worker.cli._following import follow_to_the_end, token_of
+    from worker.cli._out import writable
+    from worker.cli._remote import Remote
+
+    if not re.fullmatch(r"R-\d{1,15}", run):
+        raise WrongInputError(f"{run!r} is no run's number; they are like R-0001")
+    writable(out)
+    with Remote(service, token_of(token_file, os.environ.get("CLEARANCE_TOKEN")), patience) as remote:
+        raise typer.Exit(follow_to_the_end(remote, remote.run(run)["id"], out, as_json))

@@ -1,0 +1,49 @@
+"""`clearance submit FILE`: a campaign to a service, followed to its verdict: one line of a CI job.
+
+The exit code is the verdict, as of `clearance run`. Start reading at `submit`.
+"""
+
+from __future__ import annotations
+
+import os
+import uuid
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from worker.cli._following import PATIENCE, SERVICE, AsJson, Out, Patience, Service, Token
+
+
+def submit(
+    file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
+    service: Service = SERVICE,
+    token_file: Token = "",
+    name: Annotated[str, typer.Option(help="Name of the run; else the campaign's.")] = "",
+    tag: Annotated[
+        list[str] | None, typer.Option(help="Tag of the run, may be repeated; else the campaign's.", show_default=False)
+    ] = None,
+    priority: Annotated[int, typer.Option(help="Runs of a higher one are begun first.", min=-10, max=10)] = 0,
+    wait: Annotated[bool, typer.Option(help="Wait for the verdict; else print the run's number alone.")] = True,
+    out: Out = None,
+    as_json: AsJson = False,
+    patience: Patience = PATIENCE,
+) -> None:  # fmt: skip
+    """Send a campaign to a service and wait for its verdict, which is the exit code."""
+    from worker.cli._campaign import read_campaign
+    from worker.cli._following import follow_to_the_end, token_of
+    from worker.cli._out import writable
+    from worker.cli._remote import Remote
+
+    writable(out)
+    campaign = read_campaign(file)
+    body: dict[str, Any] = {"campaign": campaign.document(), "priority": priority}
+    body |= {"name": name} if name else {}
+    body |= {"tags": tag} if tag else {}
+    with Remote(service, token_of(token_file, os.environ.get("CLEARANCE_TOKEN")), patience) as remote:
+        run = remote.submit(body, str(file), str(uuid.uuid4()))["id"]
+        if not wait:
+            typer.echo(run)
+            return
+        typer.echo(f"{run} is at {remote.address}/runs/{run}", err=True)
+        raise typer.Exit(follow_to_the_end(remote, run, out, as_json))

@@ -17,7 +17,8 @@ export function ApiPage() {
 
 function Page({ document }: { document: OpenApi }) {
   const groups = operationsOf(document)
-  const first = `export TOKEN=…\ncurl -H "Authorization: Bearer $TOKEN" '${location.origin}/api/v1/runs?limit=5'`
+  const access = `export CLEARANCE_SERVICE=${location.origin}\nexport CLEARANCE_TOKEN=…`
+  const first = `${access}\ncurl -H "Authorization: Bearer $CLEARANCE_TOKEN" "$CLEARANCE_SERVICE/api/v1/runs?limit=5"`
   return (
     <div className="doc">
       <nav className="toc" aria-label="Operations">
@@ -59,6 +60,12 @@ function Page({ document }: { document: OpenApi }) {
               do.
             </p>
             <Snippet text={first} />
+            <p>
+              In continuous integration one command sends a campaign, waits, and ends with the verdict: its exit code is
+              0 for cleared, 1 for violated, 2 for inconclusive. <code>--out</code> keeps report, run, findings and
+              evaluations.
+            </p>
+            <Snippet text="clearance submit campaign.yaml --tag nightly --out artefacts/" />
           </div>
         </section>
         {groups.map((group) => (

@@ -143,7 +143,7 @@ export function addressOf(operation: Operation, values: Record<string, string>):
 
 /** The same request from a shell. */
 export function curlOf(operation: Operation, origin: string, values: Record<string, string>): string {
-  const lines = [`curl -H "Authorization: Bearer $TOKEN"`]
+  const lines = [`curl -H "Authorization: Bearer $CLEARANCE_TOKEN"`]
   if (operation.method !== 'get') lines.push(`-X ${operation.method.toUpperCase()}`)
   const types = Object.keys(operation.requestBody?.content ?? {})
   const yaml = types.includes('application/yaml')

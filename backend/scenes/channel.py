@@ -16,6 +16,7 @@ from backend.errors import RefusedError
 from backend.runs.service import number
 from backend.scenes.address import KEY
 from backend.scenes.schemas import ViewChange, ViewState
+from backend.scenes.setting import UnknownParameterError
 from backend.scenes.viewer import GoneError, UnknownFlightError, Viewer
 from backend.scenes.viewers import Handle, Viewers
 
@@ -23,12 +24,26 @@ router = APIRouter(tags=["views"])
 
 Key = Annotated[str, Path(pattern=f"^{KEY}$", description="Of the view: a UUID (version 4) in its address.")]
 Wait = Annotated[float, Query(ge=0, le=30, description="How long to wait for the view to open [s].")]
+Since = Annotated[
+    int | None,
+    Query(
+        ge=0,
+        description="A revision that is known: the answer comes once the view shows something else, at the latest "
+        "after `wait`; at once where no such view is open.",
+    ),
+]
 
 
 @router.get("/runs/{run}/views/{key}")
-async def get_view(run: str, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0) -> ViewState:
-    """What an open 3D view shows now."""
-    return await _answer(request, Handle(visitor, number(run), key), wait, Viewer.state)
+async def get_view(
+    run: str, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
+) -> ViewState:
+    """What an open 3D view shows now, or as soon as it shows something new."""
+    handle = Handle(visitor, number(run), key)
+    if since is not None:
+        await request.app.state.viewers.news(handle, since, wait)
+        wait = 0.0
+    return await _answer(request, handle, wait, Viewer.state)
 
 
 @router.patch("/runs/{run}/views/{key}")
@@ -43,13 +58,20 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
     viewers: Viewers = request.app.state.viewers
     viewer = await viewers.find(handle, wait)
     if viewer is None:
-        raise _gone(handle)
+        raise _full(viewers.most) if viewers.full and not viewers.stopping.is_set() else _gone(handle)
     try:
         return await to_thread.run_sync(ask, viewer)
     except GoneError:
         raise _gone(handle) from None
     except UnknownFlightError as error:
         raise RefusedError(422, "unknown-finding", str(error)) from None
+    except UnknownParameterError as error:
+        raise RefusedError(422, "unknown-parameter", str(error)) from None
+
+
+def _full(most: int) -> RefusedError:
+    detail = f"{most} 3D views are open, and no more may be at a time: close one that is not needed, then try again"
+    return RefusedError(503, "busy", detail)
 
 
 def _gone(handle: Handle) -> RefusedError:

@@ -16,8 +16,8 @@ from backend.runs.service import number
 from backend.scenes import cloud_words as words
 from backend.scenes import tables
 from backend.scenes.address import Camera
-from backend.scenes.cameras import distance
-from backend.scenes.cloud import Axes, Cloud, Evaluation, axes, load, met
+from backend.scenes.cameras import Pose, distance
+from backend.scenes.cloud import Axes, Axis, Cloud, Evaluation, axes, load, met
 from backend.scenes.cloud_drawn import CloudDrawn
 from backend.scenes.flight import ROWS, Flight, from_live
 from backend.scenes.following import Following
@@ -25,10 +25,12 @@ from backend.scenes.latest import Latest
 from backend.scenes.live import Live, LiveError
 from backend.scenes.palette import DARK, Palette
 from backend.scenes.part import Driver, Part
-from backend.scenes.setting import NOMINAL, Progress, Setting
+from backend.scenes.schemas import NONE as NO_AXIS
+from backend.scenes.schemas import VALUE
+from backend.scenes.setting import NOMINAL, Progress, Setting, UnknownParameterError
 from backend.scenes.world import World
 
-NONE = "–"
+NOTHING = "–"
 """No axis."""
 PATIENCE = 5.0
 """While a run goes on, its evaluations are read again after this time at the soonest [s]."""
@@ -67,24 +69,26 @@ class CloudTab(Part):
         self._cloud: Cloud | None = None
         self._read, self._whole = 0.0, False
         """When the evaluations were read last [s]; whether the run was over then."""
-        self._stopped = False
+        self._visible = self._stopped = False
         self._picked: Evaluation | None = None
         self._along: Axes = (None, None, None)
         self._before: Camera | None = None
-        self._own: dict[int, tuple[Any, Any]] = {}
-        """Where the camera stood when the flights were shown last: a place by name, or each browser's own."""
+        self._own: Pose | None = None
+        """Where the camera stood when the flights were shown last: a place by name, or the visitor's own."""
         self._panel(server.gui)
         self._loads: Latest[None] = Latest(lambda _: self._load())
         self._flies: Latest[Evaluation] = Latest(self._fly)
 
     def _panel(self, gui: viser.GuiApi) -> None:
         titles = [f"{one.path} [{one.unit}]" if one.unit else one.path for one in self._setting.uncertain]
-        value = f"{self._setting.quantity or 'value'} [{self._setting.unit}]"
+        value = Axis(self._setting.quantity or "value", self._setting.unit, 0.0, 0.0).title
+        paths = [one.path for one in self._setting.uncertain]
+        self._paths = {**dict(zip(titles, paths, strict=True)), value: VALUE, NOTHING: NO_AXIS}
         self._box: Any = gui.add_checkbox(
             "Show parameter space", False, hint="The stored evaluations in place of the flights."
         )
-        first = [*titles[:3], value][:3] if len(titles) > 1 else [*(titles or [NONE]), NONE, value]
-        options = (*titles, value, NONE)
+        first = [*titles[:3], value][:3] if len(titles) > 1 else [*(titles or [NOTHING]), NOTHING, value]
+        options = (*titles, value, NOTHING)
         self._axes: list[Any] = [
             gui.add_dropdown(f"Axis {name}", options, initial_value=title)
             for name, title in zip("xyz", first, strict=True)
@@ -102,12 +106,15 @@ class CloudTab(Part):
     def show(self, visible: bool) -> None:
         """Show the parameter space in place of the flights, or the flights again; the camera goes along."""
         with self._driver.drawing():
+            if visible == self._visible:
+                return
+            self._visible = visible
             self._world.show(not visible)
             self._drawn.show(visible)
         scene = self._server.scene
         if visible:
             self._before = self._following.camera
-            self._own = {n: (c.camera.position, c.camera.look_at) for n, c in self._server.get_clients().items()}
+            self._own = self._following.eye
             scene.on_click()(self._clicked)
             self._driver.look_from(None)
             self._look()
@@ -116,13 +123,37 @@ class CloudTab(Part):
         else:
             scene.remove_click_callback(self._clicked)
             self._driver.look_from(self._before)
-            if self._before is None:
-                self._go_to(self._own)
+            if self._before is None and self._own is not None:
+                self._following.place(self._own)
+
+    @property
+    def on(self) -> bool:
+        """Whether the parameter space is to be seen."""
+        return self._visible
+
+    @property
+    def along(self) -> tuple[str, str, str]:
+        """The paths of the parameters along x, y and z, `value` or `none`."""
+        x, y, z = (self._paths[one.value] for one in self._axes)
+        return x, y, z
+
+    def have(self, on: bool | None, along: tuple[str, str, str] | None) -> None:
+        """Show it with these axes; None leaves it as it is. Raises `UnknownParameterError`."""
+        titles = {path: title for title, path in self._paths.items()}
+        if along is not None:
+            unknown = next((path for path in along if path not in titles), None)
+            if unknown is not None:
+                raise UnknownParameterError(f"{unknown!r} is no axis of this parameter space: {', '.join(titles)}")
+            for axis, path in zip(self._axes, along, strict=True):
+                axis.value = titles[path]
+        if on is not None:
+            self.show(on)
+            self._box.value = on
 
     def changed(self) -> None:
         """Read the evaluations again, where they are shown and there may be new ones."""
         due = self._progress.over or time.monotonic() - self._read > PATIENCE
-        if self._box.value and due and not self._whole:
+        if self._visible and due and not self._whole:
             self._loads.ask(None)
 
     def paint(self, palette: Palette) -> None:
@@ -147,13 +178,7 @@ class CloudTab(Part):
         corners = np.array([(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)])
         middle = self._world.frame.middle
         eye = middle + distance(corners, direction) * direction
-        self._go_to(dict.fromkeys(self._server.get_clients(), (eye, middle)))
-
-    def _go_to(self, poses: dict[int, tuple[Any, Any]]) -> None:
-        for n, client in self._server.get_clients().items():
-            if n in poses:
-                with client.atomic():
-                    client.camera.position, client.camera.look_at = poses[n]
+        self._following.place((eye, middle))
 
     def _load(self) -> None:
         flight, over = self._progress.flights.get(NOMINAL), self._progress.over

@@ -87,6 +87,16 @@ class FieldSlice(Part):
         with self._driver.drawing():
             self._stopped = True
 
+    @property
+    def on(self) -> bool:
+        """Whether it is to be seen."""
+        return bool(self._box.value)
+
+    def have(self, on: bool | None) -> None:
+        """Show or hide it; None leaves it as it is."""
+        if on is not None:
+            self._box.value = on  # which calls `_toggled`
+
     def _toggled(self) -> None:
         with self._driver.drawing():
             if not self._box.value:

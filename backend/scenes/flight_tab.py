@@ -12,16 +12,17 @@ from backend.scenes.address import CAMERAS, Camera
 from backend.scenes.drawn import Drawn
 from backend.scenes.flights import Flights
 from backend.scenes.part import Driver, Part
+from backend.scenes.schemas import SPEEDS, LayersChange, Trails
 from backend.scenes.setting import NOMINAL, Setting
 from backend.scenes.vectors import Vectors
 
-SPEEDS = {"0.25×": 0.25, "0.5×": 0.5, "1×": 1.0, "2×": 2.0, "5×": 5.0}
+PACES = {f"{speed:g}×": speed for speed in SPEEDS}
 STEP = 0.01
 """Of the time slider [s]."""
 OWN = "Own"
 """The camera that the visitor has moved."""
 ALONE = "Nominal alone"
-TRAILS = ("Whole", "So far")
+TRAILS: dict[str, Trails] = {"Whole": "whole", "So far": "so_far"}
 
 
 class FlightTab(Part):
@@ -34,33 +35,31 @@ class FlightTab(Part):
         flights: Flights,
         vectors: Vectors,
         driver: Driver,
-        time: float,
-        camera: Camera,
         shown: str,
     ) -> None:
         self._setting, self._flights, self._vectors, self._driver = setting, flights, vectors, driver
-        self.time = self._held(time)
+        self.time = 0.0
         self._finding: Any = gui.add_dropdown(
             "Finding", (_title(shown),), hint="The finding that is shown beside the nominal flight."
         )
-        self._slider: Any = gui.add_slider("Time [s]", 0.0, setting.horizon, STEP, round(self.time, 2))
+        self._slider: Any = gui.add_slider("Time [s]", 0.0, setting.horizon, STEP, 0.0)
         self._play: Any = gui.add_checkbox("Play", False)
-        self._speed: Any = gui.add_dropdown("Speed", tuple(SPEEDS), initial_value="1×")
+        self._speed: Any = gui.add_dropdown("Speed", tuple(PACES), initial_value="1×")
         closest = gui.add_button(
             "Closest approach", hint="Jump to the time of the closest approach of the worst flight."
         )
         self._camera: Any = gui.add_dropdown(
             "Camera",
             tuple(name.capitalize() for name in CAMERAS),
-            initial_value=camera.capitalize(),
             hint="Chase goes with the vehicle, intruder with what comes closest; dragging the view ends that.",
         )
         self._readout = gui.add_html("")
-        self._boxes = {one.style.key: gui.add_checkbox(_box(one), True) for one in flights.every}
+        self._boxes: dict[str, Any] = {one.style.key: gui.add_checkbox(_box(one), True) for one in flights.every}
         self._arrows(gui)
         self._finding.on_update(self._by_visitor(lambda: driver.choose(_label(self._finding.value))))
         self._slider.on_update(self._by_visitor(lambda: self.go(self._slider.value)))
         self._play.on_update(lambda _: driver.wake())
+        self._speed.on_update(lambda _: driver.wake())
         closest.on_click(lambda _: self.go_to_closest())
         self._camera.on_update(self._by_visitor(self._look))
         for one in flights.every:
@@ -70,26 +69,28 @@ class FlightTab(Part):
     def _arrows(self, gui: viser.GuiApi) -> None:
         """What can be drawn along the flights."""
         vectors = self._vectors
-        velocity: Any = gui.add_checkbox("Velocity", vectors.velocity, hint="Over ground: how fast the place changes.")
-        relative: Any = gui.add_checkbox(
+        self._velocity: Any = gui.add_checkbox(
+            "Velocity", vectors.velocity, hint="Over ground: how fast the place changes."
+        )
+        self._relative: Any = gui.add_checkbox(
             "Relative velocity",
             vectors.relative,
             hint="The vehicle's minus that of the obstacle whose centre is nearest.",
         )
-        trail: Any = gui.add_dropdown("Trail", TRAILS, hint="The path alike, or what is flown so far stronger.")
+        self._trail: Any = gui.add_dropdown("Trail", tuple(TRAILS), hint="All alike, or what is flown stronger.")
         self._note = gui.add_html("")
 
         def show(_: Any) -> None:
             with self._driver.drawing():
-                vectors.show(velocity=velocity.value, relative=relative.value)
+                vectors.show(velocity=self._velocity.value, relative=self._relative.value)
 
         def follow(_: Any) -> None:
             with self._driver.drawing():
-                self._flights.trail(trail.value == TRAILS[1])
+                self._flights.trail(self.trail == "so_far")
 
-        velocity.on_update(show)
-        relative.on_update(show)
-        trail.on_update(follow)
+        self._velocity.on_update(show)
+        self._relative.on_update(show)
+        self._trail.on_update(follow)
 
     def _toggle(self, box: Any, one: Drawn) -> None:
         def changed(_: Any) -> None:
@@ -112,6 +113,35 @@ class FlightTab(Part):
         """Whether time runs by itself."""
         return bool(self._play.value)
 
+    @property
+    def speed(self) -> float:
+        """Seconds of the flight in a second."""
+        return PACES[self._speed.value]
+
+    @property
+    def trail(self) -> Trails:
+        """How the paths are drawn."""
+        return TRAILS[self._trail.value]
+
+    @property
+    def layers(self) -> dict[str, bool]:
+        """What of it is to be seen."""
+        shown = {key.replace("-", "_"): bool(box.value) for key, box in self._boxes.items()}
+        shown["finding"] = shown.pop("worst")
+        return shown | {"velocity": self._velocity.value, "relative": self._relative.value}
+
+    def have(self, layers: LayersChange, speed: float | None) -> None:
+        """Show what is to be seen, and play so fast."""
+        boxes = {"nominal": "nominal", "finding": "worst", "what_if": "what-if"}
+        ticked = [(self._boxes[key], getattr(layers, name)) for name, key in boxes.items()]
+        for box, wanted in (*ticked, (self._velocity, layers.velocity), (self._relative, layers.relative)):
+            if wanted is not None:
+                box.value = wanted  # which draws it
+        if layers.trail is not None:
+            self._trail.value = next(title for title, trail in TRAILS.items() if trail == layers.trail)
+        if speed is not None:
+            self._speed.value = next(title for title, pace in PACES.items() if pace == speed)
+
     def play(self, on: bool) -> None:
         """Let time run, or stand."""
         self._play.value = on
@@ -132,7 +162,7 @@ class FlightTab(Part):
 
     def advance(self, seconds: float) -> None:
         """Let time run on, from the end to the beginning."""
-        self.go_to((self.time + seconds * SPEEDS[self._speed.value]) % self._setting.horizon)
+        self.go_to((self.time + seconds * self.speed) % self._setting.horizon)
 
     def go(self, time: float) -> None:
         """Show this time, where the slider stands already."""

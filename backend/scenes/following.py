@@ -42,6 +42,10 @@ class Following(Part):
         self.on_own: Callable[[], None] = lambda: None
         """Called by `work` after the visitor has moved the camera."""
         self._server, self._world, self._flights, self._wake = server, world, flights, wake
+        self._at: Pose | None = None
+        """Where the browser said last that its camera stands."""
+        self._place: Pose | None = None
+        """Where it is sent to without a name, until its visitor moves it."""
         self._told: deque[Floats] = deque(maxlen=REMEMBERED)
         self._heard = self._left = False
         self._lock = threading.Lock()
@@ -65,8 +69,19 @@ class Following(Part):
     def set(self, camera: Camera | None) -> None:
         """Go there, and follow where it moves."""
         with self._lock:
-            self.camera, self._heard, self._due, self._next = camera, False, camera is not None, 0.0
+            self.camera, self._place, self._heard, self._due, self._next = camera, None, False, camera is not None, 0.0
         self._wake()
+
+    def place(self, eye: Pose) -> None:
+        """Go to a place that has no name, and stay."""
+        with self._lock:
+            self.camera, self._place, self._heard, self._due, self._next = None, eye, False, True, 0.0
+        self._wake()
+
+    @property
+    def eye(self) -> Pose | None:
+        """Where the camera stands that has no name; None while nobody has said."""
+        return self._place or self._at
 
     def moved(self, time: float) -> None:
         """Go along, as soon as may be."""
@@ -92,10 +107,13 @@ class Following(Part):
             self._left = False
             self.on_own()
         with self._lock:
-            if not self._due or now < self._next or self.camera is None:
+            if not self._due or now < self._next:
                 return
             self._due, self._last, self._next = False, now, now + PATIENCE
-            eye, target = self._remembered(self._pose(self.camera))
+            wanted = self._place if self.camera is None else self._pose(self.camera)
+            if wanted is None:
+                return
+            eye, target = self._remembered(wanted)
             clients = self._server.get_clients()
             self._sent.update(clients)
         for client in clients.values():
@@ -115,7 +133,7 @@ class Following(Part):
         with self._lock:
             if client.client_id in self._sent:  # it was among the browsers before this was called
                 return
-            self._due, self._next = self.camera is not None, 0.0
+            self._due, self._next = self.camera is not None or self._place is not None, 0.0
         self._wake()
 
     async def _seen(self, camera: viser.CameraHandle) -> None:
@@ -135,5 +153,9 @@ class Following(Part):
                 self._heard = True
             elif self._heard and self.camera is not None:
                 self.camera, self._due, self._left = None, False, True
+            elif self._heard:
+                self._place = None
+            self._at = eye, target
+            if self.camera is None:
                 self._wake()
             # Until the browser has come to where it was sent, this is where it was before.

@@ -1,6 +1,6 @@
 """One thing in a viewer, in its scene or in its panel, as the viewer drives it. Start reading at `Part`.
 
-A new tab or layer is a `Part` in a file of its own, added by `Viewer._panel`.
+A new tab or layer is a `Part` in a file of its own, added by `Panel`.
 """
 
 from __future__ import annotations
@@ -45,6 +45,9 @@ class Driver(Protocol):
 
     def shown(self) -> None:
         """What is to be seen of the flights has changed."""
+
+    def changed(self) -> None:
+        """Flights, findings or evaluations are others than before, or others are shown."""
 
     def wake(self) -> None:
         """There is something to do for the viewer's own thread."""

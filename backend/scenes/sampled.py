@@ -69,6 +69,16 @@ class Sampled(Part):
         self._stopped = True
         self._latest.stop()
 
+    @property
+    def on(self) -> bool:
+        """Whether it is to be seen."""
+        return bool(self._box.value)
+
+    def have(self, on: bool | None) -> None:
+        """Show or hide it; None leaves it as it is."""
+        if on is not None:
+            self._box.value = on  # which calls `_toggled`
+
     def _toggled(self) -> None:
         with self._driver.drawing():
             self._root.visible = self._box.value

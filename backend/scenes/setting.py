@@ -42,6 +42,10 @@ class Uncertain:
     high: float
 
 
+class UnknownParameterError(ValueError):
+    """The campaign has no such uncertain parameter, or not with that value; the message says what is allowed."""
+
+
 @dataclass(frozen=True)
 class Setting:
     """The scene's fixed part [m], as drawn, and what the viewer says of it."""

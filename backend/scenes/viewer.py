@@ -5,29 +5,26 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
+import numpy as np
 import sqlalchemy as sa
 import viser
 
 from backend.db.engine import read
 from backend.scenes.address import Address, Camera
-from backend.scenes.cloud_tab import CloudTab, Shown
-from backend.scenes.convergence_tab import ConvergenceTab
-from backend.scenes.field import FieldSlice
-from backend.scenes.flight import Flight
-from backend.scenes.flight_tab import STEP, FlightTab
+from backend.scenes.flight_tab import STEP
 from backend.scenes.flights import Flights
 from backend.scenes.following import FRAME, Following
 from backend.scenes.live import Live
 from backend.scenes.palette import DARK, LIGHT, rgb
+from backend.scenes.panel import Panel
 from backend.scenes.part import Part
-from backend.scenes.sampled import Sampled
 from backend.scenes.schemas import ViewChange, ViewState
 from backend.scenes.setting import Progress, Setting
 from backend.scenes.vectors import Vectors
-from backend.scenes.what_if_tab import WhatIfTab
 from backend.scenes.world import World
 
 LOOK = 1.0
@@ -61,6 +58,12 @@ class Viewer:
         self._wake = threading.Event()
         self._stopped = False
         self._opened = time.time()
+        self.revision = int(1000 * self._opened)
+        """Grows with everything that is shown otherwise; that of a later viewer is higher."""
+        self.on_news: Callable[[], None] = lambda: None
+        """Called after that, from any thread, and when the viewer is closed."""
+        self._depth, self._ready = 0, False
+        self._said: dict[str, Any] = {}
         self._dark = address.dark
         self._theme()
         server.gui.main_panel.dock_right()
@@ -74,7 +77,24 @@ class Viewer:
             self._parts: list[Part] = [self._flights, self._vectors, self._following]
             self._flights.moved(address.time or 0.0)
             self._flights.stored()
-            self._panel(live, address)
+            self._panel = Panel(
+                server,
+                engine,
+                live,
+                setting,
+                progress,
+                self._world,
+                self._flights,
+                self._vectors,
+                self._following,
+                self,
+            )
+            self._tab = self._panel.flight
+            self._parts += self._panel.parts
+            self._following.on_own = self._say_own
+            self._begin(address)
+        self._ready = True
+        self._note()
         self._thread = threading.Thread(target=self._run, name=f"viewer of {setting.run}", daemon=True)
         self._thread.start()
 
@@ -82,53 +102,32 @@ class Viewer:
         """Stop moving and flying."""
         with self._lock:
             self._stopped = True
+        self.on_news()
         self.wake()
         for part in self._parts:
             part.stop()
         self._thread.join()
 
-    def _panel(self, live: Live, address: Address) -> None:
-        """The tabs, each a part in a file of its own."""
-        gui, setting, flights = self._server.gui, self._setting, self._flights
-        tabs = gui.add_tab_group()
-        with tabs.add_tab("Flight"):
-            self._tab = FlightTab(
-                gui, setting, flights, self._vectors, self, address.time or 0.0, address.camera, self._progress.shown
-            )
-            sampled = Sampled(self._server, self._engine, live, setting, self._world.palette, self)
-            field = FieldSlice(self._server, setting, self._world, self._world.palette, flights, live, self)
-        self._following.on_own = self._say_own
-        self._parts += [self._tab, sampled, field]
-        with tabs.add_tab("What-if"):
-            what_if = WhatIfTab(gui, setting, live, flights.what_if, self._fly, self._progress)
-            self._parts.append(what_if)
-        with tabs.add_tab("Parameters"):
-            self._parts.append(
-                CloudTab(
-                    self._server,
-                    self._engine,
-                    live,
-                    setting,
-                    self._world,
-                    self._progress,
-                    self._following,
-                    self,
-                    Shown(self._fly, what_if.take, what_if.flown),
-                )
-            )
-        with tabs.add_tab("Convergence"):
-            palette = DARK if self._dark else LIGHT
-            self._parts.append(ConvergenceTab(gui, setting, palette, self._progress.curves))
+    def _begin(self, address: Address) -> None:
+        """At the address's time and camera; without a time at the closest approach."""
+        self._tab.camera(address.camera)
         closest = self._tab.closest_time()
-        self._tab.go_to(closest if address.time is None and closest is not None else self._tab.time)
+        self._tab.go_to(closest if address.time is None and closest is not None else address.time or 0.0)
         self._following.first(self._tab.time)
-        self._changed()
+        self.changed()
 
     @contextmanager
     def drawing(self) -> Iterator[None]:
         """One change of scene and panel: nobody else changes them meanwhile, and it is seen at once."""
-        with self._lock, self._server.atomic():
-            yield
+        with self._lock:
+            with self._server.atomic():
+                self._depth += 1
+                try:
+                    yield
+                finally:
+                    self._depth -= 1
+            if self._depth == 0:
+                self._note()
 
     def wake(self) -> None:
         """There is something to do for the viewer's own thread."""
@@ -144,7 +143,7 @@ class Viewer:
         """What is to be seen of the flights has changed."""
         with self.drawing():
             self._flights.obstacles.show()
-            self._changed()
+            self.changed()
 
     def look_from(self, camera: Camera | None) -> None:
         """Look from there; from None: stay, and follow nothing."""
@@ -171,10 +170,12 @@ class Viewer:
             after = self._tab.closest_time()
             if None not in (closest, after) and abs(self._tab.time - (closest or 0.0)) <= STEP:
                 self._tab.go_to(after or 0.0)
-            self._changed()
+            self.changed()
 
     def steer(self, change: ViewChange) -> ViewState:
-        """Do what the page asks, all of it in one picture; raises `GoneError`, and `UnknownFlightError` for a finding.
+        """Do what the page asks, all of it in one picture.
+
+        Raises `GoneError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if or an axis.
 
         Going to a time stops the play, unless it is asked to go on in the same breath.
         """
@@ -185,10 +186,14 @@ class Viewer:
                 self.choose(change.flight)
             if change.theme is not None and (change.theme == "dark") != self._dark:
                 self._paint(change.theme == "dark")
+            self._panel.have(change)
             self._steer_time(change)
             if change.camera is not None:
                 self.look_from(change.camera)
-            return self.state()
+            if change.eye is not None:
+                self._following.place((np.array(change.eye.position), np.array(change.eye.target)))
+                self._tab.camera(None)
+        return self.state()
 
     def _steer_time(self, change: ViewChange) -> None:
         if change.closest:
@@ -204,14 +209,29 @@ class Viewer:
         with self._lock:
             if self._stopped:
                 raise GoneError
-            return ViewState(
-                opened=self._opened,
-                flight=self._progress.shown,
-                time=self._tab.time,
-                camera=self._following.camera,
-                playing=self._tab.playing,
-                theme="dark" if self._dark else "light",
-            )
+            return ViewState(opened=self._opened, revision=self.revision, **self._shown())
+
+    def _shown(self) -> dict[str, Any]:
+        """All of the state that may be steered."""
+        camera, eye = self._following.camera, self._following.eye
+        return {
+            "flight": self._progress.shown,
+            "time": self._tab.time,
+            "camera": camera,
+            "eye": None if camera or eye is None else {"position": eye[0].tolist(), "target": eye[1].tolist()},
+            "playing": self._tab.playing,
+            "theme": "dark" if self._dark else "light",
+            **self._panel.shown(),
+        }
+
+    def _note(self) -> None:
+        """Tell whoever listens, where something is shown otherwise than before."""
+        if self._stopped or not self._ready:
+            return
+        shown = self._shown()
+        if shown != self._said:
+            self._said, self.revision = shown, self.revision + 1
+            self.on_news()
 
     def _paint(self, dark: bool) -> None:
         self._dark = dark
@@ -220,7 +240,7 @@ class Viewer:
         self._world.paint(palette)
         for part in self._parts:
             part.paint(palette)
-        self._changed()
+        self.changed()
 
     def _theme(self) -> None:
         self._server.gui.configure_theme(
@@ -260,14 +280,10 @@ class Viewer:
             return
         with self.drawing():
             self._flights.stored()
-            self._changed()
+            self.changed()
 
-    def _fly(self, flight: Flight) -> None:
-        with self.drawing():
-            self._flights.fly(flight)
-            self._changed()
-
-    def _changed(self) -> None:
+    def changed(self) -> None:
+        """Flights, findings or evaluations are others than before, or others are shown."""
         self._tab.offer(self._progress.findings, self._progress.shown)
         for part in self._parts:
             part.changed()

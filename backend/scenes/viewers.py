@@ -6,6 +6,7 @@ Only ever used on the event loop.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from dataclasses import dataclass
 
 from backend.db.access import Visitor
@@ -25,7 +26,7 @@ class Viewers:
     """Counts the viewers that are open, and finds those that were opened with a key."""
 
     def __init__(self, most: int) -> None:
-        self.open, self._most = 0, most
+        self.open, self.most = 0, most
         self.stopping = asyncio.Event()
         """Set when all of them are to end."""
         self.steered: dict[Handle, Viewer] = {}
@@ -33,7 +34,7 @@ class Viewers:
 
     def enter(self) -> bool:
         """Whether there is room for one more, which then counts."""
-        if self.open >= self._most:
+        if self.full:
             return False
         self.open += 1
         return True
@@ -42,21 +43,34 @@ class Viewers:
         """One is gone."""
         self.open -= 1
 
+    @property
+    def full(self) -> bool:
+        """Whether there is no room for one more."""
+        return self.open >= self.most
+
     def stop(self) -> None:
         """End all of them, and let none in any more."""
-        self._most = 0
+        self.most = 0
         self.stopping.set()
         self._tell()
 
     def offer(self, handle: Handle, viewer: Viewer) -> None:
         """From now on this key leads to this viewer; where it led to another one, the newer is meant."""
         self.steered[handle] = viewer
+        loop = asyncio.get_running_loop()
+
+        def ring() -> None:
+            with contextlib.suppress(RuntimeError):  # the loop is over: nobody waits
+                loop.call_soon_threadsafe(self._tell)
+
+        viewer.on_news = ring
         self._tell()
 
     def withdraw(self, handle: Handle, viewer: Viewer) -> None:
         """The viewer is gone; a newer one of the same key stays."""
         if self.steered.get(handle) is viewer:
             del self.steered[handle]
+        self._tell()
 
     async def find(self, handle: Handle, wait: float) -> Viewer | None:
         """The viewer with this key, once it is open, within `wait` [s]."""
@@ -68,6 +82,21 @@ class Viewers:
             except TimeoutError:
                 return None
         return found
+
+    async def news(self, handle: Handle, since: int, wait: float) -> Viewer | None:
+        """The viewer with this key once it shows something else than at that revision, at the latest after `wait` [s].
+
+        None as soon as it is gone.
+        """
+        deadline = asyncio.get_running_loop().time() + wait
+        while True:
+            changed = self._changed  # before looking: what comes meanwhile is not missed
+            viewer = self.steered.get(handle)
+            remaining = deadline - asyncio.get_running_loop().time()
+            if viewer is None or viewer.revision != since or remaining <= 0 or self.stopping.is_set():
+                return viewer
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(changed.wait(), remaining)
 
     def _tell(self) -> None:
         self._changed.set()

@@ -13,7 +13,7 @@ from backend.scenes.flight import ROWS, Flight, from_live
 from backend.scenes.latest import Latest
 from backend.scenes.live import Live, LiveError
 from backend.scenes.part import Part
-from backend.scenes.setting import NOMINAL, Progress, Setting, Uncertain
+from backend.scenes.setting import NOMINAL, Progress, Setting, Uncertain, UnknownParameterError
 
 STEPS = 400
 """How finely a slider divides its range; the buttons set values at full precision."""
@@ -59,6 +59,27 @@ class WhatIfTab(Part):
         for path, slider in self._sliders.items():
             if path in parameters:
                 self._values[path] = slider.value = parameters[path]
+
+    @property
+    def parameters(self) -> dict[str, float] | None:
+        """Those of the flight that is drawn; None where there is none."""
+        flight = self._drawn.flight
+        if flight is None:
+            return None
+        return {one.path: flight.parameters.get(one.path, one.nominal) for one in self._setting.uncertain}
+
+    def fly(self, parameters: dict[str, float]) -> None:
+        """Fly the case with these, the others nominal; raises `UnknownParameterError`."""
+        known = {one.path: one for one in self._setting.uncertain}
+        for path, value in parameters.items():
+            one = known.get(path)
+            if one is None:
+                allowed = ", ".join(known) or "none is known"
+                raise UnknownParameterError(f"{path!r} is no uncertain parameter of this campaign: {allowed}")
+            if not one.low <= value <= one.high:
+                bounds = f"{one.low!r} to {one.high!r} {one.unit}".strip()
+                raise UnknownParameterError(f"{path} is given as {value!r}, and may be {bounds}")
+        self._set(self._offered[NOMINAL] | parameters)
 
     def flown(self) -> None:
         """Say what the flight that is shown gave."""

@@ -65,11 +65,11 @@ def test_the_scene_of_a_finished_run_arrives(service: Service, client: httpx.Cli
     with viewing(service, client, f"/view/{run}/t/3.2/dark") as connection:
         assert connection.subprotocol == PROTOCOL
         scene = (b"/flights/nominal/path", b"/flights/worst/path", b"/obstacles/0/ring", b"/goal/label")
-        received = frames_until(connection, *scene, b"vehicle.J [kg m2]", b"Convergence")
+        received = frames_until(connection, *scene, b"vehicle.J [kg m2]", b"Search")
     assert b"Nominal 0.9000 m" in received
     assert b"Worst 0.8000 m" in received
     assert b"vehicle.J [kg m2]" in received
-    assert b"Convergence" in received
+    assert b"Search" in received
 
 
 def test_another_finding_or_the_nominal_flight_alone_can_be_looked_at(service: Service, client: httpx.Client) -> None:
@@ -82,7 +82,7 @@ def test_another_finding_or_the_nominal_flight_alone_can_be_looked_at(service: S
         received = frames_until(connection, b"/flights/worst/path", b"F2 0.8000 m")
         assert b"Worst 0.8000 m" not in received
     with viewing(service, client, f"/view/{run}/nominal/") as connection:
-        received = frames_until(connection, b"/flights/nominal/path", b"Convergence", b"/goal/label")
+        received = frames_until(connection, b"/flights/nominal/path", b"Search", b"/goal/label")
         assert b"/flights/worst/path" not in received
         assert b"Show Worst" not in received
 
@@ -91,7 +91,7 @@ def test_what_is_found_while_watching_appears(service: Service, client: httpx.Cl
     run = submit(client)
     work = Work(service)
     with viewing(service, client, f"/view/{run}/") as connection:
-        before = frames_until(connection, b"/obstacles/0/ring", b"Convergence")
+        before = frames_until(connection, b"/obstacles/0/ring", b"Search")
         assert b"/flights/nominal/path" not in before
         work.nominal()
         frames_until(connection, b"/flights/nominal/path")
@@ -177,7 +177,7 @@ def test_a_socket_to_nowhere_is_refused(service: Service, client: httpx.Client, 
 
 def test_there_is_a_most_of_viewers_and_one_gone_makes_room(service: Service, client: httpx.Client) -> None:
     run = submit(client)
-    service.app.state.viewers._most = 1
+    service.app.state.viewers.most = 1
     with viewing(service, client, f"/view/{run}/"):
         with pytest.raises(websockets.InvalidStatus), viewing(service, client, f"/view/{run}/"):
             pass

@@ -37,6 +37,12 @@ def address(run: str, key: str = KEY) -> str:
     return f"/api/v1/runs/{run}/views/{key}"
 
 
+def said(state: dict[str, Any]) -> dict[str, Any]:
+    """What can be told beforehand of what a view shows."""
+    assert state["revision"] > 0
+    return {name: state[name] for name in ("opened", "flight", "time", "camera", "playing", "theme")}
+
+
 def steer(client: httpx.Client, run: str, key: str = KEY, **change: Any) -> dict[str, Any]:
     """Have the open view show something else; what it says it shows."""
     answer = client.patch(address(run, key), json=change, params={"wait": 10})
@@ -49,10 +55,10 @@ def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, clie
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
         answer = client.get(address(run), params={"wait": 10}).json()
         shown["opened"] = answer["opened"]
-        assert answer == shown
+        assert said(answer) == shown
         assert time.time() - 30 < answer["opened"] <= time.time()
         panel = Panel(connection, last="Trail")
-        assert steer(client, run, flight="F2", time=7.25) == shown | {"flight": "F2", "time": 7.25}
+        assert said(steer(client, run, flight="F2", time=7.25)) == shown | {"flight": "F2", "time": 7.25}
         received = frames_until(connection, b"F2 0.8500 m", b"Show F2")
         assert b"/flights/worst/path" in received
         assert b"/flights/nominal/path" not in received, "only what is new is drawn"
@@ -67,7 +73,7 @@ def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, clie
         assert steer(client, run, step=-1e9)["time"] == 0.0
         assert steer(client, run, playing=True)["playing"]
         until(lambda: client.get(address(run)).json()["time"] > 0.05)
-        assert steer(client, run, closest=True) == {
+        assert said(steer(client, run, closest=True)) == {
             "opened": answer["opened"],
             "flight": "F2",
             "time": pytest.approx(10.0, abs=0.01),
@@ -160,8 +166,8 @@ def test_a_key_is_good_for_its_run_and_its_visitor_alone(service: Service, clien
             (client, address("R-0099")),
             (stranger, address(run)),
         ):
-            said = problem(asking.patch(path, json={"time": 2.0}), 404)["detail"]
-            assert "no 3D view of" in said
+            detail = problem(asking.patch(path, json={"time": 2.0}), 404)["detail"]
+            assert "no 3D view of" in detail
             problem(asking.get(path), 404)
         assert steer(client, run)["time"] == 1.0
     until(lambda: service.app.state.viewers.open == 0)
@@ -178,7 +184,14 @@ def test_a_key_is_good_for_its_run_and_its_visitor_alone(service: Service, clien
         {"camera": "behind"},
         {"closest": True, "time": 1.0},
         {"theme": "purple"},
-        {"speed": 2.0},
+        {"speed": 3.0},
+        {"gear": 2.0},
+        {"camera": "top", "eye": {"position": [0, 0, 9], "target": [0, 0, 0]}},
+        {"eye": {"position": [0, 0, "inf"], "target": [0, 0, 0]}},
+        {"layers": {"shadows": True}},
+        {"layers": {"axes": ["vehicle.m", "vehicle.mass", "none"]}},
+        {"what_if": {"vehicle.mass": 5.0}},
+        {"what_if": {"vehicle.m": 50.0}},
     ],
     ids=str,
 )
@@ -187,8 +200,7 @@ def test_what_cannot_be_shown_is_refused(
 ) -> None:
     with viewing(service, client, f"/view/{run}/key/{KEY}"):
         before = steer(client, run)
-        said = problem(client.patch(address(run), json=change), 422)["detail"]
-        assert said
+        assert problem(client.patch(address(run), json=change), 422)["detail"]
         assert client.get(address(run)).json() == before
     problem(client.patch(address(run, "x"), json={}), 422)
 
@@ -218,3 +230,83 @@ def test_a_run_without_findings_takes_any_label(service: Service, client: httpx.
     with viewing(service, client, f"/view/{other}/key/{KEY}"):
         assert steer(client, other, flight="F7")["flight"] == "F7"
     assert run != other
+
+
+def test_what_the_visitor_changes_in_the_panel_is_heard_at_once(
+    service: Service, client: httpx.Client, run: str
+) -> None:
+    with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
+        panel = Panel(connection, last="Trail")
+        panel.told()
+        known = steer(client, run)
+
+        def news(wait: float = 20.0) -> dict[str, Any]:
+            answer = client.get(address(run), params={"since": known["revision"], "wait": wait})
+            assert answer.status_code == 200, answer.text
+            return dict(answer.json())
+
+        assert news(wait=0.1) == known, "nothing has changed"
+        for label, value, name, expected in (
+            ("Finding", "F2", "flight", "F2"),
+            ("Time [s]", 3.5, "time", 3.5),
+            ("Camera", "Top", "camera", "top"),
+            ("Speed", "5×", "speed", 5.0),
+            ("Play", True, "playing", True),
+        ):
+            panel.set(label, value)
+            known = news()
+            assert known[name] == expected
+        steer(client, run, playing=False)
+        for label, name in (("Show Nominal", "nominal"), ("Velocity", "velocity")):
+            known = steer(client, run)
+            before = known["layers"][name]
+            panel.set(label, not before)
+            known = news()
+            assert known["layers"] == steer(client, run)["layers"]
+            assert known["layers"][name] is not before
+        eye = panel.told()
+        panel.look(*eye)
+        panel.look((1.0, 2.0, 3.0), eye[1])
+        known = news()
+        until(lambda: client.get(address(run)).json()["eye"])
+        assert client.get(address(run)).json()["eye"]["position"] == [1.0, 2.0, 3.0]
+        assert client.get(address(run)).json()["camera"] is None
+        known = steer(client, run)
+        gone: list[httpx.Response] = []
+        asking = threading.Thread(
+            target=lambda: gone.append(client.get(address(run), params={"since": known["revision"], "wait": 20}))
+        )
+        asking.start()
+    asking.join(10)
+    problem(gone[0], 404)
+
+
+def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
+    service: Service, client: httpx.Client, run: str
+) -> None:
+    layers = {"nominal": False, "relative": True, "trail": "so_far", "axes": ["value", "vehicle.J", "none"]}
+    wanted = {"flight": "F2", "time": 3.5, "camera": "side", "speed": 0.5, "theme": "dark", "layers": layers}
+    path = f"/view/{run}/key/{KEY}"
+    with viewing(service, client, path):
+        before = steer(client, run, **wanted)
+        assert before["layers"] | layers == before["layers"]
+    until(lambda: service.app.state.viewers.open == 0)
+    fixed = {"opened": 0.0, "revision": 0}
+    again = {name: value for name, value in before.items() if name not in (*fixed, "eye", "what_if")}
+    with viewing(service, client, path):
+        after = steer(client, run, **again)
+        assert after | fixed == before | fixed
+        assert after["revision"] > before["revision"], "news of one view are newer than those of the one before"
+    until(lambda: service.app.state.viewers.open == 0)
+    eye = {"position": [1.0, 2.0, 30.0], "target": [1.0, 2.5, 0.0]}
+    with viewing(service, client, path) as connection:
+        shown = steer(client, run, eye=eye, layers={"space": True})
+        assert (shown["eye"], shown["camera"], shown["layers"]["space"]) == (eye, None, True)
+        position, target = Panel(connection, last="Trail").told()
+        assert position.tolist() == eye["position"]
+        assert target.tolist() == eye["target"]
+
+
+def test_where_no_more_views_fit_the_page_is_told_so(service: Service, client: httpx.Client, run: str) -> None:
+    service.app.state.viewers.most = 0
+    assert "0 3D views are open" in problem(client.patch(address(run), json={}), 503)["detail"]

@@ -113,7 +113,7 @@ def test_nothing_of_the_flights_is_left_out_when_they_are_hidden(bare: Service) 
             trace = encounter(flown, "ned", straight(500, 60, -30, -20, 0, -1))
             work.nominal(trace) if flown == "nominal" else work.found(flown=trace)
         with viewing(bare, client, f"/view/{run}/F1/") as connection:
-            received = frames_until(connection, b"/vectors/velocity", b"/north/label", b"Convergence")
+            received = frames_until(connection, b"/vectors/velocity", b"/north/label", b"Search")
             names = {name.decode() for name in re.findall(rb"\xa4name.{1,2}?/(\w+)", received, re.DOTALL)}
             assert {"flights", "ground", "north", "vectors"} <= names
             assert names <= {*ROOTS, "ground", "course", "space", "WorldAxes"}

@@ -33,7 +33,7 @@ def test_an_intruder_moves_with_the_time_on_its_dashed_track(bare: Service) -> N
                 for flight in ("nominal", "worst"):
                     assert places[f"/flights/{flight}/vehicle"]["position"][:2] == pytest.approx((20 * time, 5))
         with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
-            received = frames_until(connection, b"Convergence")
+            received = frames_until(connection, b"Search")
         assert b"/tracks/0" in received
         assert b"intruder, d_min > 5 m" in received
         assert b"/obstacles/0-worst" not in received, "both flights have the same intruder: it is drawn once"
@@ -57,7 +57,7 @@ def test_an_intruder_without_a_flight_is_not_drawn_standing(bare: Service) -> No
         run = shipped(bare, client, "pioneer_moving")
         work = Work(bare)
         with viewing(bare, client, f"/view/{run}/") as connection:
-            assert b"/obstacles/0" not in frames_until(connection, b"/goal/label", b"Convergence")
+            assert b"/obstacles/0" not in frames_until(connection, b"/goal/label", b"Search")
             work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
             frames_until(connection, b"/tracks/0", b"intruder, d_min > 5 m")
 
@@ -80,6 +80,6 @@ def test_an_aircraft_flies_upright_with_north_ahead_and_east_to_the_right(bare: 
             assert left[0] < -0.9, "the left wing is in the west"
             assert up[2] > 0.9
         with viewing(bare, client, f"/view/{run}/") as connection:
-            received = frames_until(connection, b"Convergence")
+            received = frames_until(connection, b"Search")
         assert b"/course" in received, "a plan of speed and heading instead of a goal"
         assert b"/goal/label" not in received

@@ -47,6 +47,7 @@ def viewing(service: Service, client: httpx.Client, path: str, **changes: str | 
         subprotocols=[websockets.Subprotocol(PROTOCOL)],
         compression=None,
         max_size=None,
+        max_queue=None,  # what nobody reads must not hold up the closing
         proxy=None,
     ) as connection:
         yield connection

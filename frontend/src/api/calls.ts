@@ -94,9 +94,13 @@ export const getEvaluations = (run: string): Promise<Evaluations> =>
 export const getTrace = (run: string, name: string, most = 1500): Promise<TraceData> =>
   answer(sdk.getTrace({ path: { run, name }, query: { max_points: most } }))
 
-/** The 3D view that this page has opened: what it shows now. */
-export const getView = (run: string, key: string, signal?: AbortSignal): Promise<ViewState> =>
-  answer(sdk.getView({ path: { run, key }, signal }))
+/** The 3D view that this page has opened: what it shows now, or once that is no longer what it was at a revision. */
+export const getView = (
+  run: string,
+  key: string,
+  signal?: AbortSignal,
+  news?: { since: number; wait: number },
+): Promise<ViewState> => answer(sdk.getView({ path: { run, key }, query: news, signal }))
 /** Has it show something else, once it is open, for which the service waits so many seconds. */
 export const changeView = (
   run: string,

@@ -8,8 +8,16 @@ import type { PlotSpec } from './spec'
 
 const NOTHING: ReadonlySet<string> = new Set()
 
+/** An abscissa where the crosshair stands while no pointer is on a chart. */
+export interface Standing {
+  subscribe: (listener: () => void) => () => void
+  time: () => number | null
+}
+
 interface Cursor {
   at: number
+  /** Where a pointer is on a chart; otherwise it stands. */
+  pointed: boolean
   left: number
   top: number
   flip: boolean
@@ -20,9 +28,10 @@ interface PlotProps {
   hidden?: ReadonlySet<string>
   /** Called with each x that the pointer comes to. */
   onCross?: (x: number) => void
+  standing?: Standing
 }
 
-export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
+export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
   const theme = useTheme()
   const holder = useRef<HTMLDivElement>(null)
   const plot = useRef<uPlot | null>(null)
@@ -47,6 +56,16 @@ export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
     if (!element) return
     const read = () => latest.current.spec
     let crossed: number | undefined
+    let placing = false
+    const stand = () => {
+      const x = standing?.time()
+      if (placing || x === undefined || pointed()) return
+      placing = true
+      const [low, high] = [built.scales.x?.min ?? 0, built.scales.x?.max ?? 0]
+      const seen = x !== null && x >= low && x <= high
+      built.setCursor(seen ? { left: built.valToPos(x, 'x'), top: 0 } : { left: -10, top: -10 }, true)
+      placing = false
+    }
     const built = new uPlot(
       optionsFor(
         read,
@@ -59,6 +78,7 @@ export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
           const x = cursor && u.over.matches(':hover') ? read().x[cursor.at] : undefined
           if (x !== undefined && x !== crossed) latest.current.onCross?.(x)
           crossed = x
+          stand()
         },
       ),
       dataOf(read()),
@@ -68,15 +88,18 @@ export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
     const observer = new ResizeObserver(([entry]) => {
       const width = Math.floor(entry?.contentRect.width ?? 0)
       if (width > 40 && width !== built.width) built.setSize({ width, height: read().height })
+      stand()
     })
     observer.observe(element)
+    const end = standing?.subscribe(stand)
     void document.fonts.ready.then(() => plot.current === built && built.redraw(false, true))
     return () => {
       observer.disconnect()
+      end?.()
       built.destroy()
       plot.current = null
     }
-  }, [structure])
+  }, [structure, standing])
 
   useEffect(() => {
     plot.current?.setData(dataOf(spec), true)
@@ -91,7 +114,8 @@ export function Plot({ spec, hidden = NOTHING, onCross }: PlotProps) {
         </div>
       )}
       <div className="plot" role="img" aria-label={spec.label} ref={holder}>
-        {cursor && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
+        {cursor && !cursor.pointed && !spec.readout && <Flag left={cursor.left} text={spec.xText(spec.x[cursor.at] as number)} />}
+        {cursor?.pointed && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
       </div>
       {spec.xTitle && <figcaption className="xtitle">{spec.xTitle}</figcaption>}
     </figure>
@@ -102,13 +126,16 @@ function dataOf(spec: PlotSpec): uPlot.AlignedData {
   return [[...spec.x], ...spec.lines.map((line) => [...line.y])]
 }
 
+/** Whether a pointer is on any chart: those of one key share its crosshair. */
+const pointed = (): boolean => document.querySelector('.u-over:hover') !== null
+
 function cursorOf(u: uPlot, spec: PlotSpec): Cursor | null {
   const { idx, left, top } = u.cursor
   if (idx === null || idx === undefined || left === undefined || left < 0) return null
   const x = spec.x[idx]
   if (x === undefined) return null
   const at = u.valToPos(x, 'x') + u.over.offsetLeft
-  return { at: idx, left: at, top: (top ?? 0) + u.over.offsetTop, flip: at > u.width / 2 }
+  return { at: idx, pointed: pointed(), left: at, top: (top ?? 0) + u.over.offsetTop, flip: at > u.width / 2 }
 }
 
 /** The values at the crosshair, in the colours of their lines, beside the title. */
@@ -124,6 +151,15 @@ function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: Rea
           </span>
         )
       })}
+    </span>
+  )
+}
+
+/** The abscissa of a crosshair that stands, below it. */
+function Flag({ left, text }: { left: number; text: string }) {
+  return (
+    <span className="flag" style={{ left }} aria-hidden>
+      {text}
     </span>
   )
 }

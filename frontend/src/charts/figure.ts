@@ -160,7 +160,7 @@ function textsOf(part: HTMLElement): TextLine[] {
   const walker = document.createTreeWalker(part, NodeFilter.SHOW_TEXT)
   for (let node = walker.nextNode(); node; node = walker.nextNode()) {
     const parent = node.parentElement
-    if (!parent || !node.textContent?.trim() || parent.closest('svg, .tools, .datagrid, .sr, .tip, table')) continue
+    if (!parent || !node.textContent?.trim() || parent.closest('svg, .tools, .datagrid, .sr, .tip, .flag, table')) continue
     for (const { text, box } of linesOf(node)) found.push({ element: parent, text, box })
   }
   return found

@@ -115,12 +115,12 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
         {flown && (
-          <SeparationCard data={data} onCross={cross} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
+          <SeparationCard data={data} onCross={cross} standing={view} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
         )}
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5" height={226} />}
         {timed && (
           <div className={few ? 'stack filled c12' : 'stack filled c5'} id="motion" style={{ minHeight: few ? 220 : 380 }}>
-            {calm && <MotionCard data={data} onCross={cross} className="" />}
+            {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
           </div>
         )}
         {sensitivity && !few && (

@@ -1,15 +1,16 @@
 // The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
-import { IconLoader } from '@tabler/icons-react'
 import { useSearch } from '@tanstack/react-router'
-import { useEffect, useState, useSyncExternalStore } from 'react'
+import { useEffect, useRef, useSyncExternalStore } from 'react'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
 import { useCalm } from '../ui/useCalm'
 import { useNear } from '../ui/useNear'
 import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
-import { FlightHead, toggle } from './FlightHead'
-import { addressOf, type View } from './view'
+import { FlightHead } from './FlightHead'
+import { FlightNotice } from './FlightNotice'
+import { useInstant } from './useInstant'
+import type { View } from './view'
 
 interface FlightProps {
   data: RunData
@@ -23,17 +24,17 @@ export function Flight({ data, view, className }: FlightProps) {
   const [holder, near] = useNear<HTMLDivElement>()
   const ready = useCalm() && near
   const { t, cam } = useSearch({ from: '/runs/$id' })
-  const shown = useSyncExternalStore(view.subscribe, () => view.shown)
-  const failed = useSyncExternalStore(view.subscribe, () => view.failed)
-  // Opened once: what is chosen later goes there by its key.
-  const [opened, setOpened] = useState<{ view: View; address: string } | null>(null)
-  if (ready && opened?.view !== view)
-    setOpened({ view, address: addressOf(data.run.id, { flight: data.chosen, theme }, { time: t, camera: cam }, view.key) })
-  const address = opened?.view === view ? opened.address : null
+  const place = useRef({ time: t, camera: cam })
+  const known = useSyncExternalStore(view.subscribe, () => view.known)
 
   useEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
-  useEffect(() => (address === null ? undefined : view.open()), [view, address])
+  useEffect(() => {
+    place.current = { time: t, camera: cam }
+  }, [t, cam])
+  // Opened once: what is chosen later goes there by its key.
+  useEffect(() => (ready ? view.open(place.current) : undefined), [view, ready])
   useEffect(() => keysOf(holder.current?.closest('section'), view), [view, holder])
+  useInstant(view, data.run.id)
 
   return (
     <Card
@@ -46,21 +47,23 @@ export function Flight({ data, view, className }: FlightProps) {
         <FlightHead
           data={data}
           view={view}
-          shown={shown}
+          shown={known.shown}
           theme={theme}
           onFull={() => void holder.current?.requestFullscreen().catch(() => undefined)}
         />
       }
     >
       <div className="flight" ref={holder} role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
-        {address && <iframe key={view.key} src={address} title="Flight in 3D" allow="fullscreen" />}
-        {!shown && !failed && (
-          <div className="poster" role="status">
-            <span className="row">
-              <IconLoader className="i spin" aria-hidden /> Opening the 3D view
-            </span>
-          </div>
+        {known.address && (
+          <iframe
+            key={`${view.key}.${known.frame}`}
+            src={known.address}
+            title="Flight in 3D"
+            allow="fullscreen"
+            inert={known.phase !== 'open'}
+          />
         )}
+        <FlightNotice known={known} onRetry={() => view.retry()} />
       </div>
     </Card>
   )
@@ -73,7 +76,7 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
     if (event.altKey || event.ctrlKey || event.metaKey || event.defaultPrevented) return
     const far = event.shiftKey ? 1 : 0.1
     const on = event.target as HTMLElement
-    if (event.key === ' ' && !on.closest('button, a, input')) void toggle(view)
+    if (event.key === ' ' && !on.closest('button, a, input')) view.toggle()
     else if (event.key === 'ArrowLeft') view.steer({ step: -far })
     else if (event.key === 'ArrowRight') view.steer({ step: far })
     else if (event.key === 'Home') view.steer({ closest: true })

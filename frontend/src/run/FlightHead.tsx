@@ -14,7 +14,8 @@ import { fixed } from '../format/numbers'
 import type { Theme } from '../theme/useTheme'
 import { Seg } from '../ui/Card'
 import type { RunData } from './data'
-import { addressOf, CAMERAS, type Camera, type Place, type View } from './view'
+import type { View } from './view'
+import { addressOf, CAMERAS, type Camera, type Place } from './viewChange'
 
 interface Props {
   data: RunData
@@ -28,8 +29,7 @@ export function FlightHead({ data, view, shown, theme, onFull }: Props) {
   const recorded = data.traces.some((trace) => trace.name === data.chosen)
   const own = addressOf(data.run.id, { flight: shown?.flight ?? data.chosen, theme }, placeOf(shown))
   return (
-    // What its visitor has changed in the view itself is asked for when the buttons that depend on it come near.
-    <div className="row flight-head" onPointerEnter={() => void view.look()} onFocus={() => void view.look()}>
+    <div className="row flight-head">
       <Seg
         label="Camera"
         value={(shown?.camera ?? '') as Camera}
@@ -40,7 +40,7 @@ export function FlightHead({ data, view, shown, theme, onFull }: Props) {
         <IconButton
           label={shown?.playing ? 'Pause' : 'Play'}
           icon={shown?.playing ? IconPlayerPause : IconPlayerPlay}
-          act={() => void toggle(view)}
+          act={() => view.toggle()}
         />
         <CopyInstant view={view} />
         <a
@@ -72,12 +72,6 @@ function IconButton({ label, icon: Icon, act }: IconButtonProps) {
       <Icon className="i s" aria-hidden />
     </button>
   )
-}
-
-/** Let the time run, or stand. */
-export async function toggle(view: View): Promise<void> {
-  const shown = await view.look()
-  if (shown) view.steer({ playing: !shown.playing })
 }
 
 const placeOf = (shown: ViewState | null): Place =>

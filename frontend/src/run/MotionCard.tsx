@@ -4,7 +4,7 @@ import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { useMemo } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { Legend, useHidden } from '../charts/Legend'
-import { Plot } from '../charts/Plot'
+import { Plot, type Standing } from '../charts/Plot'
 import { linesOn, union } from '../charts/series'
 import type { PlotSpec } from '../charts/spec'
 import { padded } from '../charts/ticks'
@@ -39,9 +39,11 @@ interface MotionProps {
   className: string
   /** Called with the time under the pointer [s]: the flight is shown at it. */
   onCross: (time: number) => void
+  /** The time that the flight is shown at: the crosshair stands there while no pointer is on a chart. */
+  standing: Standing
 }
 
-export function MotionCard({ data, className, onCross }: MotionProps) {
+export function MotionCard({ data, className, onCross, standing }: MotionProps) {
   const { run, nominalTrace, findingTrace, chosen } = data
   const [address, change] = useAddress(run.id)
   const [shown] = useShown(run.id)
@@ -91,6 +93,7 @@ export function MotionCard({ data, className, onCross }: MotionProps) {
               span={span}
               hidden={hidden}
               onCross={onCross}
+              standing={standing}
               last={i + across >= columns.length}
             />
           ))}
@@ -100,17 +103,16 @@ export function MotionCard({ data, className, onCross }: MotionProps) {
   )
 }
 
-interface SmallProps {
+interface SmallProps extends Pick<MotionProps, 'onCross' | 'standing'> {
   column: TraceColumn
   flights: readonly Flown[]
   span: [number, number]
   hidden: ReadonlySet<string>
-  onCross: (time: number) => void
   /** Whether it stands in the last row, which names the axis. */
   last: boolean
 }
 
-function Small({ column, flights, span, hidden, onCross, last }: SmallProps) {
+function Small({ column, flights, span, hidden, onCross, standing, last }: SmallProps) {
   const spec = useMemo((): PlotSpec => {
     const { name, symbol } = column
     const said = wordsOf(column)
@@ -156,7 +158,7 @@ function Small({ column, flights, span, hidden, onCross, last }: SmallProps) {
       yText: (y) => fixed(y, decimals),
     }
   }, [column, flights, span, last])
-  return <Plot spec={spec} hidden={hidden} onCross={onCross} />
+  return <Plot spec={spec} hidden={hidden} onCross={onCross} standing={standing} />
 }
 
 interface ChoiceProps {

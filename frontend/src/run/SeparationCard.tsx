@@ -2,7 +2,7 @@
 import { useMemo } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../charts/Legend'
-import { Plot } from '../charts/Plot'
+import { Plot, type Standing } from '../charts/Plot'
 import { linesOn, union } from '../charts/series'
 import type { PlotSpec } from '../charts/spec'
 import type { TraceData } from '../client'
@@ -45,9 +45,11 @@ interface SeparationProps {
   height: number
   /** Called with the time under the pointer [s]: the flight is shown at it. */
   onCross: (time: number) => void
+  /** The time that the flight is shown at: the crosshair stands there while no pointer is on a chart. */
+  standing: Standing
 }
 
-export function SeparationCard({ data, className, height, onCross }: SeparationProps) {
+export function SeparationCard({ data, className, height, onCross, standing }: SeparationProps) {
   const { run } = data
   const [shown, setShown] = useShown(run.id)
   const [hidden, toggle] = useHidden()
@@ -80,7 +82,7 @@ export function SeparationCard({ data, className, height, onCross }: SeparationP
         </>
       }
     >
-      <Plot spec={spec} hidden={hidden} onCross={onCross} />
+      <Plot spec={spec} hidden={hidden} onCross={onCross} standing={standing} />
     </ChartCard>
   )
 }

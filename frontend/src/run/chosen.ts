@@ -1,7 +1,7 @@
 // What a run's page shows beside the nominal flight, which instant of it from where, and how: it stands in the address,
 // so that a copy shows the same.
 import type { FindingDetail } from '../client'
-import { CAMERAS, type Camera } from './view'
+import { CAMERAS, type Camera } from './viewChange'
 
 export const NOMINAL = 'nominal'
 

@@ -1,0 +1,39 @@
+// What the page says over its 3D view: that it opens, that it was lost and comes back, or what to do where it does not.
+import { IconCheck, IconLoader, IconPlugConnectedX } from '@tabler/icons-react'
+import type { Known } from './view'
+
+interface Props {
+  known: Known
+  onRetry: () => void
+}
+
+export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
+  return (
+    <div className={phase === 'open' ? 'poster back' : 'poster'} role="status">
+      {phase === 'opening' && (
+        <span className="row">
+          <IconLoader className="i spin" aria-hidden /> Opening the 3D view
+        </span>
+      )}
+      {phase === 'lost' && (
+        <span className="row">
+          <IconLoader className="i spin" aria-hidden /> {said}
+        </span>
+      )}
+      {phase === 'failed' && (
+        <span className="failed">
+          <IconPlugConnectedX className="i" aria-hidden />
+          <span>{said}</span>
+          <button type="button" className="btn s" onClick={onRetry}>
+            Open the 3D view again
+          </button>
+        </span>
+      )}
+      {phase === 'open' && said && (
+        <span className="row">
+          <IconCheck className="i s" aria-hidden /> {said}
+        </span>
+      )}
+    </div>
+  )
+}

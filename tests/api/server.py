@@ -34,6 +34,7 @@ class Service:
     """A running service: its address, its database, and visitors to it."""
 
     def __init__(self, settings: Settings, port: int = 0) -> None:
+        """On a free port, or on the one that another service has left."""
         self.app = create(settings)
         self.settings = settings
         self._socket = socket.create_server((settings.host, port))
@@ -47,6 +48,10 @@ class Service:
         engine = self.app.state.engine
         assert isinstance(engine, sa.Engine)
         return engine
+
+    @property
+    def running(self) -> bool:
+        return self._thread.is_alive()
 
     def start(self) -> None:
         self._thread.start()

@@ -22,4 +22,5 @@ def served(data: Path, catalogue: dict[str, Any] | None = None) -> Iterator[Serv
     service.start()
     service.publish(catalogue)
     yield service
-    service.stop()
+    if service.running:
+        service.stop()

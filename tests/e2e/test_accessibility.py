@@ -48,7 +48,15 @@ PAGES = {
 """Each with its address and what is seen once it is there."""
 
 
-VIEW = {"opened": 1.0, "flight": "F1", "time": 10.0, "camera": "chase", "playing": False, "theme": "light"}
+VIEW = {
+    "opened": 1.0,
+    "revision": 1,
+    "flight": "F1",
+    "time": 10.0,
+    "camera": "chase",
+    "playing": False,
+    "theme": "light",
+}
 """What an open 3D view would answer."""
 
 

@@ -97,7 +97,7 @@ def test_the_charts_over_time_share_their_crosshair(visit: Visit) -> None:
     motion, separation = page.locator("#motion"), page.locator("#separation")
     for name in ("v over time", "force over time"):
         expect(motion.get_by_role("img", name=re.compile(name))).to_be_visible()
-    expect(motion.locator(".readout")).to_have_count(0)
+    expect(separation.locator(".tip")).to_have_count(0)
     separation.locator(".plot").hover()
     expect(motion.locator(".readout")).to_have_count(2)
     time = float(separation.locator(".tip .b").inner_text().removesuffix(" s"))

@@ -1,10 +1,11 @@
-"""A recording in a browser: the file from disk, with nothing asked of anybody, and the page that a link leads to.
+"""The flight in a browser: a recording from disk, the page that a link leads to, the run page and its 3D view as one.
 
 Start reading at `recorded`.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -80,3 +81,65 @@ def test_a_link_from_the_run_page_plays_without_a_viewer(recorded: Service, brow
         playing(visit.page)
         visit.shot("recording-page-dark", full=False)
         until(lambda: recorded.app.state.viewers.open == 0)
+
+
+REFUSED = re.compile(r"ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 404")
+"""What a browser says of a service that is gone for a while."""
+
+
+def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Service, browser: Browser) -> None:
+    with visiting(browser, recorded.url) as visit:
+        page = visit.page
+        page.set_viewport_size({"width": 1280, "height": 700})  # software draws every pixel
+        visit.go(f"/login?code={recorded.login_code()}")
+        asked: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        visit.go("/runs/R-0001?t=4&time=all")
+        view = page.frame_locator("#flight iframe")
+        finding, time = view.get_by_role("combobox", name="Finding"), view.get_by_role("textbox").first
+        flag = page.locator("#separation .flag")
+        expect(flag).to_have_text("4.00 s")
+        # The visitor changes what the view shows in its own panel: the page goes along.
+        finding.click()
+        view.get_by_role("option", name="F2").click()
+        expect(page).to_have_url(re.compile("finding=F2"))
+        expect(page.get_by_role("heading", name="Nominal against F2")).to_be_visible()
+        time.fill("7.5")
+        time.press("Enter")
+        expect(flag).to_have_text("7.50 s")
+        expect(page).to_have_url(re.compile(r"t=7\.5\b"))
+        # The other way round, and both stay as they are.
+        cameras = page.get_by_role("group", name="Camera")
+        cameras.get_by_role("button", name="Side").click()
+        expect(view.get_by_role("combobox", name="Camera")).to_have_value("Side")
+        expect(page).to_have_url(re.compile("cam=side"))
+        box = view.get_by_role("checkbox", name="Show Nominal")
+        box.uncheck()
+        key = str(page.locator("#flight iframe").get_attribute("src")).rpartition("/key/")[2].strip("/")
+        (shown,) = recorded.app.state.viewers.steered.values()
+        until(lambda: not shown.state().layers.nominal)
+        before = shown.state()
+        # All that the page has to know by then, it has heard.
+        until(lambda: page.evaluate("true") and f"since={shown.revision}&" in asked[-1])
+        recorded.stop()
+        notice = page.locator("#flight [role=status]").last
+        expect(notice).to_contain_text("The service cannot be reached")
+        again = Service(recorded.settings, recorded.port)
+        again.start()
+        try:
+            expect(notice).to_contain_text("The 3D view was lost and is back, as it was.")
+            (handle, opened), *others = again.app.state.viewers.steered.items()
+            assert (handle.key, others) == (key, [])
+            state = opened.state()
+            assert (state.flight, state.time, state.camera) == ("F2", 7.5, "side")
+            assert state.layers == before.layers
+            assert not state.layers.nominal
+            expect(finding).to_have_value("F2")
+            expect(time).to_have_value("7.5")
+            expect(flag).to_have_text("7.50 s")
+            expect(page).to_have_url(re.compile(r"finding=F2&t=7\.5&cam=side|t=7\.5.*finding=F2.*cam=side"))
+            expect(notice).to_be_empty()
+        finally:
+            page.goto("about:blank")
+            again.stop()
+        visit.wrong[:] = [wrong for wrong in visit.wrong if not REFUSED.search(wrong)]

@@ -4,6 +4,7 @@ import { changeView, getView } from '../api/calls'
 import { Refusal } from '../api/problems'
 import { signedOut } from '../api/session'
 import type { ViewChange, ViewState } from '../client'
+import { Request } from './request'
 import { addressOf, again, merged, type Place, uuid, type Wanted } from './viewChange'
 
 /** Between two changes at least [ms]: what comes meanwhile goes together, the newest of each kind. */
@@ -13,8 +14,6 @@ const NEWS = 100
 /** How long the service waits for a view to open, or for news of it, at most [s]. */
 const OPENING = 30
 const QUIET = 25
-/** An answer that takes so much longer does not come any more [s]. */
-const LATE = 10
 /** A frame that has the focus opens a lost socket anew by itself: for so long it is waited for [s]. */
 const OWN = 3
 /** How long it takes to ask again where the service does not answer [ms]. */
@@ -271,35 +270,6 @@ export class View {
   private tell(change: Partial<Known>): void {
     this.known = { ...this.known, ...change }
     for (const listener of this.listeners) listener()
-  }
-}
-
-/** A request that ends with the page's interest, when there is reason to hurry, and when no answer comes. */
-class Request {
-  late = false
-  private readonly abort = new AbortController()
-  private readonly outer: AbortSignal
-  private readonly timer: ReturnType<typeof setTimeout>
-
-  /** The service may wait so long before it answers [s]. */
-  constructor(outer: AbortSignal, wait: number) {
-    this.outer = outer
-    this.timer = setTimeout(() => {
-      this.late = true
-      this.end()
-    }, (wait + LATE) * 1000)
-    outer.addEventListener('abort', this.end)
-  }
-
-  get signal(): AbortSignal {
-    return this.abort.signal
-  }
-
-  readonly end = (): void => this.abort.abort()
-
-  over(): void {
-    clearTimeout(this.timer)
-    this.outer.removeEventListener('abort', this.end)
   }
 }
 

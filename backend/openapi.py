@@ -33,7 +33,7 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
 _PARTIAL = frozenset(
     {
         *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
-        *("DraftContent", "DraftReplace", "ViewChange"),
+        *("DraftContent", "DraftReplace", "ViewChange", "LayersChange"),
     }
 )
 """All others are answers, and answers have every field."""

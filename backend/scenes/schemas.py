@@ -82,6 +82,8 @@ class ViewChange(Schema):
     speed: Finite | None = None
     """Seconds of the flight in a second: 0.25, 0.5, 1, 2 or 5."""
     theme: Theme | None = None
+    panel: bool | None = None
+    """Show the view's own panel, or fold it."""
     layers: LayersChange | None = None
     what_if: dict[str, Finite] | None = None
     """Fly the case with these uncertain parameters by path, the others nominal, as the what-if."""
@@ -120,6 +122,8 @@ class ViewState(Schema):
     playing: bool
     speed: float
     theme: Theme
+    panel: bool
+    """Whether its panel was last shown or folded by a page; where no page has, one that a page opened is folded."""
     layers: Layers
     what_if: dict[str, float] | None
     """The parameters of the what-if flight that is drawn; null where there is none."""

@@ -67,6 +67,8 @@ class Viewer:
         self._dark = address.dark
         self._theme()
         server.gui.main_panel.dock_right()
+        # Beside its page, which has controls of its own, the scene is what is looked at.
+        self._unfold(address.key is None)
         server.gui.set_panel_label(f"{setting.run} · {setting.title}")
         palette = DARK if address.dark else LIGHT
         with server.atomic():
@@ -186,6 +188,8 @@ class Viewer:
                 self.choose(change.flight)
             if change.theme is not None and (change.theme == "dark") != self._dark:
                 self._paint(change.theme == "dark")
+            if change.panel is not None:
+                self._unfold(change.panel)
             self._panel.have(change)
             self._steer_time(change)
             if change.camera is not None:
@@ -221,6 +225,7 @@ class Viewer:
             "eye": None if camera or eye is None else {"position": eye[0].tolist(), "target": eye[1].tolist()},
             "playing": self._tab.playing,
             "theme": "dark" if self._dark else "light",
+            "panel": self._unfolded,
             **self._panel.shown(),
         }
 
@@ -241,6 +246,11 @@ class Viewer:
         for part in self._parts:
             part.paint(palette)
         self.changed()
+
+    def _unfold(self, panel: bool) -> None:
+        """Show or fold the panel. Its visitor may do so, too, and is not heard of."""
+        self._unfolded, main = panel, self._server.gui.main_panel
+        main.expand() if panel else main.minimize()
 
     def _theme(self) -> None:
         self._server.gui.configure_theme(

@@ -9,6 +9,7 @@ import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
 import { FlightHead } from './FlightHead'
 import { FlightNotice } from './FlightNotice'
+import { PlayBar } from './PlayBar'
 import { useInstant } from './useInstant'
 import type { View } from './view'
 
@@ -53,17 +54,20 @@ export function Flight({ data, view, className }: FlightProps) {
         />
       }
     >
-      <div className="flight" ref={holder} role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
-        {known.address && (
-          <iframe
-            key={`${view.key}.${known.frame}`}
-            src={known.address}
-            title="Flight in 3D"
-            allow="fullscreen"
-            inert={known.phase !== 'open'}
-          />
-        )}
-        <FlightNotice known={known} onRetry={() => view.retry()} />
+      <div className="flightbox" ref={holder}>
+        <div className="flight" role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
+          {known.address && (
+            <iframe
+              key={`${view.key}.${known.frame}`}
+              src={known.address}
+              title="Flight in 3D"
+              allow="fullscreen"
+              inert={known.phase !== 'open'}
+            />
+          )}
+          <FlightNotice known={known} onRetry={() => view.retry()} />
+        </div>
+        <PlayBar data={data} view={view} shown={known.shown} />
       </div>
     </Card>
   )
@@ -76,7 +80,7 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
     if (event.altKey || event.ctrlKey || event.metaKey || event.defaultPrevented) return
     const far = event.shiftKey ? 1 : 0.1
     const on = event.target as HTMLElement
-    if (event.key === ' ' && !on.closest('button, a, input')) view.toggle()
+    if (event.key === ' ' && !on.closest('button, a, select, input:not([type=range])')) view.toggle()
     else if (event.key === 'ArrowLeft') view.steer({ step: -far })
     else if (event.key === 'ArrowRight') view.steer({ step: far })
     else if (event.key === 'Home') view.steer({ closest: true })

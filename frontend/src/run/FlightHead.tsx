@@ -4,8 +4,6 @@ import {
   IconCheck,
   IconExternalLink,
   IconLink,
-  IconPlayerPause,
-  IconPlayerPlay,
 } from '@tabler/icons-react'
 import { useEffect, useState } from 'react'
 import type { ViewState } from '../client'
@@ -13,6 +11,7 @@ import { RecordingMenu } from '../exports/Recording'
 import { fixed } from '../format/numbers'
 import type { Theme } from '../theme/useTheme'
 import { Seg } from '../ui/Card'
+import { IconButton } from '../ui/IconButton'
 import type { RunData } from './data'
 import type { View } from './view'
 import { addressOf, CAMERAS, type Camera, type Place } from './viewChange'
@@ -37,11 +36,6 @@ export function FlightHead({ data, view, shown, theme, onFull }: Props) {
         onChange={(camera) => view.steer({ camera })}
       />
       <span className="row" style={{ gap: 4 }}>
-        <IconButton
-          label={shown?.playing ? 'Pause' : 'Play'}
-          icon={shown?.playing ? IconPlayerPause : IconPlayerPlay}
-          act={() => view.toggle()}
-        />
         <CopyInstant view={view} />
         <a
           className="iconbtn bd"
@@ -57,20 +51,6 @@ export function FlightHead({ data, view, shown, theme, onFull }: Props) {
       </span>
       {recorded && <RecordingMenu run={data.run.id} flight={data.chosen} />}
     </div>
-  )
-}
-
-interface IconButtonProps {
-  label: string
-  icon: typeof IconLink
-  act: () => void
-}
-
-function IconButton({ label, icon: Icon, act }: IconButtonProps) {
-  return (
-    <button type="button" className="iconbtn bd" aria-label={label} title={label} onClick={act}>
-      <Icon className="i s" aria-hidden />
-    </button>
   )
 }
 

@@ -15,6 +15,8 @@ it('puts changes together, the newest of each kind', () => {
   expect(merged({ time: 0, step: 0.1 }, {})).toEqual({ time: 0, step: 0.1 })
   expect(merged({ time: 1 }, { time: 2, passing: true })).toEqual({ time: 2, passing: true })
   expect(merged({ time: 1, passing: true }, { time: 2 })).toEqual({ time: 2 })
+  const layers = [{ layers: { field: true } }, { layers: { sampled: true } }] as const
+  expect(merged(...layers)).toEqual({ layers: { field: true, sampled: true } })
   expect(merged({ time: 1, passing: true }, { camera: 'top' })).toEqual({ time: 1, passing: true, camera: 'top' })
 })
 
@@ -24,9 +26,9 @@ it('tells a view opened anew all that the last one showed', () => {
     ...{ sampled: true, field: false, space: false, axes: ['a', 'b', 'value'] as [string, string, string] },
   }
   const eye = { position: [1, 2, 3] as [number, number, number], target: [0, 0, 0] as [number, number, number] }
-  const last = { opened: 1, revision: 7, flight: 'F2', time: 3.5, camera: null, eye, playing: true, speed: 2, what_if: null }
+  const last = { opened: 1, revision: 7, flight: 'F2', time: 3.5, camera: null, eye, playing: true, speed: 2, panel: true, what_if: null }
   const said = again({ ...last, theme: 'dark', layers })
-  expect(said).toEqual({ flight: 'F2', theme: 'dark', time: 3.5, playing: true, speed: 2, layers, eye })
+  expect(said).toEqual({ flight: 'F2', theme: 'dark', time: 3.5, playing: true, speed: 2, panel: true, layers, eye })
   expect(merged(said, { camera: 'top', step: 1 })).toMatchObject({ time: 3.5, step: 1, camera: 'top' })
   expect(merged(said, { camera: 'top' })).not.toHaveProperty('eye')
   expect(merged(said, { closest: true })).not.toHaveProperty('time')

@@ -15,6 +15,7 @@ export interface Place {
 /** Two changes as one: a time replaces what was said of it before, steps add up. */
 export function merged(before: ViewChange, next: ViewChange): ViewChange {
   const { time, step, closest, passing, ...rest } = { ...before, ...next }
+  if (before.layers && next.layers) rest.layers = { ...before.layers, ...next.layers }
   if (next.camera) delete rest.eye
   if (next.closest) return { ...rest, closest: true }
   if (typeof next.time === 'number')
@@ -29,13 +30,14 @@ export function merged(before: ViewChange, next: ViewChange): ViewChange {
 
 /** Everything that a view showed, for the one that is opened in its place. */
 export function again(last: ViewState): ViewChange {
-  const { flight, theme, time, camera, eye, playing, speed, layers, what_if } = last
+  const { flight, theme, time, camera, eye, playing, speed, panel, layers, what_if } = last
   return {
     flight,
     theme,
     time,
     playing,
     speed,
+    panel,
     layers,
     ...(camera ? { camera } : eye && { eye }),
     ...(what_if && { what_if }),

@@ -8,12 +8,14 @@ interface MenuProps {
   said: ReactNode
   on: boolean
   icon?: ReactNode
+  /** Opens upwards, in its place in the page: it stands at the foot of what may fill the screen. */
+  above?: boolean
   children: ReactNode
 }
 
-export function Menu({ name, said, on, icon, children }: MenuProps) {
+export function Menu({ name, said, on, icon, above, children }: MenuProps) {
   return (
-    <Popover position="bottom-start" width={280} trapFocus returnFocus shadow="none" withinPortal>
+    <Popover position={above ? 'top-end' : 'bottom-start'} width={280} trapFocus returnFocus shadow="none" withinPortal={!above}>
       <Popover.Target>
         <button type="button" className={on ? 'chip on' : 'chip'}>
           {icon}

@@ -67,9 +67,10 @@ class Viewer:
         self._dark = address.dark
         self._theme()
         server.gui.main_panel.dock_right()
-        # Beside its page, which has controls of its own, the scene is what is looked at.
-        self._unfold(address.key is None)
-        server.gui.set_panel_label(f"{setting.run} · {setting.title}")
+        # Beside its page, which has the run's name and controls of its own, the scene is what is looked at.
+        alone = address.key is None
+        self._unfold(alone)
+        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "What-if, space, search")
         palette = DARK if address.dark else LIGHT
         with server.atomic():
             self._world = World(server, setting, palette)

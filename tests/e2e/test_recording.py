@@ -100,6 +100,7 @@ def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Serv
         flag = page.locator("#separation .flag")
         expect(flag).to_have_text("4.00 s")
         # The visitor changes what the view shows in its own panel: the page goes along.
+        page.get_by_role("button", name="Open the panel").click()
         finding.click()
         view.get_by_role("option", name="F2").click()
         expect(page).to_have_url(re.compile("finding=F2"))

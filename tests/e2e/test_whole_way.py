@@ -248,12 +248,13 @@ def colours(picture: Any) -> set[tuple[int, ...]]:
 
 def test_the_flight_is_seen_in_3d(signed_in: Visit) -> None:
     frame = flown(signed_in)
-    expect(frame.locator("body")).to_contain_text("R-0001")
+    expect(frame.locator("body")).to_contain_text("What-if")
     looks(signed_in, "run", flown)
 
 
 def test_a_slider_flies_the_case_anew(signed_in: Visit) -> None:
     frame = flown(signed_in)
+    signed_in.page.get_by_role("button", name="Open the panel").click()
     frame.get_by_role("tab", name="What-if").click()
     expect(frame.get_by_text("Move a slider to fly the case.")).to_be_visible()
     slider = frame.get_by_role("slider").first

@@ -13,5 +13,13 @@ from backend.db.tables import Audit
 
 def note(writer: sa.Connection, visitor: Visitor, action: str, subject: str, detail: dict[str, Any]) -> None:
     """Write down what is done in this transaction: `action` such as `signoff.created`, `subject` such as R-0001."""
-    who = {"user": visitor.user, "via": visitor.via}
+    _write(writer, action, subject, detail, {"user": visitor.user, "via": visitor.via})
+
+
+def note_command(writer: sa.Connection, user: str, action: str, subject: str, detail: dict[str, Any]) -> None:
+    """The same of what is done on the command line, by a user of the machine."""
+    _write(writer, action, subject, detail, {"user": user[:64], "via": "cli"})
+
+
+def _write(writer: sa.Connection, action: str, subject: str, detail: dict[str, Any], who: dict[str, str]) -> None:
     writer.execute(sa.insert(Audit).values(at=now(writer), action=action, subject=subject, detail=detail, **who))

@@ -33,6 +33,11 @@ def state(connection: sa.Connection, run_id: int) -> tuple[str, dict[str, Any]] 
     return None if row is None else (row.state, row.document)
 
 
+def is_removed(connection: sa.Connection, run_id: int) -> bool:
+    """Whether a run is removed: then it, too, may be purged at any time."""
+    return connection.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
+
+
 def stages(connection: sa.Connection, run_id: int) -> list[StageRecord]:
     """The stages of a run as they stand, in order."""
     rows = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position))

@@ -41,6 +41,7 @@ class CatalogueSnapshot(Base):
 _LISTED = (
     "pinned", "state", "verdict", "owner", "name", "campaign_digest", "tags", "created", "started", "finished",
     "threshold", "nominal_cost", "worst_cost", "worst_method", "evaluations", "failed_evaluations", "upper_bound",
+    "removed",
 )  # fmt: skip
 
 
@@ -98,6 +99,16 @@ class Run(Base):
     pinned: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
     notes: orm.Mapped[str] = orm.mapped_column(sa.Text, default="", server_default="")
     """Markdown."""
+    # what became of it
+    removed: orm.Mapped[float | None]
+    """Since when it is in no list; see `backend.runs.removal`."""
+    removed_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
+    removed_reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
+    purged: orm.Mapped[float | None]
+    """Since when its results are gone and this row is all that is left; see `backend.db.purge`."""
+    purged_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
+    purged_digest: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
+    """Of the results that it had; see `backend.db.digest`."""
     __table_args__ = (
         sa.Index("ix_runs_queue", "state", "owner", "not_before", "lease_until"),
         # All that the run list searches, filters and sorts by, so that SQLite need not read the wide rows. PostgreSQL
@@ -224,7 +235,7 @@ class IdempotencyKey(Base):
 
 
 class Signoff(Base):
-    """A reviewer's sign-off of a run's results; never edited, only withdrawn. A signed run cannot be deleted."""
+    """A reviewer's sign-off of a run's results; never edited, only withdrawn. While it stands, its run stays."""
 
     __tablename__ = "signoffs"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
@@ -233,7 +244,7 @@ class Signoff(Base):
     role: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     comment: orm.Mapped[str] = orm.mapped_column(sa.Text)
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    """Of the results that were signed; see `backend.results.digest`."""
+    """Of the results that were signed; see `backend.db.digest`."""
     user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
     created: orm.Mapped[float]
     withdrawn: orm.Mapped[float | None]

@@ -18,6 +18,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db import snapshots
+from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, Trace
 from backend.exports.naming import named
@@ -25,7 +26,6 @@ from backend.exports.schemas import ExportFile
 from backend.exports.sheet import Flown, Sheet, headings, sheet
 from backend.reports import pdf
 from backend.results import service as results
-from backend.results.digest import results_digest
 from backend.runs import service as runs
 from backend.runs.components import components
 from backend.runs.schemas import RunSummary

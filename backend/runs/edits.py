@@ -14,12 +14,16 @@ from backend.db.engine import read
 from backend.db.tables import Run
 from backend.errors import RefusedError, not_found
 from backend.runs import listing
+from backend.runs.removal import refuse_removed
 from backend.runs.schemas import RunEdit, RunSummary
+from backend.runs.tombstones import refuse_purged
 from campaigns import Problem
 
 
 def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> None:
-    """Write what is given, leave the rest; 404 for no run, 422 where nothing is given, 409 for notes that changed."""
+    """Write what is given, leave the rest; 404 for no run, 422 where nothing is given, 409 for notes that changed
+    and for a run that is removed.
+    """
     values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
     if empty or not values:
@@ -28,6 +32,7 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
     if given.tags is not None:
         values["tags"] = list(dict.fromkeys(given.tags))
     with engine.begin() as writer:
+        refuse_removed(writer, run_id)
         if given.notes is not None and given.notes_before is not None:
             _unchanged(writer, run_id, given.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
@@ -59,6 +64,7 @@ def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[
         for run_id in run_ids:
             if run_id not in known:
                 raise not_found("run", listing.name(run_id))
+            refuse_purged(writer, run_id)
             state = queue.request_cancel(writer, run_id)
             audit.note(writer, visitor, "run.cancelled", listing.name(run_id), {"state": state})
     with read(engine) as reader:

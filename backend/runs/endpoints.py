@@ -12,7 +12,7 @@ from backend import bodies
 from backend.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.deps import Engine, Reader
-from backend.runs import edits, listing, service
+from backend.runs import edits, listing, removal, service
 from backend.runs.components import components
 from backend.runs.facets import facets
 from backend.runs.filters import Filters
@@ -20,12 +20,14 @@ from backend.runs.history import history
 from backend.runs.order import Sort
 from backend.runs.schemas import (
     HistoryEntry,
+    Reason,
     RunComponents,
     RunDetail,
     RunEdit,
     RunFacets,
     RunPage,
     RunsNamed,
+    RunsRemoved,
     RunState,
     RunSubmit,
     RunSummary,
@@ -95,13 +97,24 @@ def list_runs(
     since: Annotated[float | None, Query(description="Submitted from then on [s since 1970].")] = None,
     until: Annotated[float | None, Query(description="Submitted before then [s since 1970].")] = None,
     pinned: bool | None = None,
+    removed: Annotated[bool, Query(description="Those that were removed, instead of all others.")] = False,
     sort: Sort = "-created",
     cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the page before.")] = None,
     limit: Annotated[int, Query(ge=1, le=200)] = 50,
 ) -> RunPage:
     """The runs, a page at a time, pinned ones first; repeated filters are alternatives."""
     filters = Filters(
-        q, state or (), verdict or (), tag or (), campaign or (), owner or (), method or (), since, until, pinned
+        q,
+        state or (),
+        verdict or (),
+        tag or (),
+        campaign or (),
+        owner or (),
+        method or (),
+        since,
+        until,
+        pinned,
+        removed,
     )
     return listing.page(reader, filters, sort, cursor, limit)
 
@@ -116,6 +129,18 @@ def list_facets(reader: Reader) -> RunFacets:
 def cancel_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Cancel several runs; those that have ended stay as they are."""
     return edits.cancel(engine, [service.number(run) for run in given.runs], visitor)
+
+
+@router.post("/runs/remove")
+def remove_runs(given: RunsRemoved, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+    """Take several runs out of the lists, all or none; see the removal of one."""
+    return removal.remove(engine, [service.number(run) for run in given.runs], given.reason, visitor)
+
+
+@router.post("/runs/restore")
+def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
+    """Put several removed runs back into the lists; those that are there stay."""
+    return removal.restore(engine, [service.number(run) for run in given.runs], visitor)
 
 
 @router.patch("/runs/{run}")
@@ -138,6 +163,27 @@ def cancel_run(run: str, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
+@router.delete("/runs/{run}")
+def remove_run(
+    run: str,
+    engine: Engine,
+    visitor: CurrentVisitor,
+    reason: Annotated[Reason, Query(description="Why; it is shown wherever the run is asked for.")],
+) -> RunSummary:
+    """Take a run that is over out of every list; its address, its results and its history stay, and it can be restored.
+
+    Refused (409) while it works, and while a sign-off of it stands that is not withdrawn. Removed runs are deleted by
+    nobody but `clearance purge`, on the command line.
+    """
+    return removal.remove(engine, [service.number(run)], reason, visitor)[0]
+
+
+@router.post("/runs/{run}/restore")
+def restore_run(run: str, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
+    """Put a removed run back into the lists; one that is there stays as it is."""
+    return removal.restore(engine, [service.number(run)], visitor)[0]
+
+
 @router.get("/runs/{run}/stages")
 def list_stages(run: str, reader: Reader) -> list[StageDetail]:
     """The stages of a run with their results."""
@@ -152,5 +198,6 @@ def list_run_components(run: str, reader: Reader) -> RunComponents:
 
 @router.get("/runs/{run}/history")
 def list_history(run: str, reader: Reader) -> list[HistoryEntry]:
-    """What was done to a run and by whom, the newest first: submitted, edited, cancelled, signed off."""
+    """What was done to a run and by whom, the newest first: submitted, edited, cancelled, signed off,
+    removed, restored, purged."""
     return history(reader, service.number(run))

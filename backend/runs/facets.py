@@ -35,7 +35,7 @@ def facets(reader: sa.Connection) -> RunFacets:
 
 
 def _counted(reader: sa.Connection, column: Any) -> Counter[str]:
-    rows = reader.execute(sa.select(column, sa.func.count()).group_by(column))
+    rows = reader.execute(sa.select(column, sa.func.count()).where(Run.removed.is_(None)).group_by(column))
     return Counter({value: number for value, number in rows if value})
 
 

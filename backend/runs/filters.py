@@ -33,6 +33,8 @@ class Filters:
     until: float | None = None
     """Submitted from `since` on, and before `until`."""
     pinned: bool | None = None
+    removed: bool = False
+    """Those that were removed, instead of all others."""
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
         """Everything together."""
@@ -45,6 +47,10 @@ class Filters:
 
     def found(self) -> list[sa.ColumnElement[bool]]:
         """Everything but state and verdict, by which the found ones are counted."""
+        return [*self._there(), *self.narrowed()]
+
+    def narrowed(self) -> list[sa.ColumnElement[bool]]:
+        """Everything but state and verdict, of removed runs and all others alike."""
         conditions = [_said(word) for word in self.q.split()[:MOST_WORDS]]
         if self.tag:
             tags = sa.cast(Run.tags, sa.Text)
@@ -62,6 +68,12 @@ class Filters:
         if self.pinned is not None:
             conditions.append(Run.pinned == self.pinned)
         return conditions
+
+    def _there(self) -> list[sa.ColumnElement[bool]]:
+        """In the lists, or removed from them and still to be restored."""
+        if self.removed:
+            return [Run.removed.is_not(None), Run.purged.is_(None)]
+        return [Run.removed.is_(None)]
 
 
 def _said(word: str) -> sa.ColumnElement[bool]:

@@ -5,6 +5,7 @@ What narrows it is in `backend.runs.filters`, orders and cursors in `backend.run
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, get_args
 
 import sqlalchemy as sa
@@ -19,7 +20,8 @@ from backend.runs.schemas import RunPage, RunState, RunSummary, StageProgress, V
 _PLAIN = (
     "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",
     "nominal_cost", "worst_cost", "worst_method", "evaluations", "planned", "failed_evaluations", "created", "started",
-    "finished", "attempts", "worker", "continues", "pinned", "best_so_far", "upper_bound",
+    "finished", "attempts", "worker", "continues", "pinned", "best_so_far", "upper_bound", "removed", "removed_by",
+    "removed_reason",
 )  # fmt: skip
 
 
@@ -38,18 +40,18 @@ def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None
     ids = [row.id for row in rows[:limit]]
     by_id = {item.id: item for item in summaries(reader, Run.id.in_(ids))}
     following = order.cursor(rows[limit - 1]) if len(rows) > limit else None
-    counts = _counts(reader, filters.found())
+    counts = _counts(reader, filters)
     return RunPage(items=[by_id[name(i)] for i in ids], next_cursor=following, counts=counts)
 
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
-    """The runs that fulfil the conditions, newest first, as the list shows them."""
+    """The runs that fulfil the conditions, newest first, as the list shows them; of purged ones nothing is left."""
     criterion = CampaignRow.document["criterion"]["component"].as_string().label("criterion")
     told = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns = [getattr(Run, column) for column in _PLAIN]
     query = sa.select(*columns, CampaignRow.name.label("campaign_name"), criterion, *told)
     query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
-    rows = reader.execute(query.where(*conditions).order_by(Run.id.desc())).all()
+    rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
     working = _working(reader, [row.id for row in rows if row.state in ("running", "cancelling")])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
     return [_summary(row, working.get(row.id), units) for row in rows]
@@ -84,12 +86,15 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
     }
 
 
-def _counts(reader: sa.Connection, found: list[sa.ColumnElement[bool]]) -> dict[str, int]:
-    counts = dict.fromkeys(("total", *get_args(RunState), *get_args(VerdictWord)), 0)
+def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
+    found = filters.found()
+    counts = dict.fromkeys(("total", "removed", *get_args(RunState), *get_args(VerdictWord)), 0)
     groups = sa.select(Run.state, Run.verdict, sa.func.count()).where(*found).group_by(Run.state, Run.verdict)
     for state, verdict, count in reader.execute(groups):
         counts["total"] += count
         counts[state] += count
         if verdict is not None:
             counts[verdict] += count
+    away = replace(filters, removed=True).found()
+    counts["removed"] = reader.scalar(sa.select(sa.func.count()).select_from(Run).where(*away)) or 0
     return counts

@@ -8,10 +8,12 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from backend.catalog.schemas import CriterionOut
 from campaigns import Catalogue
+from campaigns.values import Notes
 
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
 VerdictWord = Literal["cleared", "violated", "inconclusive"]
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
+Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
@@ -47,9 +49,10 @@ class HistoryEntry(Schema):
     """Seconds since 1970."""
     user: str
     via: str
-    """How they were signed in: link, token or cli."""
+    """How they were signed in: link or token; cli on the command line."""
     action: str
-    """run.submitted, run.edited, run.cancelled, signoff.created, signoff.withdrawn"""
+    """run.submitted, run.edited, run.cancelled, run.removed, run.restored, run.purged, signoff.created,
+    signoff.withdrawn"""
     detail: dict[str, Any]
 
 
@@ -57,6 +60,12 @@ class RunsNamed(Schema):
     """Several runs by their names, R-0001."""
 
     runs: Annotated[list[Annotated[str, Field(max_length=20)]], Field(min_length=1, max_length=500)]
+
+
+class RunsRemoved(RunsNamed):
+    """Several runs, and why they are taken out of the lists."""
+
+    reason: Reason
 
 
 class Facet(Schema):
@@ -139,6 +148,10 @@ class RunSummary(Schema):
     """Evaluations and the lowest cost within them, thinned: for a small picture."""
     upper_bound: float | None
     """Of P(violation), from the independent sample."""
+    removed: float | None
+    """Since when it is in no list; None where it is."""
+    removed_by: str | None
+    removed_reason: str | None
 
 
 class RunDetail(RunSummary):
@@ -175,4 +188,4 @@ class RunPage(Schema):
     items: list[RunSummary]
     next_cursor: str | None
     counts: dict[str, int]
-    """How many runs there are by state and by verdict under the same search text."""
+    """How many runs there are by state and by verdict under the same search text, and how many removed ones."""

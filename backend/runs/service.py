@@ -20,6 +20,7 @@ from backend.db.tables import IdempotencyKey, Run, Stage
 from backend.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
+from backend.runs.tombstones import refuse_purged
 from campaigns import Campaign, CampaignError, Catalogue, check
 from campaigns.load import load_document
 from campaigns.plan import plan
@@ -118,7 +119,7 @@ def summary(reader: sa.Connection, run_id: int) -> RunSummary:
     """One run as the list shows it, or 404."""
     found = listing.summaries(reader, Run.id == run_id)
     if not found:
-        raise not_found("run", listing.name(run_id))
+        require(reader, run_id)
     return found[0]
 
 
@@ -161,7 +162,8 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
 
 
 def require(reader: sa.Connection, run_id: int) -> None:
-    """404 unless there is such a run."""
+    """404 unless there is such a run, 410 where it was purged."""
+    refuse_purged(reader, run_id)
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
         raise not_found("run", listing.name(run_id))
 
@@ -169,9 +171,9 @@ def require(reader: sa.Connection, run_id: int) -> None:
 def campaign(reader: sa.Connection, run_id: int) -> Campaign:
     """The campaign of a run, or 404."""
     query = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest)
-    document = reader.scalar(query.where(Run.id == run_id))
+    document = reader.scalar(query.where(Run.id == run_id, Run.purged.is_(None)))
     if document is None:
-        raise not_found("run", listing.name(run_id))
+        require(reader, run_id)
     try:
         return Campaign.model_validate(document)
     except ValidationError:

@@ -15,12 +15,12 @@ import viser
 from fastapi import APIRouter, Request
 from fastapi.responses import RedirectResponse, Response
 
+from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument
 from backend.errors import RefusedError, not_found
 from backend.exports.naming import named
 from backend.results import service as results
-from backend.results.digest import results_digest
 from backend.runs.service import number, summary
 from backend.scenes import setting
 from backend.scenes.address import parse

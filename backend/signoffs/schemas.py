@@ -54,5 +54,5 @@ class Signoffs(Schema):
 
     digest: str
     can_sign: bool
-    """Whether there is a verdict to sign."""
+    """Whether there is a verdict to sign, of a run that is not removed."""
     items: list[Signoff]

@@ -11,27 +11,33 @@ import sqlalchemy as sa
 
 from backend.db import audit
 from backend.db.access import Visitor
+from backend.db.digest import results_digest
 from backend.db.engine import now
 from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
 from backend.errors import RefusedError, not_found
-from backend.results.digest import results_digest
 from backend.runs.listing import name
+from backend.runs.removal import refuse_removed
+from backend.runs.tombstones import refuse_purged
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
 
 
 def listed(reader: sa.Connection, run_id: int) -> Signoffs:
     """The sign-offs of a run, the oldest first; 404 for no run."""
     verdict = _verdict(reader, run_id)
+    removed = reader.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
     digest = results_digest(reader, run_id)
     rows = reader.execute(sa.select(Row.__table__).where(Row.run_id == run_id).order_by(Row.id)).mappings()
     items = [_told(dict(row), digest) for row in rows]
-    return Signoffs(digest=digest, can_sign=verdict is not None, items=items)
+    return Signoffs(digest=digest, can_sign=verdict is not None and not removed, items=items)
 
 
 def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
-    """Sign the results off. 409 where there is no verdict, where others were reviewed, or for the same word twice."""
+    """Sign the results off. 409 where there is no verdict, where others were reviewed, for the same word twice, and
+    for a run that is removed.
+    """
     with engine.begin() as writer:
+        refuse_removed(writer, run_id)
         if _verdict(writer, run_id) is None:
             raise _conflict("no-verdict", f"{name(run_id)} has no verdict: there is nothing to sign off")
         digest = results_digest(writer, run_id)
@@ -78,7 +84,8 @@ def _told(row: dict[str, Any], digest: str) -> Signoff:
 
 
 def _verdict(reader: sa.Connection, run_id: int) -> str | None:
-    """The verdict of a run, or 404."""
+    """The verdict of a run, or 404; 410 where it was purged."""
+    refuse_purged(reader, run_id)
     found = reader.execute(sa.select(Run.verdict).where(Run.id == run_id)).one_or_none()
     if found is None:
         raise not_found("run", name(run_id))

@@ -39,8 +39,8 @@ def test_every_operation_is_described(path: str, method: str, operation: dict[st
     assert operation["summary"]
     assert operation["description"]
     assert "application/problem+json" in operation["responses"]["default"]["content"]
-    takes_body = ("/api/v1/runs", "/api/v1/runs/cancel", "/api/v1/campaigns/check")
-    takes_body += ("/api/v1/campaigns/preview", "/api/v1/drafts")
+    takes_body = ("/api/v1/runs", "/api/v1/runs/cancel", "/api/v1/runs/remove", "/api/v1/runs/restore")
+    takes_body += ("/api/v1/campaigns/check", "/api/v1/campaigns/preview", "/api/v1/drafts")
     takes_body += ("/api/v1/runs/{run}/signoffs", "/api/v1/runs/{run}/signoffs/{signoff}/withdraw")
     assert ("requestBody" in operation) == (method in ("patch", "put") or (path in takes_body and method == "post"))
 

@@ -9,11 +9,11 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
+from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.queue import Queue
 from backend.db.store import OtherComponents, RunStore
 from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
-from backend.results.digest import results_digest
 from campaigns import Campaign, Catalogue
 from campaigns.snapshot import changes, digest_of, snapshot, values_changed
 from tests.api.catalogue import CATALOGUE, campaign

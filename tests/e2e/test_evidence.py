@@ -20,6 +20,7 @@ import sqlalchemy as sa
 from PIL import Image
 from playwright.sync_api import Browser, Download, expect
 
+from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.reported import finish_fully
@@ -217,3 +218,50 @@ def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
     page.get_by_role("option", name=re.compile("R-0001")).click()
     expect(page).to_have_url(re.compile("runs=R-0002(,|%2C)R-0001"))
     expect(page.get_by_test_id("change")).to_have_text("From inconclusive to cleared")
+
+
+def test_a_run_is_removed_and_restored(visit: Visit) -> None:
+    page = visit.page
+    visit.go("/runs/R-0001")
+    page.get_by_role("button", name="Remove").click()
+    page.get_by_role("textbox", name="Reason").fill("The bounds were wrong.")
+    page.get_by_role("dialog").get_by_role("button", name="Remove run").click()
+    note = page.get_by_text(re.compile("Removed from the lists by local, .*: The bounds were wrong."))
+    expect(note).to_be_visible()
+    for name in ("Remove", "Sign off", "Write", "Change name and tags"):
+        expect(page.get_by_role("button", name=name, exact=True)).to_have_count(0)
+    visit.go("/runs")
+    expect(page.locator("tr[data-run]")).to_have_count(1)
+    page.get_by_role("checkbox", name="Select R-0002").check()
+    page.get_by_role("button", name="Remove 1 run").click()
+    page.get_by_role("textbox", name="Reason").fill("A trial.")
+    page.get_by_role("dialog").get_by_role("button", name="Remove run").click()
+    expect(page.get_by_role("heading", name="Every run is removed")).to_be_visible()
+    page.get_by_role("button", name="Show removed runs").click()
+    expect(page).to_have_url(re.compile("removed=true"))
+    expect(page.locator("tr[data-run=R-0002]")).to_contain_text(re.compile("A trial.*by local"))
+    page.reload()
+    page.get_by_role("checkbox", name="Select all loaded runs").check()
+    page.get_by_role("button", name="Restore 2 runs").click()
+    expect(page.get_by_role("heading", name="No run matches")).to_be_visible()
+    page.get_by_role("button", name="Clear search and filters").click()
+    expect(page.locator("tr[data-run]")).to_have_count(2)
+
+
+def test_a_purged_run_says_what_became_of_it(finished: Service, visit: Visit) -> None:
+    page = visit.page
+    visit.go("/runs/R-0001")
+    page.get_by_role("button", name="Remove").click()
+    page.get_by_role("textbox", name="Reason").fill("Flown again as R-0002.")
+    page.get_by_role("textbox", name="Reason").press("Tab")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name="Restore")).to_be_visible()
+    assert purge(finished.engine, 1, 0.0, "root")
+    visit.go("/runs/R-0001")
+    expect(page.get_by_role("heading", name="R-0001 was purged")).to_be_visible()
+    expect(page.get_by_role("alert")).to_contain_text("was removed by local on")
+    page.locator("#history").get_by_role("button", name="Show").click()
+    expect(page.locator("#history tbody tr").first).to_contain_text("Deleted its results for good")
+    visit.shot("purged-1440-light")
+    visit.wrong = [wrong for wrong in visit.wrong if "410" not in wrong]  # the browser's own note of the answer

@@ -107,6 +107,8 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
         if found is None:
             raise CannotContinue("there is no such run in this database; --data names the folder of the service")
         state, document = found
+        if stored.is_removed(connection, run_id):
+            raise CannotContinue("it was removed; restore it on its page first")
         if state not in stored.ENDED:
             raise CannotContinue(f"it is {state}; wait for its end, or cancel it first")
         try:

@@ -68,6 +68,9 @@ export const getFacets = (): Promise<RunFacets> => answer(sdk.listFacets())
 export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
   answer(sdk.editRun({ path: { run }, body: change }))
 export const cancelRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk.cancelRuns({ body: { runs } }))
+export const removeRuns = (runs: string[], reason: string): Promise<RunSummary[]> =>
+  answer(sdk.removeRuns({ body: { runs, reason } }))
+export const restoreRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk.restoreRuns({ body: { runs } }))
 export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
 /** What its components meant, and what this installation says otherwise. */
 export const getComponents = (run: string): Promise<RunComponents> => answer(sdk.listRunComponents({ path: { run } }))

@@ -17,7 +17,7 @@ export const queryClient = new QueryClient({
   defaultOptions: {
     queries: {
       staleTime: 15_000,
-      retry: (count, error) => count < 2 && !refused(error, 400, 401, 403, 404, 422),
+      retry: (count, error) => count < 2 && !refused(error, 400, 401, 403, 404, 410, 422),
     },
   },
 })
@@ -29,7 +29,7 @@ export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: calls
 
 /** A worker publishes the catalogue when it starts: until then the service answers 503. */
 const untilPublished = {
-  retry: (count: number, error: Error) => refused(error, 503) || (count < 2 && !refused(error, 404)),
+  retry: (count: number, error: Error) => refused(error, 503) || (count < 2 && !refused(error, 404, 410)),
   retryDelay: 1500,
 }
 

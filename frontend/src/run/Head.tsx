@@ -15,6 +15,7 @@ import { Tags } from '../ui/Card'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import { Bell } from './Bell'
 import { EditRun } from './EditRun'
+import { Remove } from './Removed'
 
 export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
   return (
@@ -29,7 +30,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
             <VerdictBadge outcome={outcomeOf(run)} />
           </span>
           <Tags tags={run.tags} />
-          <EditRun run={run} />
+          {run.removed === null && <EditRun run={run} />}
           <span className="small mut nw" title={moment(run.created)}>
             {dayAndClock(run.created)}, {run.owner}
           </span>
@@ -51,7 +52,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           <IconRefresh className="i s" aria-hidden />
           Run again
         </Link>
-        {isLive(run) && <Cancel run={run} />}
+        {isLive(run) ? <Cancel run={run} /> : run.removed === null && <Remove run={run} />}
       </div>
     </div>
   )

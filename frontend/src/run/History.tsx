@@ -2,7 +2,6 @@
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getHistory } from '../api/calls'
-import type { RunDetail } from '../client'
 import { moment } from '../format/time'
 import { Card } from '../ui/Card'
 import { saidOf } from './said'
@@ -10,9 +9,9 @@ import { saidOf } from './said'
 const historyQuery = (run: string) =>
   queryOptions({ queryKey: ['history', run], queryFn: () => getHistory(run), staleTime: 0 })
 
-export function History({ run }: { run: RunDetail }) {
+export function History({ run }: { run: string }) {
   const [open, setOpen] = useState(false)
-  const { data, error } = useQuery({ ...historyQuery(run.id), enabled: open })
+  const { data, error } = useQuery({ ...historyQuery(run), enabled: open })
   return (
     <Card
       title="History"

@@ -25,7 +25,8 @@ export function Notes({ run, className }: { run: RunDetail; className: string })
       className={className}
       id="notes"
       right={
-        !writing && (
+        !writing &&
+        run.removed === null && (
           <button type="button" className="btn s" onClick={begin}>
             <IconPencil className="i s" aria-hidden /> {run.notes ? 'Edit' : 'Write'}
           </button>

@@ -2,6 +2,7 @@
 import { useQuery } from '@tanstack/react-query'
 import { useParams, useSearch } from '@tanstack/react-router'
 import { useStream } from '../api/events'
+import { Refusal } from '../api/problems'
 import { isLive, runQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
@@ -12,6 +13,7 @@ import { Finished } from './Finished'
 import { Head } from './Head'
 import { History } from './History'
 import { Live } from './Live'
+import { Purged, Removed } from './Removed'
 
 export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
@@ -21,6 +23,7 @@ export function RunPage() {
   useStream(id, live)
   // The stream has no rate and no time left; and where it fails, this goes on.
   usePolling(query.refetch, 2000, live)
+  if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what={id} />
   return <Page run={query.data} stale={query.isError} />
@@ -32,9 +35,10 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
   return (
     <>
       <Head run={run} stale={stale} />
+      {run.removed !== null && <Removed run={run} />}
       {isLive(run) ? <Live data={data} /> : <Finished data={data} />}
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <History run={run} />
+        <History run={run.id} />
       </div>
     </>
   )

@@ -22,6 +22,12 @@ it('tells whether a cancel came in time', () => {
   expect(said('run.cancelled', { state: 'done' })).toBe('Asked to cancel, after its end')
 })
 
+it('tells what became of a run', () => {
+  expect(said('run.removed', { reason: 'a trial' })).toBe('Removed it from the lists: a trial')
+  expect(said('run.restored', { reason: 'a trial' })).toBe('Restored it')
+  expect(said('run.purged', { results_digest: '0123456789abcdef01' })).toBe('Deleted its results for good, sha256 0123456789abcdef')
+})
+
 it('hides nothing that it has no words for', () => {
   expect(said('run.something')).toBe('run.something')
 })

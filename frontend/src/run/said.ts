@@ -12,6 +12,12 @@ export function saidOf({ action, detail }: HistoryEntry): string {
       return detail.state === 'cancelled' || detail.state === 'cancelling' ? 'Cancelled' : 'Asked to cancel, after its end'
     case 'run.edited':
       return editOf(detail)
+    case 'run.removed':
+      return `Removed it from the lists: ${text(detail.reason)}`
+    case 'run.restored':
+      return 'Restored it'
+    case 'run.purged':
+      return `Deleted its results for good, sha256 ${text(detail.results_digest).slice(0, 16)}`
     case 'signoff.created':
       return `Signed off as ${[text(detail.name), text(detail.role)].filter(Boolean).join(', ')}`
     case 'signoff.withdrawn':

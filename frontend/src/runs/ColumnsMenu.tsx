@@ -1,16 +1,18 @@
 // Which columns the list has. They keep their order; the run itself is always there.
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { COLUMNS } from './columns'
-import { type ColumnKey, USUAL } from './columnKeys'
+import type { ColumnKey } from './columnKeys'
 import { Menu } from '../ui/Menu'
 
 interface ColumnsMenuProps {
   cols: ColumnKey[] | undefined
+  /** Those without a choice. */
+  usual: readonly ColumnKey[]
   onChange: (cols: ColumnKey[] | undefined) => void
 }
 
-export function ColumnsMenu({ cols, onChange }: ColumnsMenuProps) {
-  const shown = cols ?? USUAL
+export function ColumnsMenu({ cols, usual, onChange }: ColumnsMenuProps) {
+  const shown = cols ?? usual
   const toggle = (key: ColumnKey, on: boolean) =>
     onChange(COLUMNS.map((column) => column.key).filter((k) => (k === key ? on : shown.includes(k))))
   return (

@@ -1,13 +1,14 @@
 // What narrows the list: outcome chips with their counts, search, campaign, tag, method, user, date; all in the address.
-import { IconPinned, IconSearch } from '@tabler/icons-react'
+import { IconPinned, IconSearch, IconTrash } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
-import { type ReactNode, useEffect, useRef, useState } from 'react'
+import { useEffect, useRef, useState } from 'react'
 import { facetsQuery } from '../api/queries'
 import { count } from '../format/numbers'
 import { MethodName } from '../ui/MethodMark'
 import { useHotkeys } from '../ui/useHotkeys'
 import { lookOf, OutcomeIcon } from '../ui/VerdictBadge'
 import { ColumnsMenu } from './ColumnsMenu'
+import { USUAL, USUAL_REMOVED } from './columnKeys'
 import { DateMenu } from './DateMenu'
 import { FilterMenu } from './FilterMenu'
 import { CLEARED, isNarrowed, type RunsSearch, SHOWS, type Show } from './search'
@@ -23,11 +24,9 @@ interface FiltersProps {
   search: RunsSearch
   counts: Record<string, number>
   onChange: (change: Partial<RunsSearch>) => void
-  /** At the right: the selection. */
-  children?: ReactNode
 }
 
-export function Filters({ search, counts, onChange, children }: FiltersProps) {
+export function Filters({ search, counts, onChange }: FiltersProps) {
   const { data: facets } = useQuery(facetsQuery)
   return (
     <>
@@ -65,8 +64,7 @@ export function Filters({ search, counts, onChange, children }: FiltersProps) {
           </button>
         )}
         <span className="row atend">
-          {children}
-          <ColumnsMenu cols={search.cols} onChange={(cols) => onChange({ cols })} />
+          <ColumnsMenu cols={search.cols} usual={search.removed ? USUAL_REMOVED : USUAL} onChange={(cols) => onChange({ cols })} />
         </span>
       </div>
     </>
@@ -103,6 +101,16 @@ function Outcomes({ search, counts, onChange }: FiltersProps) {
       >
         <IconPinned className="i" aria-hidden /> Pinned
       </button>
+      {(search.removed || (counts.removed ?? 0) > 0) && (
+        <button
+          type="button"
+          className="chip"
+          aria-pressed={search.removed === true}
+          onClick={() => onChange({ removed: search.removed ? undefined : true, show: undefined })}
+        >
+          <IconTrash className="i" aria-hidden /> Removed <span className="n">{count(counts.removed)}</span>
+        </button>
+      )}
     </div>
   )
 }

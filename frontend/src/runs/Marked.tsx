@@ -10,14 +10,13 @@ import { isLive } from '../api/queries'
 import type { RunSummary } from '../client'
 import { MOST } from '../compare/search'
 import { count } from '../format/numbers'
+import { plural, RemoveMarked } from './Removal'
 
 interface MarkedProps {
   /** The selected ones among the loaded. */
   runs: RunSummary[]
   onClear: () => void
 }
-
-const plural = (n: number): string => `${count(n)} ${n === 1 ? 'run' : 'runs'}`
 
 export function Marked({ runs, onClear }: MarkedProps) {
   const live = runs.filter((run) => isLive(run) && run.state !== 'cancelling')
@@ -32,10 +31,12 @@ export function Marked({ runs, onClear }: MarkedProps) {
       <span className="small sec nw" role="status">
         {count(runs.length)} selected
       </span>
-      <button type="button" className="btn s" onClick={() => pin.mutate()} disabled={pin.isPending}>
-        <IconPinned className="i s" aria-hidden />
-        {pinned ? 'Unpin' : 'Pin'}
-      </button>
+      {runs.every((run) => run.removed === null) && (
+        <button type="button" className="btn s" onClick={() => pin.mutate()} disabled={pin.isPending}>
+          <IconPinned className="i s" aria-hidden />
+          {pinned ? 'Unpin' : 'Pin'}
+        </button>
+      )}
       {runs.length > 1 && runs.length <= MOST && (
         <Link to="/compare" search={{ runs: runs.map((run) => run.id).join(',') }} className="btn s">
           <IconGitCompare className="i s" aria-hidden />
@@ -43,6 +44,7 @@ export function Marked({ runs, onClear }: MarkedProps) {
         </Link>
       )}
       <CancelMarked live={live} />
+      <RemoveMarked runs={runs} onDone={onClear} />
       <button type="button" className="iconbtn" onClick={onClear} aria-label="Clear selection" title="Clear selection">
         <IconX className="i s" aria-hidden />
       </button>

@@ -5,8 +5,8 @@ import type { RunSummary } from '../client'
 import { useHotkeys } from '../ui/useHotkeys'
 import { useNow } from '../ui/useNow'
 import { useWidth } from '../ui/useWidth'
-import { type Column, COLUMNS, type Common } from './columns'
-import { type ColumnKey, USUAL, WIDE_ONLY } from './columnKeys'
+import { type Column, COLUMNS, type Common, REMOVAL } from './columns'
+import { type ColumnKey, USUAL, USUAL_REMOVED, WIDE_ONLY } from './columnKeys'
 import { RunRow } from './RunRow'
 import type { Sort, SortKey } from './search'
 import { useWindowed } from './windowed'
@@ -26,17 +26,19 @@ interface RunTableProps {
   onTag: (tag: string) => void
   marked: ReadonlySet<string>
   onMark: (ids: readonly string[], on: boolean) => void
+  /** Whether they are removed ones. */
+  removed: boolean
   more: (() => void) | null
   loading: boolean
 }
 
-export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMark, more, loading }: RunTableProps) {
+export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMark, removed, more, loading }: RunTableProps) {
   const now = useNow(10_000)
   const [holder, width] = useWidth(1392)
   const body = useRef<HTMLTableSectionElement>(null)
   const { first, end, reveal } = useWindowed(body, ROW, runs.length)
   const [chosen, setChosen] = useKeys(runs, reveal, marked, onMark)
-  const columns = useMemo(() => columnsOf(cols, width), [cols, width])
+  const columns = useMemo(() => columnsOf(cols, width, removed), [cols, width, removed])
   const common = commonOf(runs)
   const least = columns.reduce((sum, column) => sum + column.width, MARK + NAME)
 
@@ -141,10 +143,12 @@ function useKeys(
   return [chosen, setChosen]
 }
 
-function columnsOf(cols: ColumnKey[] | undefined, width: number): readonly Column[] {
-  const keys = cols ?? USUAL.filter((key) => width >= NARROW || !WIDE_ONLY.includes(key))
-  return COLUMNS.filter((column) => keys.includes(column.key))
+function columnsOf(cols: ColumnKey[] | undefined, width: number, removed: boolean): readonly Column[] {
+  if (removed) return [...listed(cols ?? USUAL_REMOVED), REMOVAL]
+  return listed(cols ?? USUAL.filter((key) => width >= NARROW || !WIDE_ONLY.includes(key)))
 }
+
+const listed = (keys: readonly string[]): Column[] => COLUMNS.filter((column) => keys.includes(column.key))
 
 function commonOf(runs: RunSummary[]): Common {
   const quantities = new Set(runs.map((run) => run.quantity))

@@ -36,7 +36,7 @@ export function RunsPage() {
   if (query.isPending) return <Loading what="runs" />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   const counts = query.data.pages[0]?.counts ?? {}
-  const none = runs.length === 0 && !isNarrowed(search)
+  const none = runs.length === 0 && !isNarrowed(search) && !counts.removed
   const selected = runs.filter((run) => marked.has(run.id))
   return (
     <>
@@ -45,6 +45,7 @@ export function RunsPage() {
           <h1>Runs</h1>
         </div>
         <div className="acts">
+          {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
           <Link to="/launch" className="btn p">
             <IconPlus className="i s" aria-hidden />
             New run
@@ -55,11 +56,9 @@ export function RunsPage() {
         <NoRuns />
       ) : (
         <>
-          <Filters search={search} counts={counts} onChange={set}>
-            {selected.length > 0 && <Marked runs={selected} onClear={() => setMarked(new Set())} />}
-          </Filters>
+          <Filters search={search} counts={counts} onChange={set} />
           {runs.length === 0 ? (
-            <NothingFound onClear={() => set(CLEARED)} />
+            <NothingFound narrowed={isNarrowed(search)} onChange={set} />
           ) : (
             <RunTable
               runs={runs}
@@ -70,6 +69,7 @@ export function RunsPage() {
               onTag={(tag) => set({ tag: [tag] })}
               marked={marked}
               onMark={mark}
+              removed={search.removed === true}
               more={query.hasNextPage ? () => void query.fetchNextPage() : null}
               loading={query.isFetchingNextPage}
             />
@@ -80,12 +80,22 @@ export function RunsPage() {
   )
 }
 
-function NothingFound({ onClear }: { onClear: () => void }) {
+function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (change: Partial<RunsSearch>) => void }) {
+  if (!narrowed)
+    return (
+      <div className="card centre">
+        <h2>Every run is removed</h2>
+        <p>They can be restored until they are purged.</p>
+        <button type="button" className="btn" onClick={() => onChange({ removed: true })}>
+          Show removed runs
+        </button>
+      </div>
+    )
   return (
     <div className="card centre">
       <h2>No run matches</h2>
       <p>Nothing fits this search and these filters together.</p>
-      <button type="button" className="btn" onClick={onClear}>
+      <button type="button" className="btn" onClick={() => onChange(CLEARED)}>
         Clear search and filters
       </button>
     </div>

@@ -39,6 +39,18 @@ export function Time({ at, now }: { at: number | null; now: number }) {
   )
 }
 
+/** Why a run was taken out of the lists, when and by whom. */
+export function Removal({ run, now }: { run: RunSummary; now: number }) {
+  return (
+    <span className="rn" title={run.removed_reason ?? undefined}>
+      <span className="cut">{run.removed_reason}</span>
+      <small className="cut">
+        <Time at={run.removed} now={now} /> by {run.removed_by}
+      </small>
+    </span>
+  )
+}
+
 export function Margin({ run, context }: { run: RunSummary; context: CellContext }) {
   const violated = run.margin !== null && run.margin <= 0
   const unit = context.units && run.unit ? ` ${run.unit}` : ''

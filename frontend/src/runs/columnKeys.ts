@@ -35,5 +35,8 @@ export const USUAL: readonly ColumnKey[] = [
   'owner',
 ]
 
+/** Of removed runs: there the reason wants room. */
+export const USUAL_REMOVED: readonly ColumnKey[] = ['verdict', 'worst', 'margin', 'tags', 'submitted']
+
 /** Left out of the usual ones where the window is narrow. */
 export const WIDE_ONLY: readonly ColumnKey[] = ['duration', 'owner']

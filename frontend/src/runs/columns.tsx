@@ -5,7 +5,7 @@ import { count, duration, NONE, percent } from '../format/numbers'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
-import { amount, Margin, Tags, Time } from './cells'
+import { amount, Margin, Removal, Tags, Time } from './cells'
 import type { ColumnKey } from './columnKeys'
 import type { SortKey } from './search'
 import { Spark } from './Spark'
@@ -25,7 +25,7 @@ export interface Common {
 }
 
 export interface Column {
-  key: ColumnKey
+  key: ColumnKey | 'removal'
   /** In the menu of columns. */
   name: string
   head: (common: Common) => ReactNode
@@ -46,7 +46,7 @@ export interface Column {
 
 const unitOf = ({ unit }: Common): string => unit ?? ''
 const named = (text: string) => () => text
-export const COLUMNS: readonly Column[] = [
+export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
   {
     key: 'verdict',
     name: 'Verdict',
@@ -237,3 +237,12 @@ export const COLUMNS: readonly Column[] = [
     ),
   },
 ]
+
+/** In the list of removed runs, always. */
+export const REMOVAL: Column = {
+  key: 'removal',
+  name: 'Removed',
+  head: named('Removed'),
+  width: 330,
+  cell: (run, { now }) => <Removal run={run} now={now} />,
+}

@@ -24,7 +24,8 @@ it('keeps a choice of no columns at all', () => {
 
 it('asks the service for the same', () => {
   expect(filterOf({})).toEqual({})
-  expect(filterOf({ q: 'a', show: 'violated', tag: ['t'], owner: ['o'], pinned: true, sort: 'name' })).toEqual({
+  expect(filterOf({ q: 'a', show: 'violated', tag: ['t'], owner: ['o'], pinned: true, removed: true, sort: 'name' })).toEqual({
+    removed: true,
     q: 'a',
     verdict: ['violated'],
     tag: ['t'],

@@ -43,6 +43,8 @@ export interface RunsSearch {
   since?: string
   until?: string
   pinned?: true
+  /** Those that were removed, instead of all others. */
+  removed?: true
   sort?: Sort
   cols?: ColumnKey[]
   /** Where to begin: the search box, when it was asked for on another page. */
@@ -50,7 +52,7 @@ export interface RunsSearch {
 }
 
 /** What narrows the list; a cleared search keeps its order and columns. */
-export const NARROWING = ['q', 'show', 'campaign', 'tag', 'owner', 'method', 'days', 'since', 'until', 'pinned'] as const
+export const NARROWING = ['q', 'show', 'campaign', 'tag', 'owner', 'method', 'days', 'since', 'until', 'pinned', 'removed'] as const
 export const CLEARED = Object.fromEntries(NARROWING.map((key) => [key, undefined])) as Partial<RunsSearch>
 
 export const isNarrowed = (search: RunsSearch): boolean => NARROWING.some((key) => search[key] !== undefined)
@@ -93,6 +95,7 @@ export function readSearch(search: Record<string, unknown>): RunsSearch {
     since: date(search.since),
     until: date(search.until),
     pinned: search.pinned === true || undefined,
+    removed: search.removed === true || undefined,
     focus: search.focus === 'search' ? 'search' : undefined,
     sort: isSort(sort) ? sort : undefined,
     cols: Array.isArray(search.cols) ? columns(search.cols.join()) : columns(search.cols),
@@ -111,12 +114,13 @@ function midnight(day: string | Date, later = 0): number {
 }
 
 export function filterOf(search: RunsSearch, now = Date.now()): RunFilter {
-  const { q, show, campaign, tag, owner, method, days, since, until, pinned, sort } = search
+  const { q, show, campaign, tag, owner, method, days, since, until, pinned, removed, sort } = search
   const filter: RunFilter = {}
   if (q) filter.q = q
   if (sort) filter.sort = sort
   Object.assign(filter, campaign && { campaign }, tag && { tag }, owner && { owner }, method && { method })
   if (pinned) filter.pinned = true
+  if (removed) filter.removed = true
   if (days) filter.since = midnight(new Date(now - (days - 1) * DAY))
   if (since) filter.since = midnight(since)
   if (until) filter.until = midnight(until, 1)

@@ -46,7 +46,9 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
         <p className="sec">
           {data.can_sign
             ? 'Nobody has signed these results off yet. A sign-off names the results that were reviewed and cannot be edited, only withdrawn with a reason.'
-            : 'There is no verdict, and so nothing to sign off.'}
+            : run.removed === null
+              ? 'There is no verdict, and so nothing to sign off.'
+              : 'A removed run is not signed off.'}
         </p>
       )}
       {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={setLeaving} />}

@@ -1,0 +1,108 @@
+"""Deletes for good what was removed long ago, run by run, and gives SQLite's space back. Start reading at `purge`.
+
+Of a purged run its row stays, as a tombstone: so its number is never given again, a link to it says what became of it,
+and runs that went on with it still say so. The trail, withdrawn sign-offs and the campaign stay, too.
+Source for the space: SQLite, "VACUUM" and "PRAGMA wal_checkpoint".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import sqlalchemy as sa
+
+from backend.db import audit
+from backend.db.digest import results_digest
+from backend.db.engine import is_sqlite, now, read
+from backend.db.tables import EvaluationChunk, Finding, Run, Signoff, Stage, Trace
+
+_EMPTY: dict[str, Any] = {
+    "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
+    "snapshot": None,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Removed:
+    """A run that was removed long enough ago; `size` is what its evaluations and flights take [bytes]."""
+
+    id: int
+    name: str
+    removed: float | None
+    removed_by: str | None
+    removed_reason: str | None
+    evaluations: int
+    size: int
+
+
+class Space(NamedTuple):
+    """An SQLite file before and after [bytes]."""
+
+    before: int
+    after: int
+
+
+def due(engine: sa.Engine, age: float) -> list[Removed]:
+    """The runs that were removed at least so long ago [s] and are not purged, the oldest removal first."""
+    columns = (Run.id, Run.name, Run.removed, Run.removed_by, Run.removed_reason, Run.evaluations)
+    with read(engine) as reader:
+        of = sa.select(*columns).where(*_due(now(reader) - age)).order_by(Run.removed, Run.id)
+        return [Removed(*row, size=_size(reader, row.id)) for row in reader.execute(of).all()]
+
+
+def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
+    """Delete a run's results in one transaction; false where it was restored or purged meanwhile."""
+    with engine.begin() as writer:
+        of = sa.select(Run.id, Run.evaluations).where(Run.id == run_id, *_due(now(writer) - age)).with_for_update()
+        row = writer.execute(of).one_or_none()
+        if row is None:
+            return False
+        digest = results_digest(writer, run_id)
+        for table in (EvaluationChunk, Stage, Finding, Trace):
+            writer.execute(sa.delete(table).where(table.run_id == run_id))
+        left = {**_EMPTY, "purged": now(writer), "purged_by": user[:64], "purged_digest": digest}
+        writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))
+        told = {"results_digest": digest, "evaluations": row.evaluations}
+        audit.note_command(writer, user, "run.purged", f"R-{run_id:04d}", told)
+        return True
+
+
+def wasted(engine: sa.Engine) -> int:
+    """What of an SQLite file holds nothing any more [bytes]; 0 on PostgreSQL, which uses such space again by itself."""
+    if not is_sqlite(engine):
+        return 0
+    with read(engine) as reader:
+        free, page = (reader.exec_driver_sql(f"PRAGMA {name}").scalar_one() for name in ("freelist_count", "page_size"))
+    return int(free) * int(page)
+
+
+def reclaim(engine: sa.Engine) -> Space:
+    """Write an SQLite file anew without what was deleted; needs as much disk again while it works.
+
+    Nobody can write meanwhile. Raises `sqlite3.OperationalError` where the file stays locked or the disk is full.
+    """
+    file = Path(str(engine.url.database))
+    before = file.stat().st_size
+    connection = engine.raw_connection()
+    try:  # outside any transaction, which every other connection of the engine begins
+        connection.cursor().execute("VACUUM")
+        connection.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    finally:
+        connection.close()
+    return Space(before, file.stat().st_size)
+
+
+def _due(until: float) -> tuple[sa.ColumnElement[bool], ...]:
+    """Removed by then; a sign-off that stands keeps a run, whatever else was done to it."""
+    signed = sa.select(Signoff.id).where(Signoff.run_id == Run.id, Signoff.withdrawn.is_(None)).exists()
+    return Run.removed.is_not(None), Run.removed <= until, Run.purged.is_(None), ~signed
+
+
+def _size(reader: sa.Connection, run_id: int) -> int:
+    chunk = EvaluationChunk
+    columns = (chunk.points, chunk.costs, chunk.status, chunk.seconds)
+    flown = sa.select(sa.func.sum(sum(sa.func.length(c) for c in columns))).where(chunk.run_id == run_id)
+    flights = sa.select(sa.func.sum(sa.func.length(Trace.data))).where(Trace.run_id == run_id)
+    return int(reader.scalar(flown) or 0) + int(reader.scalar(flights) or 0)

@@ -1,0 +1,101 @@
+"""Runs that are taken out of every list, and put back. Nothing is deleted here: that is `clearance purge`.
+
+A removed run keeps its address, its results and its history. Start reading at `remove`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db import audit
+from backend.db.access import Visitor
+from backend.db.engine import now, read
+from backend.db.tables import Run, Signoff
+from backend.errors import RefusedError, not_found
+from backend.runs import listing, tombstones
+from backend.runs.schemas import RunSummary
+from campaigns import Problem
+
+OVER = ("done", "failed", "cancelled")
+
+
+def remove(engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visitor) -> list[RunSummary]:
+    """Take runs out of the lists, all of them or none; one that is removed already stays as it is.
+
+    404 for one that is not there, 410 for one that was purged, 409 while one works or a sign-off of it stands.
+    """
+    with engine.begin() as writer:
+        rows = _locked(writer, run_ids)
+        _refuse(_standing(writer, rows))
+        at = now(writer)
+        for row in rows:
+            if row.removed is None:
+                values = {"removed": at, "removed_by": visitor.user, "removed_reason": reason}
+                writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
+                audit.note(writer, visitor, "run.removed", listing.name(row.id), {"reason": reason})
+    return _told(engine, run_ids)
+
+
+def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[RunSummary]:
+    """Put runs back into the lists; one that is there stays. 404 for one that is not, 410 for one that was purged."""
+    with engine.begin() as writer:
+        for row in _locked(writer, run_ids):
+            if row.removed is not None:
+                values = dict.fromkeys(("removed", "removed_by", "removed_reason"))
+                writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
+                told = {"removed_by": row.removed_by, "reason": row.removed_reason}
+                audit.note(writer, visitor, "run.restored", listing.name(row.id), told)
+    return _told(engine, run_ids)
+
+
+def refuse_removed(writer: sa.Connection, run_id: int) -> None:
+    """409 where the run is removed, 410 where it was purged. Holds its row, so that neither happens meanwhile."""
+    removed = writer.scalar(sa.select(Run.removed).where(Run.id == run_id).with_for_update())
+    tombstones.refuse_purged(writer, run_id)
+    if removed is not None:
+        raise RefusedError(409, "removed", f"{listing.name(run_id)} is removed: restore it first")
+
+
+def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
+    """The runs' rows, held in the order of their numbers, so that two removals cannot wait for each other."""
+    columns = (Run.id, Run.state, Run.removed, Run.removed_by, Run.removed_reason)
+    of = sa.select(*columns).where(Run.id.in_(run_ids)).order_by(Run.id).with_for_update()
+    rows = {row.id: row for row in writer.execute(of)}
+    for run_id in run_ids:
+        if run_id not in rows:
+            raise not_found("run", listing.name(run_id))
+        tombstones.refuse_purged(writer, run_id)
+    return list(rows.values())
+
+
+def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
+    """What keeps runs from being removed."""
+    ids = [row.id for row in rows if row.removed is None]
+    of = sa.select(Signoff.run_id, Signoff.name).where(Signoff.run_id.in_(ids), Signoff.withdrawn.is_(None))
+    signed = {row.run_id: row.name for row in writer.execute(of.order_by(Signoff.id.desc()))}
+    found = []
+    for row in rows:
+        run = listing.name(row.id)
+        if row.state not in OVER:
+            found.append(Problem("run", run, f"it is {row.state}: cancel it first, or wait for its end"))
+        elif row.id in signed:
+            text = f"its results are signed off by {signed[row.id]}: the sign-off has to be withdrawn first"
+            found.append(Problem("run", run, text))
+    return found
+
+
+def _refuse(problems: Sequence[Problem]) -> None:
+    if problems:
+        said = "; ".join(f"{p.given} cannot be removed, {p.message}" for p in problems[:3])
+        more = f"; and {len(problems) - 3} more" if len(problems) > 3 else ""
+        none = ". None was removed" if len(problems) > 1 else ""
+        raise RefusedError(409, "not-removable", said + more + none, problems)
+
+
+def _told(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
+    with read(engine) as reader:
+        found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
+    return [found[listing.name(run_id)] for run_id in dict.fromkeys(run_ids)]

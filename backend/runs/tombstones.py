@@ -1,0 +1,40 @@
+"""What stays of a run that was purged: its number, name, digests, who removed it, when and why; and that it is gone.
+
+Source: RFC 9110, 15.5.11, 410 Gone. Start reading at `refuse_purged`.
+"""
+
+from __future__ import annotations
+
+import datetime
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.tables import Run
+from backend.errors import RefusedError
+
+_KEPT = (
+    "id", "name", "campaign_digest", "removed", "removed_by", "removed_reason", "purged", "purged_by", "purged_digest",
+)  # fmt: skip
+
+
+def refuse_purged(reader: sa.Connection, run_id: int) -> None:
+    """410 where the run was purged, with all that is still known of it; nothing where it was not, or never was."""
+    columns = [getattr(Run, name) for name in _KEPT]
+    row = reader.execute(sa.select(*columns).where(Run.id == run_id, Run.purged.is_not(None))).one_or_none()
+    if row is not None:
+        raise RefusedError(410, "purged", _sentence(row))
+
+
+def _sentence(row: Any) -> str:
+    reason = (row.removed_reason or "").rstrip(". ")
+    return (
+        f"R-{row.id:04d} “{row.name}” was removed by {row.removed_by} on {_day(row.removed)} ({reason}), and its "
+        f"results were purged by {row.purged_by} on {_day(row.purged)}. They had the digest sha256 "
+        f"{row.purged_digest}, of the campaign sha256 {row.campaign_digest}. "
+        "Its number is never given again; its history is kept"
+    )
+
+
+def _day(at: float) -> str:
+    return f"{datetime.datetime.fromtimestamp(at, datetime.UTC):%Y-%m-%d, %H:%M UTC}"

@@ -1,0 +1,123 @@
+"""`clearance purge`: says what would go, asks, deletes, and makes the file smaller."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import connect, default_url, migrate
+from backend.db.queue import Queue, submit
+from backend.db.records import Columns, StagePlan
+from backend.db.store import RunStore
+from backend.db.tables import EvaluationChunk, Run
+from tests.faults.cases import campaign
+from worker.cli import WRONG_INPUT, invoke
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> Path:
+    """A folder with three runs of 100,000 evaluations (4 MB each), two of them removed 100 and 10 days ago."""
+    migrate(default_url(tmp_path))
+    engine = connect(default_url(tmp_path))
+    with engine.begin() as writer:
+        for name in ("long ago", "lately", "kept"):
+            submit(writer, campaign(), name=name, tags=[], owner="", planned=1)
+    for _ in range(3):
+        claim = Queue(engine).claim("w")
+        assert claim is not None
+        store = RunStore(engine, claim)
+        store.plan([StagePlan("search", "direct", 100_000)])
+        number = 100_000
+        random = np.random.default_rng(claim.run_id).random((number, 4))
+        columns = Columns(random[:, :2], random[:, 2:3], np.zeros(number, np.uint8), random[:, 3], {})
+        store.append(0, 0, columns)
+        Queue(engine).fail(claim, "it was stopped")
+    with engine.begin() as writer:
+        for run_id, days in ((1, 100), (2, 10)):
+            values = {"removed": Run.created - days * 86400, "removed_by": "ada", "removed_reason": "a trial"}
+            writer.execute(sa.update(Run).where(Run.id == run_id).values(**values))
+    engine.dispose()
+    return tmp_path
+
+
+def left(data: Path) -> list[int]:
+    """The runs that have evaluations."""
+    engine = connect(default_url(data))
+    with engine.connect() as reader:
+        found = list(reader.scalars(sa.select(EvaluationChunk.run_id).distinct().order_by(EvaluationChunk.run_id)))
+    engine.dispose()
+    return found
+
+
+def test_a_dry_run_and_a_no_delete_nothing(
+    data: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert invoke(["purge", "--dry-run", "--data", str(data)]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"R-0001  removed \S+ by ada  100,000 evaluations, 3\.3 MB  long ago: a trial", said)
+    assert "R-0002" not in said
+    assert "1 run, 3.3 MB of evaluations and flights." in said
+    assert "dry run" in said
+    monkeypatch.setattr("typer.confirm", lambda _: False)
+    assert invoke(["purge", "--data", str(data)]) == 0
+    assert "Nothing was deleted." in capsys.readouterr().out
+    assert left(data) == [1, 2, 3]
+
+
+def test_where_nobody_answers_nothing_is_deleted(
+    data: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", open("/dev/null"))  # noqa: SIM115
+    assert invoke(["purge", "--data", str(data)]) == WRONG_INPUT
+    sys.stdin.close()
+    assert "--yes" in capsys.readouterr().err
+    assert left(data) == [1, 2, 3]
+
+
+def test_what_is_old_enough_goes_and_the_space_comes_back(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = data / "clearance.sqlite3"
+    assert invoke(["purge", "--yes", "--data", str(data)]) == 0
+    said = capsys.readouterr().out
+    assert "1 run purged." in said
+    sizes = [float(size) for size in re.findall(r"([0-9.]+) MB now, it was ([0-9.]+) MB", said)[0]]
+    assert sizes[1] - sizes[0] == pytest.approx(3.3, abs=0.2)
+    assert file.stat().st_size == pytest.approx(1e6 * sizes[0], abs=1e5)
+    assert left(data) == [2, 3]
+    assert invoke(["purge", "--older-than", "1w", "--yes", "--data", str(data)]) == 0
+    assert left(data) == [3]
+    capsys.readouterr()
+    assert invoke(["purge", "--older-than", "0d", "--data", str(data)]) == 0
+    assert "No run was removed longer ago than 0d" in capsys.readouterr().out
+
+
+def test_a_file_that_is_in_use_is_made_smaller_another_time(
+    data: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("backend.db.engine.BUSY_TIMEOUT", 0.05)
+    from backend.db import purge
+
+    real = purge.reclaim
+
+    def while_somebody_writes(engine: sa.Engine) -> purge.Space:
+        other = connect(default_url(data))
+        with other.begin():
+            return real(engine)
+
+    monkeypatch.setattr(purge, "reclaim", while_somebody_writes)
+    assert invoke(["purge", "--yes", "--data", str(data)]) == 0
+    assert "run `clearance purge` again" in capsys.readouterr().err
+    monkeypatch.setattr(purge, "reclaim", real)
+    assert left(data) == [2, 3]
+    assert invoke(["purge", "--yes", "--data", str(data)]) == 0
+    assert "MB now, it was" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("given", ["90", "d", "-1d", "1.5d", "90 d", "90m"])
+def test_what_is_no_length_of_time_is_refused(data: Path, capsys: pytest.CaptureFixture[str], given: str) -> None:
+    assert invoke(["purge", f"--older-than={given}", "--data", str(data)]) == WRONG_INPUT
+    assert "give 90d for days" in capsys.readouterr().err

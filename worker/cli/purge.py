@@ -1,0 +1,131 @@
+"""`clearance purge`: deletes for good what was removed long ago, and gives the space back. Start reading at `purge`."""
+
+from __future__ import annotations
+
+import getpass
+import re
+import time
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from worker.cli import WrongInputError
+from worker.cli._where import DATA, Data, Database, existing_url_of
+
+if TYPE_CHECKING:
+    import sqlalchemy as sa
+
+    from backend.db.purge import Removed
+
+UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
+LISTED = 20
+"""Runs that are told one by one; of the others how many there are."""
+
+WORTH = 1 << 20
+"""Unused space for which an SQLite file is written anew [bytes]."""
+
+
+def purge(
+    older_than: Annotated[
+        str, typer.Option(help="How long ago a run was removed at least: 90d, 12h, 2w; 0d is every removed one.")
+    ] = "90d",
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be deleted.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Delete the results of runs that were removed long ago; what became of them stays on record."""
+    age = _age(older_than)
+    url = existing_url_of(data, database)
+    from backend.db import purge as stored
+    from backend.db.engine import connect, migrate
+
+    migrate(url)
+    engine = connect(url)
+    try:
+        runs = stored.due(engine, age)
+        _tell(runs, older_than)
+        if dry_run:
+            typer.echo("Nothing was deleted: this was a dry run.")
+        elif not runs or yes or _agreed(runs):
+            gone = [run for run in runs if stored.purge(engine, run.id, age, _user())]
+            if runs:
+                typer.echo(f"{_counted(len(gone))} purged.")
+            _reclaim(engine)
+        else:
+            typer.echo("Nothing was deleted.")
+    finally:
+        engine.dispose()
+
+
+def _age(text: str) -> float:
+    """Seconds of 90d."""
+    found = re.fullmatch(r"(\d{1,5})([hdw])", text)
+    if found is None:
+        raise WrongInputError(
+            f"--older-than {text!r} is no length of time; give 90d for days, 12h for hours, 2w for weeks"
+        )
+    return int(found[1]) * UNITS[found[2]]
+
+
+def _tell(runs: list[Removed], older_than: str) -> None:
+    if not runs:
+        typer.echo(f"No run was removed longer ago than {older_than} and is still there.")
+        return
+    for run in runs[:LISTED]:
+        day = time.strftime("%Y-%m-%d", time.localtime(run.removed))
+        typer.echo(
+            f"R-{run.id:04d}  removed {day} by {run.removed_by}  {run.evaluations:,} evaluations, {_size(run.size)}  "
+            f"{run.name}: {run.removed_reason}"
+        )
+    if len(runs) > LISTED:
+        typer.echo(f"and {len(runs) - LISTED} more")
+    typer.echo(f"{_counted(len(runs))}, {_size(sum(run.size for run in runs))} of evaluations and flights.")
+
+
+def _agreed(runs: list[Removed]) -> bool:
+    try:
+        return typer.confirm(f"Delete the results of {_counted(len(runs))}? This cannot be undone.")
+    except typer.Abort:
+        raise WrongInputError("nobody answered; say --yes where nobody can be asked. Nothing was deleted") from None
+
+
+def _reclaim(engine: sa.Engine) -> None:
+    """Make the file smaller where that is worth it, and say by how much."""
+    import sqlite3
+
+    from backend.db import purge as stored
+    from backend.db.engine import is_sqlite
+
+    if not is_sqlite(engine):
+        typer.echo("PostgreSQL uses the space again by itself (autovacuum).")
+        return
+    unused = stored.wasted(engine)
+    if unused < WORTH:
+        typer.echo(f"{_size(unused)} of the file are unused and will be used again.")
+        return
+    try:
+        space = stored.reclaim(engine)
+    except sqlite3.OperationalError as error:
+        typer.echo(
+            f"The file still has {_size(unused)} that are unused, it could not be written anew ({error}): "
+            "run `clearance purge` again when no run works, with as much disk free as the file is large.",
+            err=True,
+        )
+        return
+    typer.echo(f"The file is {_size(space.after)} now, it was {_size(space.before)}.")
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return "unknown"
+
+
+def _counted(number: int) -> str:
+    return f"{number} run" if number == 1 else f"{number} runs"
+
+
+def _size(number: float) -> str:
+    return f"{number / 1e6:.1f} MB" if number >= 1e5 else f"{number / 1e3:.1f} kB"

@@ -19,6 +19,7 @@ from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
 from tests.e2e.stored import served
+from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import REPOSITORY
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(120)]
@@ -171,6 +172,45 @@ def test_a_refused_entry_is_accessible(visit: Visit, filled: Service, theme: str
     visit.page.get_by_label("Mass, low").fill("-3")
     expect(visit.page.locator("[data-problem='uncertain.vehicle.m.low']")).to_contain_text("lies within")
     assert violations(visit.page) == []
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_the_text_editor_is_accessible_at_work(visit: Visit, filled: Service, theme: str) -> None:
+    """With a problem, its box, the search and what may be written in sight; Tab goes on, as the page says."""
+    page = visit.page
+    seen(visit, theme, *PAGES["launch-text"])
+    write_over(page, written(page).replace("horizon: 15.0", "horizon: 15 s").replace("{m: 5.0, ", "{x: 1, m: 5.0, "))
+    problems = page.get_by_role("list", name="Problems").get_by_role("listitem")
+    expect(problems).to_have_count(1)
+    expect(problems).to_contain_text("scenario.horizon expected a number")
+    page.get_by_role("button", name="Line 30", exact=True).click()
+    expect(editor(page)).to_be_focused()
+    expect(page.get_by_test_id("standing")).to_contain_text("scenario.horizon")
+    page.keyboard.type("15.0")
+    expect(problems).to_contain_text("scenario.vehicle.parameters.x no such parameter")
+    page.get_by_role("button", name="Show scenario.vehicle.parameters.x in the form").click()
+    expect(page.locator("[id='f-scenario-vehicle-parameters-x']")).to_be_focused()
+    page.locator("#problems").get_by_role("button", name="In the YAML").click()
+    expect(editor(page)).to_be_focused()
+    page.keyboard.press("Control+f")
+    expect(page.get_by_role("textbox", name="Find")).to_be_focused()
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+End")
+    page.keyboard.press("Control+Space")
+    expect(page.get_by_role("option", name="correlations")).to_be_visible()
+    assert violations(page) == []
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+f")
+    assert violations(page) == []
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    page.keyboard.press("Tab")
+    expect(editor(page)).not_to_be_focused()
+    # The editor's styles are constructed: none stands in the page, where a policy would have to allow it.
+    sheets = page.locator(".code").evaluate(
+        "e => [e.shadowRoot.querySelectorAll('style').length, e.shadowRoot.adoptedStyleSheets.length > 0]"
+    )
+    assert sheets == [0, True]
 
 
 @pytest.mark.parametrize("theme", THEMES)

@@ -14,6 +14,7 @@ import pytest
 from playwright.sync_api import Browser, FrameLocator, expect
 
 from tests.e2e.browser import PATIENCE, Visit, near, pixels, visiting
+from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import until
 from tests.faults.test_serve import Service
 
@@ -161,18 +162,43 @@ def test_a_draft_is_kept_and_never_overwritten_unseen(signed_in: Visit) -> None:
 
 def test_form_and_text_edit_the_same_campaign(signed_in: Visit) -> None:
     page = signed_in.page
-    page.get_by_role("button", name="YAML").click()
-    text = page.get_by_label("Campaign as YAML")
-    expect(text).to_have_value(re.compile(r"low: 4\.2"))
+    page.get_by_role("button", name="YAML", exact=True).click()
+    expect(editor(page)).to_contain_text("low: 4.2")
     expect(page.get_by_text("Valid", exact=True)).to_be_visible()
-    signed_in.shot("launch-yaml-1440-light")
-    good = text.input_value()
-    text.fill(good.replace("4.2", "[4.2"))
+    good = written(page)
+    write_over(page, good.replace("4.2", "[4.2"))
     expect(page.locator("[data-problem]").first).to_contain_text("not readable as YAML")
-    text.fill(good.replace("4.2", "4.3"))
+    write_over(page, good.replace("4.2", "4.3"))
     expect(page.get_by_text("Valid", exact=True)).to_be_visible()
-    page.get_by_role("button", name="Form").click()
+    page.get_by_role("button", name="Form", exact=True).click()
     expect(page.get_by_label("Mass, low")).to_have_value("4.3")
+
+
+def test_the_form_changes_the_text_in_its_place(signed_in: Visit) -> None:
+    page = signed_in.page
+    page.get_by_role("button", name="YAML", exact=True).click()
+    first = written(page)
+    ours = first.replace("name:", "# Ours.\nname:", 1).replace(
+        "  horizon: 15.0", "  horizon:   15.0  # as flown in March"
+    )
+    assert ours.count("#") == first.count("#") + 2
+    write_over(page, ours)
+    expect(page.get_by_text("Valid", exact=True)).to_be_visible()
+    looks(signed_in, "launch-yaml")
+    page.get_by_role("button", name="Form", exact=True).click()
+    page.get_by_label("Horizon").fill("15.5")
+    page.get_by_label("Obstacle 1, Radius").fill("0.4")
+    page.get_by_role("button", name="YAML", exact=True).click()
+    edited = ours.replace("15.0  # as", "15.5  # as").replace("radius: 0.5", "radius: 0.4")
+    assert written(page) == edited
+    editor(page).focus()
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    until(lambda: written(page) == ours, "both edits of the form are taken back", 10)
+    page.get_by_role("button", name="Redo").click()
+    assert written(page) == ours.replace("15.0  # as", "15.5  # as")
+    write_over(page, first)
+    expect(page.get_by_text("Valid", exact=True)).to_be_visible()
 
 
 def test_a_run_is_watched_to_its_verdict(signed_in: Visit) -> None:

@@ -125,6 +125,9 @@ const post = <T>(url: string, given: Campaign | string, signal?: AbortSignal): P
     }) as Promise<Answer<T>>,
   )
 
+/** The JSON Schema of a campaign. */
+export const getSchema = (): Promise<unknown> => answer(sdk.campaignSchema())
+
 /** What a campaign means and what is wrong with it. */
 export const checkCampaign = (given: Campaign | string, signal?: AbortSignal): Promise<Checked> =>
   post('/api/v1/campaigns/check', given, signal)

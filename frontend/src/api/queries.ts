@@ -42,6 +42,12 @@ export const catalogueQuery = queryOptions({
 
 export const libraryQuery = queryOptions({ queryKey: ['library'], queryFn: calls.getLibrary, staleTime: 300_000 })
 
+export const schemaQuery = queryOptions({
+  queryKey: ['schema'],
+  queryFn: calls.getSchema,
+  staleTime: Number.POSITIVE_INFINITY,
+})
+
 export const draftsQuery = queryOptions({ queryKey: ['drafts'], queryFn: calls.listDrafts })
 
 /** Read once: what is edited goes on from the version that was opened, until it is opened again. */

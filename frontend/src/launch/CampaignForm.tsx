@@ -16,14 +16,14 @@ interface CampaignFormProps {
 }
 
 export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps) {
-  const { campaign, set, change } = draft
+  const { campaign, set, remove } = draft
   return (
     <>
       <UncertainTable campaign={campaign} parameters={parameters} set={set} />
-      <CriterionForm campaign={campaign} catalogue={catalogue} set={set} change={change} />
+      <CriterionForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
       <MethodsTable campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
       <SettingsForm campaign={campaign} set={set} />
-      <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} change={change} />
+      <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
       <AboutForm campaign={campaign} set={set} />
     </>
   )

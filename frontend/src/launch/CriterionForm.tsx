@@ -1,5 +1,5 @@
 // What is judged: the criterion that decides, and further criteria that every evaluation is read for as well.
-import { type Campaign, without } from '../api/campaign'
+import type { Campaign, List } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { Card } from '../ui/Card'
 import { Fold } from './Fold'
@@ -12,10 +12,10 @@ interface CriterionFormProps {
   campaign: Campaign
   catalogue: Catalogue
   set: SetValue
-  change: (change: (campaign: Campaign) => Campaign) => void
+  remove: (list: List | 'objectives', index: number) => void
 }
 
-export function CriterionForm({ campaign, catalogue, set, change }: CriterionFormProps) {
+export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFormProps) {
   const sections = sectionsOf(campaign, catalogue)
   const decides = sections.find((section) => section.at[0] === 'criterion')
   const further = sections.filter((section) => section.at[0] === 'objectives')
@@ -40,7 +40,7 @@ export function CriterionForm({ campaign, catalogue, set, change }: CriterionFor
                     key={section.at.join('.')}
                     section={section}
                     {...shared}
-                    onRemove={() => change((before) => without(before, 'objectives', Number(section.at[1])))}
+                    onRemove={() => remove('objectives', Number(section.at[1]))}
                   />
                 ))}
               </div>

@@ -1,10 +1,10 @@
 // The form and the text of one campaign, the problems of both, and the start of the run.
-import { IconAlertTriangle } from '@tabler/icons-react'
+import { IconAlertTriangle, IconArrowBackUp, IconArrowForwardUp } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
 import { useMemo, useRef, useState } from 'react'
 import { checkCampaign, submitRun } from '../api/calls'
-import type { Campaign } from '../api/campaign'
+import { asCampaign } from '../api/campaign'
 import { type FieldProblem, Refusal } from '../api/problems'
 import type { Catalogue, Draft, LibraryCampaign } from '../client'
 import { Seg } from '../ui/Card'
@@ -18,11 +18,11 @@ import { Leaving } from './Leaving'
 import { Library } from './Library'
 import { parametersOf } from './parameters'
 import { PreviewCard } from './PreviewCard'
-import { ProblemsProvider } from './problems'
+import { focusField, ProblemsProvider } from './problems'
 import type { Shelf } from './shelf'
 import { Estimate, RunCard, StartButton } from './Side'
 import { Summary } from './Summary'
-import { useDraft } from './useDraft'
+import { type Draft as DraftState, useDraft } from './useDraft'
 import { usePreview } from './usePreview'
 import { useSaved } from './useSaved'
 import { YamlEditor } from './YamlEditor'
@@ -68,9 +68,9 @@ export function Editor(props: EditorProps) {
   const submission = useRef({ body: '', key: '' })
   const launch = useMutation({
     mutationFn: async () => {
-      const checked = draft.source === 'text' ? await checkCampaign(draft.text) : null
-      if (checked && !checked.ok) throw new Refusal(422, 'The campaign has problems', '', checked.problems)
-      const given = { campaign: (checked?.document as Campaign | undefined) ?? draft.campaign, name: name.trim(), tags }
+      const checked = await checkCampaign(await draft.typed())
+      if (!checked.ok) throw new Refusal(422, 'The campaign has problems', '', checked.problems)
+      const given = { campaign: asCampaign(checked.document), name: name.trim(), tags }
       const body = JSON.stringify(given)
       if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
       const run = await submitRun(given, submission.current.key)
@@ -98,6 +98,15 @@ export function Editor(props: EditorProps) {
     if (!blocked && !launch.isPending) launch.mutate()
   }
   useHotkeys({ 'Ctrl+Enter': begin })
+  const [jump, setJump] = useState<{ field: string } | null>(null)
+  const toText = (field: string) => {
+    setJump({ field })
+    onTab('yaml')
+  }
+  const toForm = (field: string) => {
+    onTab(undefined)
+    requestAnimationFrame(() => focusField(field))
+  }
   const why = name.trim() === '' ? 'Give the run a name.' : ok ? '' : 'Solve the problems above first.'
   return (
     <ProblemsProvider value={problems}>
@@ -133,6 +142,7 @@ export function Editor(props: EditorProps) {
           onChange={(value) => onTab(value === 'yaml' ? 'yaml' : undefined)}
         />
         <span className="small mut">Both edit the same campaign</span>
+        <Back draft={draft} />
       </div>
       <div className="launch">
         <div className="stack">
@@ -141,8 +151,14 @@ export function Editor(props: EditorProps) {
               text={draft.text}
               ok={ok}
               checking={draft.checking}
-              problems={draft.problems}
+              problems={problems}
+              campaign={draft.campaign}
+              catalogue={catalogue}
+              jump={jump}
               onChange={draft.setText}
+              onUndo={() => draft.undo?.()}
+              onRedo={() => draft.redo?.()}
+              onForm={toForm}
             />
           ) : draft.readable ? (
             <CampaignForm draft={draft} catalogue={catalogue} parameters={parameters} />
@@ -168,9 +184,11 @@ export function Editor(props: EditorProps) {
             <Summary
               problems={problems}
               trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}
-              onForm={() => onTab(undefined)}
+              tab={tab}
+              onForm={toForm}
+              onText={toText}
             />
-            {(draft.readable || start.source === 'form') && (
+            {(draft.readable || start.readable) && (
               <PreviewCard
                 campaign={draft.campaign}
                 catalogue={catalogue}
@@ -195,6 +213,20 @@ export function Editor(props: EditorProps) {
         </div>
       </div>
     </ProblemsProvider>
+  )
+}
+
+/** Takes edits back, whichever side they were made on. */
+function Back({ draft }: { draft: DraftState }) {
+  return (
+    <span className="back">
+      <button type="button" className="iconbtn" aria-label="Undo" title="Undo the last edit" disabled={!draft.undo} onClick={() => draft.undo?.()}>
+        <IconArrowBackUp className="i" aria-hidden />
+      </button>
+      <button type="button" className="iconbtn" aria-label="Redo" title="Redo" disabled={!draft.redo} onClick={() => draft.redo?.()}>
+        <IconArrowForwardUp className="i" aria-hidden />
+      </button>
+    </span>
   )
 }
 

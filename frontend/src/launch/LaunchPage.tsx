@@ -8,7 +8,7 @@ import { Refusal } from '../api/problems'
 import { catalogueQuery, draftQuery, libraryQuery, runQuery } from '../api/queries'
 import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
-import type { Draft } from '../client'
+import type { Draft, RunDetail } from '../client'
 import { fromDraft, fromLibrary, fromRun, type Start } from './beginning'
 import { Editor } from './Editor'
 import './launch.css'
@@ -56,22 +56,28 @@ export function LaunchPage() {
   const campaigns = useMemo(() => ordered(library.data ?? []), [library.data])
   const chosen = search.from || search.draft ? null : (search.case ?? campaigns[0]?.id ?? null)
 
+  const once = { staleTime: Number.POSITIVE_INFINITY, gcTime: 0 }
   const opened = useQuery({
     queryKey: ['opened', asked, draft.data?.version],
     queryFn: () => fromDraft(draft.data as Draft, asCampaign(campaigns[0]?.document)),
     enabled: Boolean(asked) && draft.data?.id === asked && campaigns.length > 0 && Boolean(catalogue.data),
-    staleTime: Number.POSITIVE_INFINITY,
-    gcTime: 0,
+    ...once,
+  })
+  const again = useQuery({
+    queryKey: ['again', search.from],
+    queryFn: () => fromRun(earlier.data as RunDetail),
+    enabled: Boolean(search.from) && earlier.data?.id === search.from && Boolean(catalogue.data),
+    ...once,
   })
   const start = useMemo(() => {
     if (kept) return kept.start
     if (asked) return opened.data
-    if (search.from) return earlier.data && fromRun(earlier.data)
+    if (search.from) return again.data
     const item = library.data?.find((campaign) => campaign.id === chosen)
     return item && fromLibrary(item)
-  }, [kept, asked, opened.data, search.from, earlier.data, library.data, chosen])
+  }, [kept, asked, opened.data, search.from, again.data, library.data, chosen])
 
-  const failed = [library, catalogue, earlier, draft, opened].find((query) => query.isError)
+  const failed = [library, catalogue, earlier, draft, opened, again].find((query) => query.isError)
   if (failed) return <Trouble error={failed.error} retry={() => void failed.refetch()} />
   if (catalogue.failureReason && !catalogue.data) return <Waiting error={catalogue.failureReason} />
   if (!library.data || !catalogue.data || !start) return <Loading what="campaigns" />

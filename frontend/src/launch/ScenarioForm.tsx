@@ -1,6 +1,6 @@
 // The scenario: which component plays each part, what is in the way, what disturbs it, how long it is flown.
 import { Select } from '@mantine/core'
-import { type Campaign, type List, LISTS, listAt, without } from '../api/campaign'
+import { type Campaign, type List, LISTS, listAt } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { PartCard, type SetValue } from './PartCard'
 import { ROLE_OF, sectionsOf } from './parameters'
@@ -13,7 +13,7 @@ interface ScenarioFormProps {
   campaign: Campaign
   catalogue: Catalogue
   set: SetValue
-  change: (change: (campaign: Campaign) => Campaign) => void
+  remove: (list: List | 'objectives', index: number) => void
 }
 
 const TITLE: Record<List, string> = { obstacles: 'Obstacles', environment: 'Environment', faults: 'Faults' }
@@ -23,7 +23,7 @@ const NONE: Record<List, string> = {
   faults: 'Everything is sensed, timed and actuated perfectly.',
 }
 
-export function ScenarioForm({ campaign, catalogue, set, change }: ScenarioFormProps) {
+export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormProps) {
   const sections = sectionsOf(campaign, catalogue).filter((section) => section.at[0] === 'scenario')
   const shared = { campaign, catalogue, set }
   return (
@@ -59,7 +59,7 @@ export function ScenarioForm({ campaign, catalogue, set, change }: ScenarioFormP
                     key={section.at.join('.')}
                     section={section}
                     {...shared}
-                    onRemove={() => change((before) => without(before, list, Number(section.at[2])))}
+                    onRemove={() => remove(list, Number(section.at[2]))}
                   />
                 ))}
               </div>

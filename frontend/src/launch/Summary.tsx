@@ -1,20 +1,18 @@
 // All that keeps a run from starting, in one place; each entry leads to its field.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { FieldProblem } from '../api/problems'
-import { focusField } from './problems'
 
 interface SummaryProps {
   problems: readonly FieldProblem[]
   trouble: Error | null
-  onForm: () => void
+  tab: 'form' | 'yaml'
+  onForm: (field: string) => void
+  onText: (field: string) => void
 }
 
-export function Summary({ problems, trouble, onForm }: SummaryProps) {
+export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps) {
   if (problems.length === 0 && !trouble) return null
-  const go = (field: string) => {
-    onForm()
-    requestAnimationFrame(() => focusField(field))
-  }
+  const [here, there] = tab === 'form' ? [onForm, onText] : [onText, onForm]
   return (
     <div className="note bad" id="problems" role="alert">
       <IconAlertTriangle className="i" aria-hidden />
@@ -30,12 +28,20 @@ export function Summary({ problems, trouble, onForm }: SummaryProps) {
           {problems.slice(0, 12).map((problem) => (
             <li key={problem.field + problem.message}>
               {problem.field && (
-                <button type="button" className="linkbtn mono" onClick={() => go(problem.field)}>
+                <button type="button" className="linkbtn mono" onClick={() => here(problem.field)}>
                   {problem.field}
                 </button>
               )}{' '}
               {problem.message}
               {problem.given && <span className="mut"> (given {problem.given})</span>}
+              {problem.field && (
+                <>
+                  {' '}
+                  <button type="button" className="linkbtn" onClick={() => there(problem.field)}>
+                    {tab === 'form' ? 'In the YAML' : 'In the form'}
+                  </button>
+                </>
+              )}
             </li>
           ))}
         </ul>

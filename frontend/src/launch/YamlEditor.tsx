@@ -1,36 +1,39 @@
-// The campaign as text: a plain editor with line numbers; a campaign file can be pasted, dropped or opened.
+// The campaign as text: an editor that comes after the page, and the ways in and out of a file.
 import { useMediaQuery } from '@mantine/hooks'
 import { IconCircleCheck, IconDownload, IconFileText, IconLoader } from '@tabler/icons-react'
-import { type DragEvent, useRef, useState } from 'react'
-import type { FieldProblem } from '../api/problems'
+import { type DragEvent, lazy, Suspense, useRef, useState } from 'react'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
-import { Message } from './problems'
+import type { CodeEditorProps } from './code/CodeEditor'
 
-interface YamlEditorProps {
-  text: string
+const CodeEditor = lazy(() => import('./code/CodeEditor'))
+
+interface YamlEditorProps extends Omit<CodeEditorProps, 'readOnly' | 'onChange'> {
   ok: boolean
-  checking: boolean
-  problems: readonly FieldProblem[]
-  onChange: (text: string) => void
+  onChange: (text: string, how?: 'typed' | 'replaced') => void
 }
 
-export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEditorProps) {
+export function YamlEditor({ ok, ...code }: YamlEditorProps) {
+  const { text, checking, problems, onChange } = code
   const [dropping, setDropping] = useState(false)
   const chooser = useRef<HTMLInputElement>(null)
-  const take = (file: File | undefined) => void file?.text().then(onChange)
+  const take = (file: File | undefined) => void file?.text().then((content) => onChange(content, 'replaced'))
   const drop = (event: DragEvent) => {
-    event.preventDefault()
     setDropping(false)
-    take(event.dataTransfer.files[0])
+    const file = event.dataTransfer.files[0]
+    if (!file) return
+    // The whole file takes the place of the text; the editor itself would put it where it fell.
+    event.preventDefault()
+    event.stopPropagation()
+    take(file)
   }
   const over = (event: DragEvent) => {
+    if (!event.dataTransfer.types.includes('Files')) return
     event.preventDefault()
     setDropping(true)
   }
   // A keyboard on the glass hides what is typed: there the text is to be read, copied, and replaced by a file.
   const touched = useMediaQuery('(pointer: coarse) and (max-width: 1180px)') ?? false
-  const lines = text.split('\n').length
   return (
     <Card
       title="campaign.yaml"
@@ -46,7 +49,11 @@ export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEdito
             type="file"
             accept=".yaml,.yml,.json"
             hidden
-            onChange={(event) => take(event.target.files?.[0])}
+            onChange={(event) => {
+              take(event.target.files?.[0])
+              // The same file may be opened again.
+              event.target.value = ''
+            }}
           />
           <CopyButton text={() => text}>Copy</CopyButton>
           <button type="button" className="btn s" onClick={() => save('campaign.yaml', text, 'application/yaml')}>
@@ -57,31 +64,18 @@ export function YamlEditor({ text, ok, checking, problems, onChange }: YamlEdito
       footer={
         touched
           ? 'Read only on a tablet: change it in the form, or open a file. The form shows the same campaign.'
-          : 'YAML or JSON. Paste a campaign, or drop its file here. Tab moves on; the form shows the same campaign.'
+          : 'YAML or JSON: paste a campaign, or drop its file here. Tab moves on; Ctrl ] and Ctrl [ indent. Comments stay when the form is edited.'
       }
     >
-      {problems.length > 0 && (
-        <div style={{ padding: '0 16px 8px' }}>
-          {problems.slice(0, 8).map((problem) => (
-            <Message key={problem.field + problem.message} problem={problem} named />
-          ))}
-        </div>
-      )}
-      <div className={dropping ? 'editor drop' : 'editor'}>
-        <span className="lines" aria-hidden>
-          {Array.from({ length: lines }, (_, i) => i + 1).join('\n')}
-        </span>
-        <textarea
-          value={text}
-          rows={lines}
-          spellCheck={false}
-          readOnly={touched}
-          aria-label="Campaign as YAML"
-          onDrop={drop}
-          onDragOver={over}
-          onDragLeave={() => setDropping(false)}
-          onChange={(event) => onChange(event.target.value)}
-        />
+      <div
+        className={dropping ? 'editor drop' : 'editor'}
+        onDropCapture={drop}
+        onDragOverCapture={over}
+        onDragLeave={() => setDropping(false)}
+      >
+        <Suspense fallback={<pre className="coming">{text}</pre>}>
+          <CodeEditor {...code} readOnly={touched} />
+        </Suspense>
       </div>
     </Card>
   )

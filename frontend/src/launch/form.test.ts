@@ -1,31 +1,15 @@
 // The form against every campaign of the library: it reaches every field, and what is read from it and written back is the
 // same campaign, as JSON and by way of YAML. The repository's own Python reads, checks and writes the campaigns.
-import { execFileSync } from 'node:child_process'
-import { fileURLToPath } from 'node:url'
 import { beforeAll, describe, expect, it } from 'vitest'
 import { type Campaign, fieldOf, place, type Raw, read, without, write } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { parse, field as shown } from '../format/numbers'
-import { formOf } from './beginning'
 import { listOf, listText } from './ListCell'
 import { parametersOf, sectionsOf } from './parameters'
+import { python, shipped, type Told } from './repository'
 import { settingOf, settled, SIMULATION, STAGES, VERDICT } from './settings'
+import { amended, changesOf, formOf } from './text'
 
-const ROOT = fileURLToPath(new URL('../../..', import.meta.url))
-
-function python<T>(program: string, input = ''): T {
-  const options = { cwd: ROOT, input, encoding: 'utf-8', maxBuffer: 1e8, stdio: 'pipe' } as const
-  return JSON.parse(execFileSync(`${ROOT}/.venv/bin/python`, ['-c', program], options)) as T
-}
-
-const READ = `
-import json
-from campaigns import library, load_file
-from worker.catalog import catalogue
-found = {name: load_file(path) for name, path in library().items()}
-told = {name: {"document": c.document(), "digest": c.digest} for name, c in found.items()}
-print(json.dumps({"catalogue": catalogue().model_dump(mode="json"), "campaigns": told}))
-`
 const THROUGH_YAML = `
 import json, sys
 from campaigns.load import load_document, load_text
@@ -34,14 +18,15 @@ again = {name: load_text(to_yaml(load_document(d, name)), name) for name, d in j
 print(json.dumps({name: {"document": c.document(), "digest": c.digest} for name, c in again.items()}))
 `
 
-type Told = Record<string, { document: Campaign; digest: string }>
 let catalogue: Catalogue
 let campaigns: Told
+let schema: unknown
 
 beforeAll(() => {
-  const told = python<{ catalogue: Catalogue; campaigns: Told }>(READ)
+  const told = shipped()
   catalogue = told.catalogue
   campaigns = told.campaigns
+  schema = told.schema
 }, 60_000)
 
 const each = (hold: (campaign: Campaign, name: string) => void) => {
@@ -123,9 +108,13 @@ it('loses nothing by way of YAML and back', () => {
 it('takes a draft that is no campaign yet back into the form', () => {
   each((campaign, name) => {
     const typed = write(campaign, ['scenario', 'horizon'], '45 s')
-    expect(formOf(JSON.stringify(typed, null, 2)), name).toEqual(typed)
+    expect(formOf(JSON.stringify(typed, null, 2), schema), name).toEqual(typed)
+    const text = amended(campaigns[name]?.text ?? '', changesOf(campaign, typed))
+    expect(formOf(text, schema), name).toEqual({ ...typed, correlations: typed.correlations ?? [] })
   })
-  for (const text of ['', '{}', '[1]', 'name: x', '{"scenario": {"vehicle": {}}}']) expect(formOf(text), text).toBeNull()
+  const whole = JSON.stringify(campaigns.unicycle_static?.document)
+  const wrong = ['', '{}', '[1]', 'name: x', '{"scenario": {"vehicle": {}}}', whole.replace('"goal":{', '"goal":[{').replace('}', '}]')]
+  for (const text of wrong) expect(formOf(text, schema), text).toBeNull()
 })
 
 describe('taking a part out', () => {

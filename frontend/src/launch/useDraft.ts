@@ -1,55 +1,74 @@
-// The campaign being prepared: form and text edit the same one, and the service checks it while it changes.
-// Whatever was edited last is the source; the other side follows what the service made of it. Start: `useDraft`.
+// The campaign being prepared. Its text is what counts: an edit in the form changes it in its place, and what the service
+// reads in it is what the form shows. Start reading at `useDraft`.
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { checkCampaign } from '../api/calls'
-import { asCampaign, type Campaign, write } from '../api/campaign'
+import { schemaQuery } from '../api/queries'
+import { asCampaign, type Campaign, type List, without, write } from '../api/campaign'
 import type { FieldProblem } from '../api/problems'
 import type { Checked } from '../client'
+import { type History, NOTHING, recorded, redo, undo, type Version } from './history'
 
 const PAUSE = 300
 
 export interface Draft {
   campaign: Campaign
-  /** What the text tab shows. */
   text: string
-  /** Whether the form shows the same campaign as the text: not while the text cannot be read. */
+  /** Whether the form shows the same campaign as the text: not while the text cannot be read as one. */
   readable: boolean
   checked: Checked | undefined
   /** The answer below belongs to an earlier state than the one shown. */
   checking: boolean
   problems: readonly FieldProblem[]
-  /** Which side was edited last. */
-  source: 'form' | 'text'
-  /** Why it could not be checked at all. */
+  /** Why it could not be checked at all, or its text not be changed. */
   trouble: Error | null
   /** How often it was edited. */
   edits: number
   set: (at: readonly (string | number)[], value: unknown) => void
-  /** Several changes that belong together. */
-  change: (change: (campaign: Campaign) => Campaign) => void
-  setText: (text: string) => void
-  /** The campaign as text to be kept: as it was typed, else as YAML; as JSON while the form holds what is no campaign. */
+  /** Takes a part out of a list, with all that is said of it. */
+  remove: (list: List | 'objectives', index: number) => void
+  setText: (text: string, how?: 'typed' | 'replaced') => void
+  undo: (() => void) | null
+  redo: (() => void) | null
+  /** The text, once every edit is in it. */
   typed: () => Promise<string>
 }
 
 /** What an editor begins with. */
 export interface Beginning {
+  /** What the text means, or what the form shows of it; where it cannot be read, any campaign. */
   campaign: Campaign
-  /** Null: the text follows the form. */
-  text: string | null
-  /** `text`: the campaign is another one, because the text cannot be read as one. */
-  source: 'form' | 'text'
+  text: string
+  readable: boolean
 }
 
-interface State {
-  campaign: Campaign
-  /** Null: the text follows the form. */
-  text: string | null
+interface State extends Version {
+  /** What the text still says, until what changes texts has come. */
+  behind: Campaign | null
+  readable: boolean
+  /** Which side was edited last: the other one follows. */
   source: 'form' | 'text'
   edits: number
-  /** The document last read from the text. */
+  history: History
+  /** What was last read from the text. */
   read?: unknown
+}
+
+const load = () => import('./text')
+type Tools = Awaited<ReturnType<typeof load>>
+
+let tools: Tools | null = null
+
+function useTools(): [Tools | null, Error | null] {
+  const [found, setFound] = useState(tools)
+  const [failed, setFailed] = useState<Error | null>(null)
+  useEffect(() => {
+    load().then(
+      (come) => setFound((tools = come)),
+      () => setFailed(new Error('A part of this page could not be loaded: load the page again to go on.')),
+    )
+  }, [])
+  return [found, failed]
 }
 
 function useSettled<T>(value: T): T {
@@ -61,11 +80,32 @@ function useSettled<T>(value: T): T {
   return settled
 }
 
+type Edited = Version & Pick<State, 'behind' | 'readable' | 'source'>
+
+function edited(before: State, next: Edited, what: string): State {
+  const history = next.behind ? before.history : recorded(before.history, before, next, what, Date.now())
+  return { ...before, ...next, history, edits: before.edits + 1 }
+}
+
+const FORM = { readable: true, source: 'form' } as const
+
+/** The text after an edit of the form: changed in its place, or left behind until that can be done. */
+function followed(before: State, campaign: Campaign): Edited {
+  const said = before.behind ?? before.campaign
+  if (!tools) return { ...FORM, campaign, text: before.text, behind: said }
+  return { ...FORM, campaign, text: tools.amended(before.text, tools.changesOf(said, campaign)), behind: null }
+}
+
+function takenOut(before: State, list: List | 'objectives', index: number): Edited {
+  if (!tools || before.behind) return followed(before, without(before.campaign, list, index))
+  const [campaign, changes] = tools.takingOut(before.campaign, list, index)
+  return { ...FORM, campaign, text: tools.amended(before.text, changes), behind: null }
+}
+
 export function useDraft(first: Beginning): Draft {
-  const [state, setState] = useState<State>({ ...first, edits: 0 })
-  const change = (made: (campaign: Campaign) => Campaign) =>
-    setState((before) => ({ campaign: made(before.campaign), text: null, source: 'form', edits: before.edits + 1 }))
-  const given = state.source === 'text' ? (state.text ?? '') : state.campaign
+  const [state, setState] = useState<State>({ ...first, source: 'text', behind: null, edits: 0, history: NOTHING })
+  const [loaded, failed] = useTools()
+  const given = state.behind ? state.campaign : state.text
   const settled = useSettled(given)
   const check = useQuery({
     queryKey: ['check', settled],
@@ -76,26 +116,46 @@ export function useDraft(first: Beginning): Draft {
   })
   const fresh = settled === given && !check.isPlaceholderData
   const checked = check.data
-  const document = state.source === 'text' && fresh ? checked?.document : undefined
+  const unread = fresh && checked?.document === null && state.source === 'text' && state.edits > 0
+  const { data: schema } = useQuery({ ...schemaQuery, enabled: unread })
   // Adjusted while rendering, so that no picture of the old campaign is shown in between.
-  if (document && document !== state.read) setState({ ...state, campaign: asCampaign(document), read: document })
+  const document = fresh ? checked?.document : null
+  if (loaded && state.behind) setState(edited(state, followed(state, state.campaign), ''))
+  else if (document && document !== state.read)
+    setState({ ...state, campaign: asCampaign(document), readable: true, read: document })
+  else if (unread && loaded && schema && state.read !== state.text) {
+    const nearly = loaded.formOf(state.text, schema)
+    setState({ ...state, campaign: nearly ?? state.campaign, readable: nearly !== null, read: state.text })
+  }
+  const step = (go: typeof undo) =>
+    go(state.history, state.text) === null || state.behind
+      ? null
+      : () =>
+          setState((before) => {
+            const [history, version] = go(before.history, before.text) ?? [before.history, before]
+            return { ...before, ...version, ...FORM, history, edits: before.edits + 1 }
+          })
   return {
     campaign: state.campaign,
-    text: state.text ?? (checked?.yaml && fresh ? checked.yaml : JSON.stringify(state.campaign, null, 2)),
-    readable: state.source === 'form' || (!checked && state.edits > 0) || Boolean(checked?.document),
+    text: state.text,
+    readable: state.readable,
     checked,
     checking: !fresh || check.isFetching,
     problems: checked?.problems ?? [],
-    source: state.source,
-    trouble: check.error,
+    trouble: failed ?? check.error,
     edits: state.edits,
-    set: (at, value) => change((campaign) => write(campaign, at, value)),
-    change,
-    setText: (text) => setState((before) => ({ ...before, text, source: 'text', edits: before.edits + 1 })),
+    set: (at, value) =>
+      setState((before) => edited(before, followed(before, write(before.campaign, at, value)), at.join('.'))),
+    remove: (list, index) => setState((before) => edited(before, takenOut(before, list, index), '')),
+    setText: (text, how = 'typed') =>
+      setState((before) =>
+        edited(before, { ...before, text, behind: null, source: 'text' }, how === 'typed' ? 'text' : ''),
+      ),
+    undo: step(undo),
+    redo: step(redo),
     typed: async () => {
-      if (state.text !== null) return state.text
-      const { yaml } = await checkCampaign(state.campaign)
-      return yaml ?? JSON.stringify(state.campaign, null, 2)
+      const { amended, changesOf } = await load()
+      return state.behind ? amended(state.text, changesOf(state.behind, state.campaign)) : state.text
     },
   }
 }

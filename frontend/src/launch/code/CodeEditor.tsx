@@ -1,0 +1,148 @@
+// The campaign's text in an editor that knows it: what is wrong is marked at its line, what may be written is offered, and
+// what is known of the field at the cursor is told below. It comes as a file of its own. Start reading at `CodeEditor`.
+import { setDiagnostics } from '@codemirror/lint'
+import { EditorView } from '@codemirror/view'
+import { useQuery } from '@tanstack/react-query'
+import { type RefObject, useEffect, useMemo, useRef, useState } from 'react'
+import type { Campaign } from '../../api/campaign'
+import type { FieldProblem } from '../../api/problems'
+import { schemaQuery } from '../../api/queries'
+import type { Catalogue } from '../../client'
+import { stretch } from '../history'
+import { fieldAt, placeOf, tolerant } from '../text/places'
+import { plain } from '../text/tree'
+import { hintOf, type Known } from './hints'
+import { ProblemList } from './ProblemList'
+import type { Rule } from './schema'
+import { diagnosticsOf, fromPage, type Hands, locking, opened, placedIn, unified } from './setup'
+
+export interface CodeEditorProps {
+  text: string
+  readOnly: boolean
+  campaign: Campaign
+  catalogue: Catalogue
+  problems: readonly FieldProblem[]
+  /** The problems are those of an earlier text. */
+  checking: boolean
+  /** A field to go to, once for each object. */
+  jump: { field: string } | null
+  onChange: (text: string) => void
+  onUndo: () => void
+  onRedo: () => void
+  /** Goes to a field in the form. */
+  onForm: (field: string) => void
+}
+
+export default function CodeEditor(props: CodeEditorProps) {
+  const { problems, checking, jump, onForm } = props
+  const host = useRef<HTMLDivElement>(null)
+  const [cursor, setCursor] = useState<number | null>(null)
+  const { data } = useQuery(schemaQuery)
+  const schema = data as Rule | undefined
+  const view = useView(host, props, schema, setCursor)
+  const lines = unified(props.text)
+  const placed = useMemo(() => placedIn(lines, problems), [lines, problems])
+  useEffect(() => {
+    if (view.current && !checking) view.current.dispatch(setDiagnostics(view.current.state, diagnosticsOf(placed)))
+  }, [view, placed, checking])
+  const go = (from: number, to: number) => {
+    if (!view.current) return
+    const selection = { anchor: from, head: Math.min(to, view.current.state.doc.length) }
+    view.current.dispatch({ selection, effects: EditorView.scrollIntoView(from, { y: 'center' }) })
+    view.current.focus()
+    host.current?.scrollIntoView({ block: 'nearest' })
+  }
+  const asked = useRef<{ field: string } | null>(null)
+  useEffect(() => {
+    if (!jump || asked.current === jump || !view.current) return
+    asked.current = jump
+    go(...placeOf(tolerant(view.current.state.doc.toString()), jump.field))
+  })
+  return (
+    <>
+      <div className="code" ref={host} />
+      <Standing {...props} text={lines} cursor={cursor} schema={schema} />
+      <ProblemList placed={placed} onGo={go} onForm={onForm} />
+    </>
+  )
+}
+
+/** The editor that lives as long as the page shows it, kept up with what the page knows. */
+function useView(
+  host: RefObject<HTMLDivElement | null>,
+  props: CodeEditorProps,
+  schema: Rule | undefined,
+  onCursor: (at: number) => void,
+): RefObject<EditorView | null> {
+  const view = useRef<EditorView | null>(null)
+  const latest = useRef({ ...props, schema })
+  useEffect(() => {
+    latest.current = { ...props, schema }
+  })
+  useEffect(() => {
+    if (!host.current) return
+    const now = () => latest.current
+    const hands: Hands = {
+      // The file's own line ends are kept.
+      onChange: (text) => now().onChange(now().text.includes('\r\n') ? text.replaceAll('\n', '\r\n') : text),
+      onCursor,
+      onUndo: () => now().onUndo(),
+      onRedo: () => now().onRedo(),
+      known: (text): Known => ({ ...now(), document: plain(tolerant(text)) }),
+    }
+    const made = opened(host.current, now().text, now().readOnly, hands)
+    view.current = made
+    return () => made.destroy()
+  }, [host, onCursor])
+  const { text, readOnly } = props
+  useEffect(() => {
+    const shown = view.current?.state.doc.toString() ?? ''
+    if (shown === unified(text)) return
+    const { from, before, after } = stretch(shown, unified(text))
+    view.current?.dispatch({
+      changes: { from, to: from + before.length, insert: after },
+      selection: { anchor: from + after.length },
+      annotations: fromPage.of(true),
+      scrollIntoView: true,
+    })
+  }, [text])
+  useEffect(() => view.current?.dispatch({ effects: locking(readOnly) }), [readOnly])
+  return view
+}
+
+interface StandingProps extends CodeEditorProps {
+  cursor: number | null
+  schema: Rule | undefined
+}
+
+/** What stands at the cursor, in words: the same as the box under the pointer. */
+function Standing({ text, cursor, campaign, catalogue, schema, onForm }: StandingProps) {
+  const found = useMemo(() => {
+    if (cursor === null) return null
+    const tree = tolerant(text)
+    const standing = fieldAt(tree, Math.min(cursor, text.length))
+    if (!standing) return null
+    const hint = hintOf({ campaign, catalogue, schema, document: plain(tree) }, standing.at)
+    return { field: standing.at.join('.'), hint }
+  }, [text, cursor, campaign, catalogue, schema])
+  return (
+    <div className="standing small" data-testid="standing">
+      {found ? (
+        <>
+          <span className="mono">{found.field}</span>
+          {found.hint && (
+            <span className="sec">
+              {found.hint.title}
+              {found.hint.detail && <span className="mut">, {found.hint.detail}</span>}
+            </span>
+          )}
+          <button type="button" className="linkbtn" onClick={() => onForm(found.field)}>
+            Show in the form
+          </button>
+        </>
+      ) : (
+        <span className="mut">Ctrl Space offers what may be written, Ctrl F searches, F8 goes to the next problem.</span>
+      )}
+    </div>
+  )
+}

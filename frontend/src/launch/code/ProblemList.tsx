@@ -1,0 +1,38 @@
+// What is wrong with the text, line by line: each leads to its place there, and to its field in the form.
+import { IconAlertCircle } from '@tabler/icons-react'
+import type { Placed } from './setup'
+
+interface ProblemListProps {
+  placed: readonly Placed[]
+  onGo: (from: number, to: number) => void
+  onForm: (field: string) => void
+}
+
+const MOST = 50
+
+export function ProblemList({ placed, onGo, onForm }: ProblemListProps) {
+  if (placed.length === 0) return null
+  const sorted = [...placed].sort((a, b) => a.from - b.from).slice(0, MOST)
+  return (
+    <ol className="codeproblems" aria-label="Problems">
+      {sorted.map(({ problem, from, to, line }) => (
+        <li key={problem.field + problem.message} data-problem={problem.field}>
+          <IconAlertCircle className="i bad-t" aria-hidden />
+          <button type="button" className="linkbtn nw" onClick={() => onGo(from, to)}>
+            Line {line}
+          </button>
+          <span>
+            {!problem.field.startsWith('line ') && problem.field && <span className="mono">{problem.field} </span>}
+            {problem.message}
+            {problem.given && <span className="mut"> (given {problem.given})</span>}
+          </span>
+          {problem.field && !problem.field.startsWith('line ') && (
+            <button type="button" className="linkbtn nw" aria-label={`Show ${problem.field} in the form`} onClick={() => onForm(problem.field)}>
+              In the form
+            </button>
+          )}
+        </li>
+      ))}
+    </ol>
+  )
+}

@@ -1,0 +1,143 @@
+// The editor's parts put together: YAML, folding, search, completion, what is wrong. Undo is the page's, because it covers
+// the edits of the form as well. Start reading at `opened`.
+import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from '@codemirror/autocomplete'
+import { defaultKeymap } from '@codemirror/commands'
+import { yaml } from '@codemirror/lang-yaml'
+import { bracketMatching, foldGutter, foldKeymap, indentOnInput, indentUnit } from '@codemirror/language'
+import { type Diagnostic, lintGutter, nextDiagnostic, previousDiagnostic } from '@codemirror/lint'
+import { search, searchKeymap } from '@codemirror/search'
+import { Annotation, Compartment, EditorState, type Extension } from '@codemirror/state'
+import {
+  drawSelection,
+  dropCursor,
+  EditorView,
+  highlightActiveLine,
+  highlightActiveLineGutter,
+  keymap,
+  lineNumbers,
+} from '@codemirror/view'
+import type { FieldProblem } from '../../api/problems'
+import { placeOf, tolerant } from '../text/places'
+import { completed } from './complete'
+import type { Known } from './hints'
+import { hovered } from './hover'
+import { look } from './look'
+import { marks } from './marks'
+
+export interface Hands {
+  onChange: (text: string) => void
+  onCursor: (position: number) => void
+  onUndo: () => void
+  onRedo: () => void
+  known: (text: string) => Known
+}
+
+/** A change that came from the page. */
+export const fromPage = Annotation.define<boolean>()
+
+const locked = new Compartment()
+const lock = (readOnly: boolean): Extension => [
+  EditorState.readOnly.of(readOnly),
+  EditorView.editable.of(!readOnly),
+  EditorView.contentAttributes.of({
+    'aria-label': 'Campaign as YAML',
+    'aria-readonly': String(readOnly),
+    // What cannot be edited can still be reached and read by the keyboard.
+    tabindex: '0',
+  }),
+]
+export const locking = (readOnly: boolean) => locked.reconfigure(lock(readOnly))
+
+const WORDS = {
+  Find: 'Find',
+  next: 'Next',
+  previous: 'Previous',
+  all: 'All',
+  'match case': 'Match case',
+  regexp: 'Regular expression',
+  'by word': 'Whole words',
+  replace: 'Replace',
+  'replace all': 'Replace all',
+  close: 'Close the search',
+}
+
+/** Lines as the editor counts them. */
+export const unified = (text: string): string => text.replace(/\r\n?/g, '\n')
+
+/** An editor in a shadow tree of its own, whose style sheets are constructed, not written into the page. */
+export function opened(host: HTMLElement, text: string, readOnly: boolean, hands: Hands): EditorView {
+  const root = host.shadowRoot ?? host.attachShadow({ mode: 'open' })
+  const page = (act: () => void) => () => {
+    act()
+    return true
+  }
+  const undoing = [
+    { key: 'Mod-z', run: page(hands.onUndo), preventDefault: true },
+    { key: 'Mod-y', mac: 'Mod-Shift-z', run: page(hands.onRedo), preventDefault: true },
+    { linux: 'Ctrl-Shift-z', run: page(hands.onRedo), preventDefault: true },
+  ]
+  const extensions: Extension[] = [
+    lineNumbers(),
+    highlightActiveLineGutter(),
+    lintGutter(),
+    foldGutter(),
+    drawSelection(),
+    dropCursor(),
+    EditorState.allowMultipleSelections.of(true),
+    indentOnInput(),
+    indentUnit.of('  '),
+    bracketMatching(),
+    closeBrackets(),
+    autocompletion({ override: [completed(hands.known)], icons: false, maxRenderedOptions: 200 }),
+    highlightActiveLine(),
+    search({ top: true }),
+    EditorState.phrases.of(WORDS),
+    EditorView.lineWrapping,
+    yaml(),
+    marks,
+    hovered(hands.known),
+    look,
+    locked.of(lock(readOnly)),
+    keymap.of([...undoing, ...closeBracketsKeymap, ...completionKeymap, ...searchKeymap, ...foldKeymap]),
+    keymap.of([{ key: 'F8', run: nextDiagnostic }, { key: 'Shift-F8', run: previousDiagnostic }, ...defaultKeymap]),
+    EditorView.domEventHandlers({
+      beforeinput: (event) => {
+        if (event.inputType !== 'historyUndo' && event.inputType !== 'historyRedo') return false
+        event.preventDefault()
+        if (event.inputType === 'historyUndo') hands.onUndo()
+        else hands.onRedo()
+        return true
+      },
+    }),
+    EditorView.updateListener.of((update) => {
+      const own = !update.transactions.some((one) => one.annotation(fromPage))
+      if (update.docChanged && own) hands.onChange(update.state.doc.toString())
+      if (update.docChanged || update.selectionSet) hands.onCursor(update.state.selection.main.head)
+    }),
+  ]
+  return new EditorView({ state: EditorState.create({ doc: unified(text), extensions }), parent: root, root })
+}
+
+export interface Placed {
+  problem: FieldProblem
+  from: number
+  to: number
+  line: number
+}
+
+/** Where the problems stand in a text. */
+export function placedIn(text: string, problems: readonly FieldProblem[]): Placed[] {
+  const tree = tolerant(text)
+  return problems.map((problem) => {
+    const [from, to] = placeOf(tree, problem.field)
+    return { problem, from, to, line: text.slice(0, from).split('\n').length }
+  })
+}
+
+export const diagnosticsOf = (placed: readonly Placed[]): Diagnostic[] =>
+  placed.map(({ problem, from, to }) => ({ from, to, severity: 'error', message: sentence(problem) }))
+
+export function sentence({ message, given }: FieldProblem): string {
+  const words = message.charAt(0).toUpperCase() + message.slice(1)
+  return given ? `${words} (given ${given})` : words
+}

@@ -1,0 +1,31 @@
+// Taking a part out of a campaign: what is said of it goes with it, and the paths of those behind it move up, in the
+// document and, change by change, in its text. Start reading at `takingOut`.
+import { type Campaign, type List, listAt, without } from '../../api/campaign'
+import { applied, type Change, changesOf } from './changes'
+import type { At } from './tree'
+
+/** The campaign without one part of a list, and the changes that lead to it: what stands behind keeps its own lines. */
+export function takingOut(campaign: Campaign, list: List | 'objectives', index: number): [Campaign, Change[]] {
+  const after = without(campaign, list, index)
+  const [gone, moved]: [Change[], Change[]] = [[], []]
+  for (const at of mapsOf(campaign))
+    for (const path of Object.keys(at.values)) {
+      const [head, number, ...rest] = path.split('.')
+      if (head !== list || Number(number) < index) continue
+      if (Number(number) === index) gone.push({ kind: 'remove', at: [...at.at, path] })
+      else moved.push({ kind: 'rename', at: [...at.at, path], to: [head, Number(number) - 1, ...rest].join('.') })
+    }
+  const changes: Change[] = [{ kind: 'remove', at: [...listAt(list), index] }, ...gone, ...moved]
+  return [after, [...changes, ...changesOf(changes.reduce(applied, campaign as never), after)]]
+}
+
+/** The mappings whose keys are paths of parameters. */
+function mapsOf({ uncertain, stages, published = [] }: Campaign): { at: At; values: object }[] {
+  return [
+    { at: ['uncertain'], values: uncertain },
+    ...stages.search.flatMap(({ starts = [] }, i) =>
+      starts.map((start, j) => ({ at: ['stages', 'search', i, 'starts', j], values: start })),
+    ),
+    ...published.map(({ at = {} }, i) => ({ at: ['published', i, 'at'], values: at })),
+  ]
+}

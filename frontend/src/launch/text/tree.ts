@@ -1,0 +1,141 @@
+// A campaign's text as a tree whose nodes know where they stand in it. Reads YAML 1.2 (and with it JSON) as the service
+// does; what only the service refuses is left to it. Start reading at `parsed`, then `walk`.
+import { isMap, isScalar, isSeq, type Node, type Pair, parseDocument, type Scalar, type YAMLMap, type YAMLSeq } from 'yaml'
+import type { Json } from '../../api/campaign'
+
+export type Step = string | number
+export type At = readonly Step[]
+export type Entry = Pair<unknown, unknown>
+
+export interface Parsed {
+  text: string
+  root: Node
+  /** Written as JSON: what is put into it stays JSON. */
+  json: boolean
+  newline: string
+}
+
+/** The text as a tree; null where it is no document that could be edited in place. */
+export function parsed(text: string): Parsed | null {
+  // Line ends of the other system would count as part of a plain value.
+  const document = parseDocument(text, { keepSourceTokens: true, strict: true, uniqueKeys: true })
+  const root = document.contents
+  if (document.errors.length > 0 || !isMap(root)) return null
+  return { text, root, json: text.trimStart().startsWith('{'), newline: text.includes('\r\n') ? '\r\n' : '\n' }
+}
+
+/** Mappings in which a name with dots may be written as mappings in one another. */
+export const NESTING = new Set<Step | undefined>(['parameters', 'start', 'goal'])
+
+export const keyOf = (pair: Entry): string => (isScalar(pair.key) ? String(pair.key.value) : '')
+export const valueOf = (pair: Entry): Node | null => (pair.value as Node | null) ?? null
+
+export interface Found {
+  /** How many steps lead to the node: all of them where the place is there. */
+  steps: number
+  node: Node | null
+  /** What holds the node, and its pair where that is a mapping. */
+  owner: YAMLMap | YAMLSeq | null
+  pair: Entry | null
+  index: number
+  /** What is left of a name with dots inside the last mapping: `x` of `position.x` where only `position` is there. */
+  rest: string | null
+}
+
+/** As far as the text goes on the way to a place. */
+export function walk({ root }: Pick<Parsed, 'root'>, at: At): Found {
+  let found: Found = { steps: 0, node: root, owner: null, pair: null, index: 0, rest: null }
+  for (const [i, step] of at.entries()) {
+    const { node } = found
+    if (isMap(node)) {
+      const hit = lookup(node, String(step), NESTING.has(at[i - 1]))
+      if ('rest' in hit) return { ...found, node: hit.owner, rest: hit.rest }
+      found = { ...hit, steps: i + 1, node: valueOf(hit.pair), rest: null }
+    } else if (isSeq(node)) {
+      const item = node.items[Number(step)] as Node | undefined
+      if (!item) return found
+      found = { steps: i + 1, node: item, owner: node, pair: null, index: Number(step), rest: null }
+    } else return found
+  }
+  return found
+}
+
+type Hit = { owner: YAMLMap; pair: Entry; index: number } | { owner: YAMLMap; rest: string }
+
+function lookup(map: YAMLMap, name: string, nesting: boolean): Hit {
+  const index = map.items.findIndex((pair) => keyOf(pair) === name)
+  const pair = map.items[index]
+  if (pair) return { owner: map, pair, index }
+  for (const outer of nesting ? map.items : []) {
+    const key = `${keyOf(outer)}.`
+    if (isMap(outer.value) && name.startsWith(key)) return lookup(outer.value, name.slice(key.length), true)
+  }
+  return { owner: map, rest: name }
+}
+
+/** Where a node's own text begins and ends: without the comments and blank lines behind it. */
+export function span(node: Node, text: string): [number, number] {
+  const [start, end] = node.range ?? [0, 0]
+  if (isMap(node) && !node.flow && node.items.length > 0) return [start, endOf(node.items.at(-1) as Entry, text)]
+  if (isSeq(node) && !node.flow && node.items.length > 0) {
+    const last = node.items.at(-1) as Node
+    return [start, Math.max(span(last, text)[1], dashOf(node, node.items.length - 1) + 1)]
+  }
+  if (isBlock(node)) return [start, start + text.slice(start, end).trimEnd().length]
+  return [start, end]
+}
+
+/** Text over several lines behind `|` or `>`. */
+export const isBlock = (node: unknown): node is Scalar =>
+  isScalar(node) && (node.type === 'BLOCK_LITERAL' || node.type === 'BLOCK_FOLDED')
+
+/** Where a pair ends: behind its value, or its colon where it has none. */
+export function endOf(pair: Entry, text: string): number {
+  const value = valueOf(pair)
+  return Math.max(value ? span(value, text)[1] : 0, colonOf(pair) + 1, startOf(pair))
+}
+
+export const startOf = (pair: Entry): number => (pair.key as Node | null)?.range?.[0] ?? 0
+
+interface Token {
+  type: string
+  offset: number
+}
+interface Item {
+  start: Token[]
+  sep?: Token[]
+}
+
+/** Where the colon of a pair stands; -1 where there is none. */
+export const colonOf = (pair: Entry): number =>
+  (pair.srcToken as Item | undefined)?.sep?.find((token) => token.type === 'map-value-ind')?.offset ?? -1
+
+/** Where a token of that type stands before an item of a list; -1 where there is none. */
+export const tokenOf = (node: YAMLMap | YAMLSeq, index: number, type: string): number =>
+  (node.srcToken as { items?: Item[] } | undefined)?.items?.[index]?.start.find((token) => token.type === type)?.offset ?? -1
+
+export const dashOf = (list: YAMLSeq, index: number): number => tokenOf(list, index, 'seq-item-ind')
+
+/** The document as plain values; names in one another are joined by dots where the service does so. */
+export const plain = ({ root }: { root: Node | null }): Json => flat(valueIn(root), [])
+
+function valueIn(node: unknown): Json {
+  if (isMap(node)) return Object.fromEntries(node.items.map((pair) => [keyOf(pair), valueIn(pair.value)]))
+  if (isSeq(node)) return node.items.map(valueIn)
+  return isScalar(node) ? (node.value as Json) : null
+}
+
+function flat(value: Json, at: At): Json {
+  if (Array.isArray(value)) return value.map((inner, i) => flat(inner, [...at, i]))
+  if (value === null || typeof value !== 'object') return value
+  if (NESTING.has(at.at(-1))) return Object.fromEntries(joined(value, ''))
+  return Object.fromEntries(Object.entries(value).map(([key, inner]) => [key, flat(inner, [...at, key])]))
+}
+
+function joined(values: { [key: string]: Json }, prefix: string): [string, Json][] {
+  return Object.entries(values).flatMap(([key, value]): [string, Json][] =>
+    value !== null && typeof value === 'object' && !Array.isArray(value)
+      ? joined(value, `${prefix}${key}.`)
+      : [[prefix + key, value]],
+  )
+}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,13 @@ SIDE = 0.62
 """The box's side, as a share of the scene's."""
 POINT = 0.011
 """A point's size and that of other marks, as a share of the box's side."""
+SIGN = 0.015
+"""Half the size of the sign of an evaluation without a value, as a share of the box's side."""
+CROSS: Floats = np.array([((-x, -y, -1.0), (x, y, 1.0)) for x in (-1.0, 1.0) for y in (-1.0, 1.0)]) / np.sqrt(3)
+"""The diagonals of a cube: a cross from every side."""
+_TIPS = np.array([*np.eye(3), *-np.eye(3)])
+DIAMOND: Floats = np.array([(a, b) for a, b in combinations(_TIPS, 2) if a @ b == 0.0])
+"""The edges of an octahedron."""
 NAME = "/space"
 
 
@@ -77,7 +84,7 @@ class CloudDrawn:
                 )
 
     def _evaluations(self, cloud: Cloud, picked: Axes) -> None:
-        """Points in the colour of their value; crosses for what failed, diamonds for what was excluded."""
+        """Points in the colour of their value; crosses for what failed, hollow diamonds for what was excluded."""
         costs, status = cloud.costs, np.array([one.status for one in cloud.drawn])
         ok = (status == "ok") & np.isfinite(costs)
         low, high = cloud.range or (0.0, 1.0)
@@ -85,19 +92,19 @@ class CloudDrawn:
             shares = (costs[ok] - low) / (high - low) if high > low else np.zeros(int(ok.sum()))
             self._points("ok", self.points[ok], colours(shares, self.palette is DARK), POINT, "circle")
         excluded = status == "excluded"
-        if excluded.any():
-            grey = np.array(rgb(self.palette.soft), dtype=np.uint8)
-            self._points("excluded", self.points[excluded], grey, 1.3 * POINT, "diamond")
+        self._signs("excluded", self.points[excluded], DIAMOND)
+        self._signs("failed", self.points[~ok & ~excluded], CROSS)
         if not ok.all() and any(axis is not None and not axis.path for axis in picked):
             below = [NO_VALUE if axis is not None and not axis.path else -0.05 for axis in picked]
             self._scene.add_label(
                 f"{NAME}/none", "no value", position=self._at(below), anchor="center-right", font_screen_scale=0.8
             )
-        lost = self.points[~ok & ~excluded]
-        if len(lost):
-            arm = 0.8 * POINT * self.side * np.eye(3)
-            crosses = np.array([(at - one, at + one) for at in lost for one in arm])
-            self._lines("failed", crosses, self.palette.soft, 1.5)
+
+    def _signs(self, part: str, points: Floats, sign: Floats) -> None:
+        """The same sign of lines (k, 2, 3) at every point, where there are any."""
+        if len(points):
+            lines = points[:, None, None] + SIGN * self.side * sign
+            self._lines(part, lines.reshape(-1, 2, 3), self.palette.soft, 1.4)
 
     def _marks(self, cloud: Cloud, picked: Axes) -> None:
         """The nominal case and the findings as labelled balls."""
@@ -169,7 +176,7 @@ class CloudDrawn:
 
 def _beside(name: str, share: float) -> tuple[tuple[float, float, float], Any]:
     """Where along its edge of the box something of an axis is written, and on which side of that place."""
-    away = 0.05
+    away = 0.1 if share == 0.5 else 0.05
     if name == "x":
         return (share, -away, 0.0), "top-center"
     if name == "y":

@@ -27,7 +27,7 @@ def legend(cloud: Cloud, setting: Setting, dark: bool) -> str:
         f"{sign} {word}: {cloud.count(*statuses)} of {count}"
         for sign, word, statuses, count in (
             ("✕", "failed", ("failed", "timeout"), cloud.failed),
-            ("◆", "excluded", ("excluded",), cloud.excluded),
+            ("◇", "excluded", ("excluded",), cloud.excluded),
         )
         if count
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from typing import Any
 
@@ -19,10 +20,11 @@ from backend.scenes.relay import open_server
 from backend.scenes.world import ROOTS, World
 from campaigns import library, load_file
 from tests.api.finished import Work, encounter, finish, straight
+from tests.api.lost import lose
 from tests.api.server import Service
 from tests.api.test_runs import submit
 from tests.api.test_view_flights import shipped
-from tests.api.viewing import Panel, frames, frames_until, viewing
+from tests.api.viewing import KEY, Panel, frames, frames_until, viewing
 from worker.problem import Problem
 
 NOMINAL = np.array([[0.5, 0.5]])
@@ -102,6 +104,26 @@ def test_failures_are_shown_and_counted(service: Service, client: httpx.Client) 
         panel.set("Axis z", "\u2013")
         again = frames_until(connection, b"/space/failed")
         assert b"no value" not in again
+
+
+def test_what_was_really_excluded_or_failed_has_its_own_sign_and_flies_again_the_same(bare: Service) -> None:
+    bare.app.state.live._first_limit = 120.0
+    with bare.signed_in() as client:
+        lost = lose(bare, client)
+        with viewing(bare, client, f"/view/{lost.run}/key/{KEY}/") as connection:
+            panel = Panel(connection, last="Show its flight")
+            panel.set("Show parameter space", True)
+            received = frames_until(connection, b"/space/ok", b"/space/failed", b"/space/excluded", b"of those drawn")
+            assert b"21 of 21 evaluations." in received
+            assert b"failed: 7 of 7." in received
+            assert b"excluded: 4 of 4." in received
+            (viewer,) = bare.app.state.viewers.steered.values()
+            drawn = viewer._panel._cloud._drawn
+            for row, status in ((0, b"excluded"), (4, b"failed")):
+                click(panel, drawn.points[row] - np.array([0.0, 0.01, 0.0]) * drawn.side, (0.0, 1.0, 0.0))
+                said = frames_until(connection, b"flown again", b"The same: " + status, seconds=120)
+                assert f"evaluation {row} (from 0)".encode() in said
+                assert html.escape(lost.reasons[row]).encode() in said
 
 
 def test_nothing_of_the_flights_is_left_out_when_they_are_hidden(bare: Service) -> None:

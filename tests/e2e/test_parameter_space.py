@@ -1,4 +1,4 @@
-"""The parameter space on a run's page: what is drawn, ranges by mouse and keys, switches, the data. Nothing is flown.
+"""The parameter space on a run's page: what is drawn, ranges by mouse and keys, switches, the data.
 
 Start reading at `finished`.
 """
@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, expect
 
-from tests.api.catalogue import campaign
+from tests.api.catalogue import campaign, published_by_workers
+from tests.api.lost import lose
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import PATIENCE, SCREENSHOTS, Visit, visiting
@@ -27,11 +28,13 @@ ALL = re.compile("^1.?000 of 1.?000 evaluations kept, lowest dmin 1.007 m")
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """A service with one finished run: 1000 evaluations of two parameters, every tenth of them failed."""
-    with served(tmp_path_factory.mktemp("space")) as service:
+    """A service with a finished run of 1000 evaluations of two parameters, every tenth of them failed, and one of 21
+    that were flown, of which 4 are excluded and 7 failed."""
+    with served(tmp_path_factory.mktemp("space"), published_by_workers()) as service:
         with service.signed_in() as client:
             assert client.post("/api/v1/runs", json={"campaign": campaign(), "name": "Space"}).status_code == 201
             finish_fully(service)
+            lose(service, client, publish=False)
         yield service
 
 
@@ -143,3 +146,20 @@ def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> No
     expect(card).to_contain_text("Nothing is kept.")
     method.click()
     expect(kept(card)).to_have_text(ALL)
+
+
+def test_what_was_really_excluded_or_failed_is_told_apart(visit: Visit) -> None:
+    """Last here: it goes to another run."""
+    visit.page.set_viewport_size({"width": 1440, "height": 900})
+    visit.go("/runs/R-0002")
+    card = visit.page.locator("#space")
+    expect(kept(card)).to_have_text(re.compile("^21 of 21 evaluations kept"))
+    for fate, number in (("Failed", 7), ("Excluded", 4)):
+        switch = card.get_by_role("button", name=f"{fate} {number}", exact=True)
+        switch.click()
+        expect(kept(card)).to_have_text(re.compile(f"^{21 - number} of 21 evaluations kept"))
+        switch.click()
+    card.screenshot(path=SCREENSHOTS / "space-lost.png", animations="disabled")
+    failures = visit.page.locator("#failures")
+    expect(failures).to_contain_text(re.compile("7 failed.*4 excluded", re.S))
+    expect(failures.get_by_role("row", name=re.compile("Excluded"))).to_have_count(4)

@@ -86,6 +86,7 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
   ctx.lineJoin = 'bevel'
   const stroke = (rows: number[]) => {
     for (let first = 0; first < rows.length; first += AT_ONCE) {
+      ctx.lineDashOffset = (first / AT_ONCE) * 3 // dashes side by side would look like rings
       ctx.beginPath()
       for (const i of rows.slice(first, first + AT_ONCE))
         crossings(space, i, lines).forEach((y, k) => {
@@ -96,13 +97,15 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
       ctx.stroke()
     }
   }
-  ctx.globalAlpha = 0.6
   ctx.strokeStyle = colour('--ink-3')
-  ctx.setLineDash([4, 3])
-  stroke(fates[1] ?? [])
-  ctx.setLineDash([1, 3])
-  stroke(fates[2] ?? [])
+  for (const [rows, dash] of [[fates[1] ?? [], [4, 3]], [fates[2] ?? [], [1, 3]]] as const) {
+    // They all come from one place: many of them must not stand out more than what has a value.
+    ctx.globalAlpha = rows.length > 400 ? 0.2 : rows.length > 80 ? 0.35 : 0.6
+    ctx.setLineDash([...dash])
+    stroke(rows)
+  }
   ctx.setLineDash([])
+  ctx.lineDashOffset = 0
   ctx.globalAlpha = kept.length > 2000 ? 0.15 : kept.length > 400 ? 0.4 : 0.85
   const palette = shades(ink.theme)
   for (let shade = SHADES - 1; shade >= 0; shade--) {

@@ -25,11 +25,11 @@ from backend.previews.service import Previews
 from backend.reports import endpoints as reports
 from backend.results import endpoints as results
 from backend.runs import endpoints as runs
-from backend.scenes import channel as views
 from backend.scenes import endpoints as scenes
-from backend.scenes import recordings
-from backend.scenes.live import Live
-from backend.scenes.viewers import Viewers
+from backend.scenes.control import channel as views
+from backend.scenes.control.live import Live
+from backend.scenes.control.viewers import Viewers
+from backend.scenes.recordings import pages as recordings
 from backend.sessions import endpoints as sessions
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs

@@ -15,7 +15,7 @@ from backend.exports import service
 from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
 from backend.runs.service import number, summary
-from backend.scenes import recordings
+from backend.scenes.recordings import pages as recordings
 
 router = APIRouter(tags=["exports"])
 _KINDS = {kind.file: kind for kind in service.FILES}

@@ -18,7 +18,7 @@ from backend.db.engine import read
 from backend.deps import Engine
 from backend.errors import RefusedError
 from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
-from backend.scenes.live import FlightRefusedError, Live, LiveError
+from backend.scenes.control.live import FlightRefusedError, Live, LiveError
 from campaigns import Campaign, CampaignError, check
 from campaigns.catalogue import ComponentEntry
 

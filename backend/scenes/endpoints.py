@@ -18,9 +18,9 @@ from backend.errors import RefusedError
 from backend.runs.service import number, require
 from backend.scenes import setting
 from backend.scenes.address import Address, parse
-from backend.scenes.relay import relay
+from backend.scenes.control.relay import relay
+from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.viewer import Viewer
-from backend.scenes.viewers import Handle, Viewers
 
 router = APIRouter(include_in_schema=False)
 

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager
 from typing import Protocol
 
 from backend.scenes.address import Camera
-from backend.scenes.palette import Palette
+from backend.scenes.drawing.palette import Palette
 
 
 class Part:

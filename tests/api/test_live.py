@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from backend.scenes.flight import from_live
-from backend.scenes.latest import Latest
-from backend.scenes.live import Live, LiveError
+from backend.scenes.control.latest import Latest
+from backend.scenes.control.live import Live, LiveError
+from backend.scenes.drawing.flight import from_live
 from campaigns import library, load_file
 from tests.api.server import until
 

@@ -13,7 +13,7 @@ import pytest
 from backend.errors import RefusedError
 from backend.previews import service as previews
 from backend.previews.service import LIMIT, Previews
-from backend.scenes.live import Live
+from backend.scenes.control.live import Live
 from campaigns import Campaign, library
 from tests.api.catalogue import campaign, published_by_workers
 from tests.api.server import Service, until

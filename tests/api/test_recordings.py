@@ -13,7 +13,7 @@ import pytest
 import viser
 import zstandard
 
-from backend.scenes import recordings
+from backend.scenes.recordings import pages as recordings
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.server import Service, until
 from tests.api.test_access import problem

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from backend.scenes import shapes
-from backend.scenes.axes import Axes, along
-from backend.scenes.bodies import body_of
-from backend.scenes.cameras import distance
-from backend.scenes.flight import from_live
-from backend.scenes.world import Frame
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.axes import Axes, along
+from backend.scenes.drawing.bodies import body_of
+from backend.scenes.drawing.cameras import distance
+from backend.scenes.drawing.flight import from_live
+from backend.scenes.drawing.world import Frame
 from tests.api.finished import encounter, straight, turned
 
 TO_EAST_NORTH_UP = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])

@@ -11,7 +11,7 @@ import httpx
 import numpy as np
 import pytest
 
-from backend.scenes import following
+from backend.scenes.drawing import following
 from tests.api.finished import Work, finish, flight
 from tests.api.server import Service, until
 from tests.api.test_access import problem

@@ -15,9 +15,9 @@ from websockets.sync.client import ClientConnection
 from backend.db.engine import read
 from backend.db.records import Columns
 from backend.scenes import setting
-from backend.scenes.palette import DARK, LIGHT
-from backend.scenes.relay import open_server
-from backend.scenes.world import ROOTS, World
+from backend.scenes.control.relay import open_server
+from backend.scenes.drawing.palette import DARK, LIGHT
+from backend.scenes.drawing.world import ROOTS, World
 from campaigns import library, load_file
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.lost import lose

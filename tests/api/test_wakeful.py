@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import threading
 
-from backend.scenes.relay import open_server
-from backend.scenes.wakeful import Wakeful
+from backend.scenes.control.relay import open_server
+from backend.scenes.control.wakeful import Wakeful
 
 
 def in_a_thread(event: Wakeful) -> None:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backend.scenes import cloud_words
-from backend.scenes.cloud import NO_VALUE, Axis, Cloud, Evaluation, met, place, places
+from backend.scenes.cloud import words as cloud_words
+from backend.scenes.cloud.evaluations import NO_VALUE, Axis, Cloud, Evaluation, met, place, places
 
 MASS = Axis("vehicle.m", "kg", 4.0, 6.0, "vehicle.m")
 VALUE = Axis("d_min", "m", 0.5, 1.5)

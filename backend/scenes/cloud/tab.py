@@ -1,0 +1,234 @@
+"""The tab of the parameter space: which axes, the legend, and the evaluation that a click flies. Read `CloudTab`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+import viser
+
+from backend.db.engine import read
+from backend.runs.service import number
+from backend.scenes.address import Camera
+from backend.scenes.cloud import words
+from backend.scenes.cloud.drawn import CloudDrawn
+from backend.scenes.cloud.evaluations import Axes, Axis, Cloud, Evaluation, axes, load, met
+from backend.scenes.control.latest import Latest
+from backend.scenes.control.live import Live, LiveError
+from backend.scenes.drawing.cameras import Pose, distance
+from backend.scenes.drawing.flight import ROWS, Flight, from_live
+from backend.scenes.drawing.following import Following
+from backend.scenes.drawing.palette import DARK, Palette
+from backend.scenes.drawing.world import World
+from backend.scenes.panel import tables
+from backend.scenes.part import Driver, Part
+from backend.scenes.schemas import NONE as NO_AXIS
+from backend.scenes.schemas import VALUE
+from backend.scenes.setting import NOMINAL, Progress, Setting, UnknownParameterError
+
+NOTHING = "–"
+"""No axis."""
+PATIENCE = 5.0
+"""While a run goes on, its evaluations are read again after this time at the soonest [s]."""
+TOWARDS = (0.55, -0.75, 0.38)
+"""From the box to the camera."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How a flight becomes the what-if: it is drawn, its parameters are those of the sliders, its outcome is told."""
+
+    flight: Callable[[Flight], None]
+    parameters: Callable[[dict[str, float]], None]
+    outcome: Callable[[], None]
+
+
+class CloudTab(Part):
+    """Reads the stored evaluations when it is shown first; the newest click is flown, whatever was overtaken is not."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        engine: sa.Engine,
+        live: Live,
+        setting: Setting,
+        world: World,
+        progress: Progress,
+        following: Following,
+        driver: Driver,
+        shown: Shown,
+    ) -> None:
+        self._server, self._engine, self._live, self._setting = server, engine, live, setting
+        self._world, self._progress, self._following = world, progress, following
+        self._driver, self._shown = driver, shown
+        self._drawn = CloudDrawn(server, setting, world, world.palette)
+        self._cloud: Cloud | None = None
+        self._read, self._whole = 0.0, False
+        """When the evaluations were read last [s]; whether the run was over then."""
+        self._visible = self._stopped = False
+        self._picked: Evaluation | None = None
+        self._along: Axes = (None, None, None)
+        self._before: Camera | None = None
+        self._own: Pose | None = None
+        """Where the camera stood when the flights were shown last: a place by name, or the visitor's own."""
+        self._panel(server.gui)
+        self._loads: Latest[None] = Latest(lambda _: self._load())
+        self._flies: Latest[Evaluation] = Latest(self._fly)
+
+    def _panel(self, gui: viser.GuiApi) -> None:
+        titles = [f"{one.path} [{one.unit}]" if one.unit else one.path for one in self._setting.uncertain]
+        value = Axis(self._setting.quantity or "value", self._setting.unit, 0.0, 0.0).title
+        paths = [one.path for one in self._setting.uncertain]
+        self._paths = {**dict(zip(titles, paths, strict=True)), value: VALUE, NOTHING: NO_AXIS}
+        self._box: Any = gui.add_checkbox(
+            "Show parameter space", False, hint="The stored evaluations in place of the flights."
+        )
+        first = [*titles[:3], value][:3] if len(titles) > 1 else [*(titles or [NOTHING]), NOTHING, value]
+        options = (*titles, value, NOTHING)
+        self._axes: list[Any] = [
+            gui.add_dropdown(f"Axis {name}", options, initial_value=title)
+            for name, title in zip("xyz", first, strict=True)
+        ]
+        self._legend: Any = gui.add_html(tables.note("Every stored evaluation is a point. A click on one flies it."))
+        self._result: Any = gui.add_html("")
+        self._go: Any = gui.add_button(
+            "Show its flight", disabled=True, hint="The flight of the point that was clicked."
+        )
+        self._box.on_update(lambda _: self.show(self._box.value))
+        self._go.on_click(lambda _: self._leave())
+        for one in self._axes:
+            one.on_update(lambda _: self._redraw())
+
+    def show(self, visible: bool) -> None:
+        """Show the parameter space in place of the flights, or the flights again; the camera goes along."""
+        with self._driver.drawing():
+            if visible == self._visible:
+                return
+            self._visible = visible
+            self._world.show(not visible)
+            self._drawn.show(visible)
+        scene = self._server.scene
+        if visible:
+            self._before = self._following.camera
+            self._own = self._following.eye
+            scene.on_click()(self._clicked)
+            self._driver.look_from(None)
+            self._look()
+            if not self._whole:
+                self._loads.ask(None)
+        else:
+            scene.remove_click_callback(self._clicked)
+            self._driver.look_from(self._before)
+            if self._before is None and self._own is not None:
+                self._following.place(self._own)
+
+    @property
+    def on(self) -> bool:
+        """Whether the parameter space is to be seen."""
+        return self._visible
+
+    @property
+    def along(self) -> tuple[str, str, str]:
+        """The paths of the parameters along x, y and z, `value` or `none`."""
+        x, y, z = (self._paths[one.value] for one in self._axes)
+        return x, y, z
+
+    def have(self, on: bool | None, along: tuple[str, str, str] | None) -> None:
+        """Show it with these axes; None leaves it as it is. Raises `UnknownParameterError`."""
+        titles = {path: title for title, path in self._paths.items()}
+        if along is not None:
+            unknown = next((path for path in along if path not in titles), None)
+            if unknown is not None:
+                raise UnknownParameterError(f"{unknown!r} is no axis of this parameter space: {', '.join(titles)}")
+            for axis, path in zip(self._axes, along, strict=True):
+                axis.value = titles[path]
+        if on is not None:
+            self.show(on)
+            self._box.value = on
+
+    def changed(self) -> None:
+        """Read the evaluations again, where they are shown and there may be new ones."""
+        due = self._progress.over or time.monotonic() - self._read > PATIENCE
+        if self._visible and due and not self._whole:
+            self._loads.ask(None)
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self._drawn.palette = palette
+        self._redraw()
+
+    def stop(self) -> None:
+        """Read, fly and draw nothing more."""
+        self._loads.stop()
+        self._flies.stop()
+        with self._driver.drawing():
+            self._stopped = True
+
+    def _leave(self) -> None:
+        self._box.value = False  # which calls `show`
+
+    def _look(self) -> None:
+        """From where the whole box is seen."""
+        direction = np.array(TOWARDS) / np.linalg.norm(TOWARDS)
+        half = 0.62 * self._drawn.side
+        corners = np.array([(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)])
+        middle = self._world.frame.middle
+        eye = middle + distance(corners, direction) * direction
+        self._following.place((eye, middle))
+
+    def _load(self) -> None:
+        flight, over = self._progress.flights.get(NOMINAL), self._progress.over
+        with read(self._engine) as reader:
+            cloud = load(reader, number(self._setting.run), self._setting, flight.cost if flight else None)
+        self._cloud, self._read, self._whole = cloud, time.monotonic(), over
+        self._redraw()
+
+    def _redraw(self) -> None:
+        with self._driver.drawing():
+            if self._cloud is None or self._stopped:
+                return
+            known = axes(self._setting, self._cloud)
+            self._along = [known.get(one.value) for one in self._axes]
+            self._drawn.draw(self._cloud, self._along)
+            if self._picked is not None:
+                self._drawn.pick(self._picked, self._along)
+            self._legend.content = words.legend(self._cloud, self._setting, self._drawn.palette is DARK)
+
+    def _clicked(self, event: Any) -> None:
+        with self._driver.drawing():
+            cloud = self._cloud
+            if cloud is None:
+                return
+            found = met(self._drawn.points, event.ray_origin, event.ray_direction)
+            if found is None:
+                self._result.content = tables.note("There is no evaluation near that place.")
+                return
+            one = self._picked = cloud.drawn[found]
+            self._drawn.pick(one, self._along)
+            self._result.content = words.flying(one)
+            self._go.disabled = True
+        self._flies.ask(one)
+
+    def _fly(self, one: Evaluation) -> None:
+        """Fly it with the parameters as stored, bit by bit, and hold the result against what is stored."""
+        try:
+            answer = self._live.fly(self._setting.document, self._setting.digest, one.parameters, ROWS)
+        except LiveError as error:
+            self._say(words.flying(one) + tables.note(str(error), strong=True), None, one)
+            return
+        self._say(words.outcome(one, answer, self._setting), from_live(answer), one)
+
+    def _say(self, result: str, flight: Flight | None, one: Evaluation) -> None:
+        with self._driver.drawing():
+            if self._stopped:
+                return
+            if flight is not None:
+                self._shown.parameters(one.parameters)
+                self._shown.flight(flight)
+                self._shown.outcome()
+            self._result.content = result
+            self._go.disabled = flight is None

@@ -1,0 +1,83 @@
+"""GET and PATCH /runs/{run}/views/{key}: the page that has opened a 3D view steers it. Start reading at `change_view`.
+
+The key is the page's own, in the address of the view; it is good for whoever opened that view and for its run alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+from anyio import to_thread
+from fastapi import APIRouter, Path, Query, Request
+
+from backend.auth import CurrentVisitor
+from backend.errors import RefusedError
+from backend.runs.service import number
+from backend.scenes.address import KEY
+from backend.scenes.control.viewers import Handle, Viewers
+from backend.scenes.schemas import ViewChange, ViewState
+from backend.scenes.setting import UnknownParameterError
+from backend.scenes.viewer import GoneError, UnknownFlightError, Viewer
+
+router = APIRouter(tags=["views"])
+
+Key = Annotated[str, Path(pattern=f"^{KEY}$", description="Of the view: a UUID (version 4) in its address.")]
+Wait = Annotated[float, Query(ge=0, le=30, description="How long to wait for the view to open [s].")]
+Since = Annotated[
+    int | None,
+    Query(
+        ge=0,
+        description="A revision that is known: the answer comes once the view shows something else, at the latest "
+        "after `wait`; at once where no such view is open.",
+    ),
+]
+
+
+@router.get("/runs/{run}/views/{key}")
+async def get_view(
+    run: str, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
+) -> ViewState:
+    """What an open 3D view shows now, or as soon as it shows something new."""
+    handle = Handle(visitor, number(run), key)
+    if since is not None:
+        await request.app.state.viewers.news(handle, since, wait)
+        wait = 0.0
+    return await _answer(request, handle, wait, Viewer.state)
+
+
+@router.patch("/runs/{run}/views/{key}")
+async def change_view(
+    run: str, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
+) -> ViewState:
+    """Show something else in an open 3D view: `/view/RUN/key/KEY/`. The answer says what it shows then."""
+    return await _answer(request, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
+
+
+async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[Viewer], ViewState]) -> ViewState:
+    viewers: Viewers = request.app.state.viewers
+    viewer = await viewers.find(handle, wait)
+    if viewer is None:
+        raise _full(viewers.most) if viewers.full and not viewers.stopping.is_set() else _gone(handle)
+    try:
+        return await to_thread.run_sync(ask, viewer)
+    except GoneError:
+        raise _gone(handle) from None
+    except UnknownFlightError as error:
+        raise RefusedError(422, "unknown-finding", str(error)) from None
+    except UnknownParameterError as error:
+        raise RefusedError(422, "unknown-parameter", str(error)) from None
+
+
+def _full(most: int) -> RefusedError:
+    detail = f"{most} 3D views are open, and no more may be at a time: close one that is not needed, then try again"
+    return RefusedError(503, "busy", detail)
+
+
+def _gone(handle: Handle) -> RefusedError:
+    run = f"R-{handle.run_id:04d}"
+    detail = (
+        f"no 3D view of {run} is open for you with the key {handle.key}: open /view/{run}/key/{handle.key}/ first, "
+        "and keep it open; ?wait=SECONDS waits for it"
+    )
+    return RefusedError(404, "no-such-view", detail)

@@ -1,0 +1,124 @@
+"""What an obstacle is in one flight: its shape, its place, its track. Start reading at `body_of`.
+
+Two flights may differ in it: an intruder that gives way answers the vehicle, and an obstacle's own parameters may be
+uncertain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backend.scenes.drawing.axes import Axes
+from backend.scenes.drawing.flight import Flight
+
+Floats = NDArray[np.float64]
+
+ALIKE = 2e-3
+"""Tracks that differ by less than this share of the scene cannot be told apart in it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """An obstacle as drawn [m]: its size is the radius; radius and height; or length, width and height."""
+
+    number: int
+    kind: Literal["round", "cylinder", "box"]
+    size: tuple[float, ...]
+    place: Floats
+    """Its centre; of a moving one, where it starts."""
+    turn: Floats
+    """w, x, y, z of its own axes."""
+    flight: Flight | None = None
+    """Of a moving one, the flight whose track is its way."""
+
+    def at(self, time: float) -> Floats:
+        """Its centre at a time [s]."""
+        return self.place if self.flight is None else self.flight.obstacle(self.number, time)
+
+    def heading(self, time: float) -> Floats:
+        """Where it moves to at a time [s]; where it has come to rest, where it came from; zero for what never moves."""
+        if self.flight is None:
+            return np.zeros(3)
+        steps = np.diff(self.track, axis=0)
+        moved = np.flatnonzero(np.linalg.norm(steps, axis=1) > 0.0)
+        if len(moved) == 0:
+            return np.zeros(3)
+        now = int(np.searchsorted(self.flight.time, time, side="right")) - 1
+        step: Floats = steps[moved[max(int(np.searchsorted(moved, now, side="right")) - 1, 0)]]
+        return step
+
+    def velocity(self, time: float) -> Floats:
+        """Of its centre at a time (3,) [m/s]; zero for what never moves."""
+        return np.zeros(3) if self.flight is None else self.flight.obstacle_velocity(self.number, time)
+
+    @property
+    def track(self) -> Floats:
+        """Where its centre goes (m, 3); one point where it stands."""
+        return self.place[None] if self.flight is None else self.flight.tracks[self.number]
+
+    @property
+    def reach(self) -> float:
+        """How far it extends from its centre at most [m]."""
+        if self.kind == "round":
+            return self.size[0]
+        if self.kind == "cylinder":
+            return float(np.hypot(self.size[0], self.size[1] / 2))
+        return float(np.linalg.norm(self.size)) / 2
+
+    def like(self, other: Body, span: float) -> bool:
+        """Whether both would look the same in a scene of that span [m]."""
+        alike = ALIKE * span
+        return (
+            self.kind == other.kind
+            and np.allclose(self.size, other.size, rtol=1e-6)
+            and np.allclose(self.turn, other.turn, atol=1e-6)
+            and (self.flight is None) == (other.flight is None)
+            and _apart(self, other) <= alike
+        )
+
+
+def _apart(one: Body, other: Body) -> float:
+    """How far the ways of two bodies are apart at most, while both are flown [m]."""
+    if one.flight is None or other.flight is None:
+        return float(np.linalg.norm(one.place - other.place))
+    if one.flight is other.flight:
+        return 0.0
+    end = min(one.flight.time[-1], other.flight.time[-1])
+    times = np.linspace(0.0, end, 200)
+    return max(float(np.linalg.norm(one.at(time) - other.at(time))) for time in times)
+
+
+def bodies_of(count: int, values: Mapping[str, float], flight: Flight) -> list[Body]:
+    """So many obstacles as that flight has them; `values` are the nominal parameters by path."""
+    return [body_of(number, {**values, **flight.parameters}, flight.axes, flight) for number in range(count)]
+
+
+def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:
+    """The one whose centre is nearest to a place at a time [s]."""
+    return min(bodies, key=lambda body: float(np.linalg.norm(body.at(time) - place)), default=None)
+
+
+def body_of(number: int, values: Mapping[str, float], axes: Axes, flight: Flight | None) -> Body:
+    """The obstacle of that number with these parameters by path, along its track in that flight where it moves."""
+
+    def value(name: str, otherwise: float = 0.0) -> float:
+        found = values.get(f"obstacles.{number}.{name}", otherwise)
+        return found if np.isfinite(found) else otherwise
+
+    place = axes.drawn(np.array([value(f"position.{axis}") for axis in "xyz"]))
+    moves = flight is not None and number in flight.tracks
+    if flight is not None and moves:
+        place = flight.tracks[number][0]
+    turn = axes.about_vertical(value("angle"))
+    follows = flight if moves else None
+    if f"obstacles.{number}.length" in values:
+        size = (value("length"), value("width"), value("height"))
+        return Body(number, "box", size, place, turn, follows)
+    if f"obstacles.{number}.height" in values:
+        return Body(number, "cylinder", (value("radius"), value("height")), place, turn, follows)
+    return Body(number, "round", (value("radius"),), place, turn, follows)

@@ -1,0 +1,106 @@
+"""Where the cameras stand, and what they look at. Start reading at `pose`.
+
+Overview, top and side hold the whole scene; encounter the closest approach; chase flies behind the vehicle and intruder
+behind the obstacle that comes closest, so those two move with the time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backend.scenes.address import Camera
+from backend.scenes.drawing.flight import Closest
+
+Floats = NDArray[np.float64]
+Pose = tuple[Floats, Floats]
+"""Where a camera stands and what it looks at [m]."""
+
+FIELD_OF_VIEW = np.radians(40.0)
+ASPECT = 1.1
+"""Width by height that the scene has to fit into, beside the panel."""
+MOVING: tuple[Camera, ...] = ("chase", "intruder")
+"""Those that go with the time."""
+TOWARDS = {
+    "overview": (-0.25, -0.75, 0.8),
+    "encounter": (-0.35, -0.7, 0.75),
+    "top": (0.0, -1e-3, 1.0),
+    "side": (0.0, -1.0, 0.12),
+}
+"""From what is looked at to the camera."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What holds everything: its middle, points of it (n, 3), what must stay free, and the length of a vehicle [m]."""
+
+    middle: Floats
+    points: Floats
+    threshold: float
+    unit: float
+
+
+@dataclass(frozen=True)
+class Sight:
+    """The flight that is looked at, at one time."""
+
+    vehicle: Floats
+    forward: Floats
+    """The direction in which its nose points."""
+    obstacle: Floats | None
+    """The centre of the obstacle that comes closest."""
+    reach: float
+    """How far that obstacle extends from its centre [m]."""
+    closest: Closest | None
+
+
+def pose(camera: Camera, scene: Scene, sight: Sight | None) -> Pose:
+    """Where the camera stands and what it looks at; the overview where there is nothing of what it asks for."""
+    if sight is not None and camera == "chase":
+        return _behind(sight, scene.unit)
+    if sight is not None and sight.obstacle is not None and camera == "intruder":
+        return _from_obstacle(sight.vehicle, sight.obstacle, max(scene.threshold, sight.reach), scene.unit)
+    middle, points = scene.middle, scene.points
+    kind: str = camera if camera in ("top", "side") else "overview"
+    closest = sight.closest if sight else None
+    if camera == "encounter" and closest is not None:
+        kind = camera
+        middle = (closest.position + closest.obstacle) / 2
+        reach = max(1.1 * max(closest.value, scene.threshold), 2 * scene.unit)
+        points = middle + reach * np.array([*np.eye(3), *-np.eye(3)])
+    direction = np.array(TOWARDS[kind]) / np.linalg.norm(TOWARDS[kind])
+    return middle + distance(points - middle, direction) * direction, middle
+
+
+def _behind(sight: Sight, unit: float) -> Pose:
+    """Behind and above the vehicle, level, looking a little ahead of it."""
+    ahead = level(sight.forward)
+    eye = sight.vehicle - 6.0 * unit * ahead + np.array([0.0, 0.0, 2.4 * unit])
+    return eye, sight.vehicle + 3.0 * unit * ahead
+
+
+def _from_obstacle(vehicle: Floats, obstacle: Floats, free: float, unit: float) -> Pose:
+    """Behind the obstacle as the vehicle sees it, outside what must stay free, over it onto the vehicle."""
+    towards = level(vehicle - obstacle)
+    back = 1.6 * free + 3.0 * unit
+    return obstacle - back * towards + np.array([0.0, 0.0, 0.55 * back]), vehicle
+
+
+def level(direction: Floats) -> Floats:
+    """The horizontal part of a direction, one long; straight ahead (north) where it has none."""
+    flat = direction * (1.0, 1.0, 0.0)
+    length = float(np.linalg.norm(flat))
+    if length < 1e-6 * max(float(np.linalg.norm(direction)), 1e-9):
+        return np.array([0.0, 1.0, 0.0])
+    return flat / length
+
+
+def distance(points: Floats, direction: Floats) -> float:
+    """How far off a camera must stand in that direction to see all these points about what it looks at [m]."""
+    right = np.cross((0.0, 0.0, 1.0), direction)
+    right /= np.linalg.norm(right)
+    up = np.cross(direction, right)
+    across = np.maximum(np.abs(points @ right) / ASPECT, np.abs(points @ up))
+    return float((1.15 * across / np.tan(FIELD_OF_VIEW / 2) + points @ direction).max())

@@ -1,0 +1,202 @@
+"""Draws one flight: its line, the vehicle at a time, the closest approach with its ruler. Start reading at `Drawn`.
+
+In space a flight has a shadow on the ground and stems at even times, so that heights can be read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+import viser
+
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.bodies import Body, bodies_of
+from backend.scenes.drawing.flight import Closest, Flight
+from backend.scenes.drawing.palette import rgb, shade
+from backend.scenes.drawing.trail import Trail
+from backend.scenes.drawing.world import World
+from backend.scenes.setting import Setting
+
+Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
+
+
+DOTS = 9
+"""About so many dots are on a path, and in space as many stems under it."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """How one role of flight looks.
+
+    Flights that coincide stay apart by `layer`: a higher one is drawn over a lower one, with a thinner line. Its label
+    stands off the closest approach by `label`, or beyond the obstacle.
+    """
+
+    key: str
+    title: str
+    colour: str
+    layer: int
+    label: Literal["top", "bottom", "beyond"]
+
+
+class Drawn:
+    """A flight in the scene; drawn again in place when it changes."""
+
+    def __init__(self, server: viser.ViserServer, setting: Setting, world: World, style: Style) -> None:
+        self._scene, self._setting, self._world, self.style = server.scene, setting, world, style
+        self.flight: Flight | None = None
+        self.bodies: list[Body] = []
+        """The obstacles as this flight had them."""
+        self.visible = True
+        """Whether it is to be seen once there is one."""
+        self._root = self._scene.add_frame(f"/flights/{style.key}", show_axes=False, visible=False)
+        self._vehicle: Any = None
+        self.trail = Trail(server, f"/flights/{style.key}", (5.0, 3.0, 2.0)[style.layer])
+
+    def draw(self, flight: Flight, time: float) -> None:
+        """Show this flight instead of the one before, the vehicle where it is at that time."""
+        dots = np.arange(0.0, flight.time[-1] + 1e-9, shapes.even_step(self._setting.horizon, DOTS))
+        self.trail.draw(flight.time, flight.position + self._lift, dots, self.style.colour, self._world.frame.unit)
+        if not self._setting.planar:
+            self._stand(flight, dots)
+        if self._vehicle is None:
+            self._vehicle = self._build_vehicle()
+        self.flight = flight
+        self.bodies = bodies_of(len(self._setting.moving), self._setting.values, flight)
+        self._closest(flight.closest)
+        self._root.visible = self.visible
+        self.move(time)
+
+    def clear(self) -> None:
+        """Show no flight until there is another one."""
+        self.flight, self.bodies = None, []
+        self._root.visible = False
+
+    def restyle(self, time: float, title: str | None = None, colour: str | None = None) -> None:
+        """The same flight under another name or in another colour."""
+        self.style = replace(self.style, title=title or self.style.title, colour=colour or self.style.colour)
+        if colour is not None:
+            self._vehicle = None
+        if self.flight is not None:
+            self.draw(self.flight, time)
+
+    def place(self, time: float) -> Any:
+        """Where the vehicle is drawn at a time (3,); only while there is a flight."""
+        assert self.flight is not None
+        return self.flight.at(time)[0] + self._lift
+
+    @property
+    def seen(self) -> bool:
+        """Whether there is a flight and it is to be seen."""
+        return self.visible and self.flight is not None
+
+    def move(self, time: float) -> None:
+        """Put the vehicle where it is at that time [s]."""
+        if self.flight is not None:
+            position, turn, _ = self.flight.at(time)
+            self._vehicle.position = position + self._lift
+            self._vehicle.wxyz = turn
+            self.trail.move(time, position + self._lift)
+
+    def show(self, visible: bool) -> None:
+        """Show or hide it."""
+        self.visible = visible
+        self._root.visible = visible and self.flight is not None
+
+    @property
+    def _lift(self) -> Any:
+        """Off the ground in the plane, the flights above one another."""
+        return np.array([0.0, 0.0, 0.004 * self._world.frame.span * (1 + self.style.layer) * self._setting.planar])
+
+    def _stand(self, flight: Flight, dots: Any) -> None:
+        """Its shadow on the ground, and stems down to it at even times."""
+        shadow = flight.position * (1.0, 1.0, 0.0) + (0.0, 0.0, self._world.ground)
+        self._line("shadow", shapes.dashed(shadow, self._world.frame.span / 200), 1.0, soft=True)
+        feet = [flight.at(time)[0] for time in dots]
+        stems = np.array([(foot, (foot[0], foot[1], self._world.ground)) for foot in feet])
+        self._line("stems", stems, 1.0, soft=True)
+
+    def _name(self, part: str) -> str:
+        return f"/flights/{self.style.key}/{part}"
+
+    def _line(self, part: str, segments: Any, width: float, soft: bool = False) -> None:
+        colour = rgb(self._world.palette.section if soft else self.style.colour)
+        self._scene.add_line_segments(
+            self._name(part), segments.astype(np.float32), colour, thickness=width, thickness_units="screen"
+        )
+
+    def _build_vehicle(self) -> Any:
+        frame = self._scene.add_frame(self._name("vehicle"), show_axes=False)
+        body, rest = _shape(self._setting)
+        dark = shade(rgb(self.style.colour), 0.45)
+        for part, mesh, colour in (("body", body, shade(rgb(self.style.colour), 0.8)), ("rest", rest, dark)):
+            self._scene.add_mesh_simple(
+                self._name(f"vehicle/{part}"),
+                (self._world.frame.unit * mesh.vertices).astype(np.float32),
+                mesh.faces.astype(np.uint32),
+                color=colour,
+                flat_shading=True,
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+        return frame
+
+    def _closest(self, closest: Closest | None) -> None:
+        """Balls where the flight came closest and where the obstacle was then, and a ruler that says how close."""
+        if closest is None:
+            for part in ("closest", "closest-obstacle", "ruler", "label"):
+                self._scene.remove_by_name(self._name(part))
+            return
+        near, far = closest.position + self._lift, closest.obstacle + self._lift
+        self._ball("closest", 0.1, near, self.style.colour)
+        self._ball("closest-obstacle", 0.07, far, self.style.colour)
+        self._line("ruler", np.stack([near, far])[None], 1.5)
+        text = f"{self.style.title} {closest.value:.{self._setting.decimals}f} {self._setting.unit}"
+        place, anchor = self._label_place(closest)
+        self._scene.add_label(self._name("label"), text, position=place, anchor=anchor, font_screen_scale=0.9)
+
+    def _ball(self, part: str, size: float, place: Any, colour: str) -> None:
+        radius = size * self._world.frame.unit
+        self._scene.add_icosphere(self._name(part), radius, rgb(colour), position=place, cast_shadow=False)
+
+    def _label_place(self, closest: Closest) -> tuple[Any, Anchor]:
+        """Where the label stands, on the side where it covers neither the obstacle nor another flight's label."""
+        across = closest.obstacle - closest.position
+        away: Literal["left", "right"] = "right" if across[0] >= 0 else "left"
+        if self.style.label == "beyond":
+            beyond = across / max(float(np.linalg.norm(across)), 1e-9)
+            place = closest.obstacle + 1.4 * self._setting.threshold * beyond
+            return place, "center-left" if away == "right" else "center-right"
+        # Off the vehicle, and apart where two flights come closest at the same place.
+        side = (1.0 if self.style.label == "bottom" else -1.0) * self._world.frame.unit
+        place = (
+            closest.position
+            + side * np.array([0.0, 0.35, 0.5])
+            - 0.7 * self._world.frame.unit * across / max(float(np.linalg.norm(across)), 1e-9)
+        )
+        sides: dict[str, Anchor] = {
+            "bottom-left": "bottom-left",
+            "bottom-right": "bottom-right",
+            "top-left": "top-left",
+            "top-right": "top-right",
+        }
+        return place, sides[f"{self.style.label}-{away}"]
+
+
+def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:
+    """By which corner the label of an obstacle hangs, so that it leads away from the labels of these flights."""
+    closest = next((one.flight.closest for one in flights if one.flight and one.flight.closest), None)
+    if closest is None:
+        return f"{edge}-center"
+    return f"{edge}-{'left' if closest.obstacle[0] >= closest.position[0] else 'right'}"
+
+
+def _shape(setting: Setting) -> tuple[shapes.Mesh, shapes.Mesh]:
+    """The vehicle's two meshes: an aircraft in space, else a robot."""
+    if not setting.planar:
+        return shapes.aircraft()
+    return shapes.pioneer() if setting.vehicle.startswith("pioneer") else shapes.unicycle()

@@ -1,0 +1,117 @@
+"""The flights of a scene: the nominal one, a finding beside it, a what-if, and the obstacles. Read `Flights`."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.axes import rotated
+from backend.scenes.drawing.cameras import Sight
+from backend.scenes.drawing.drawn import DOTS, Drawn, Style
+from backend.scenes.drawing.flight import Flight
+from backend.scenes.drawing.obstacles import Obstacles
+from backend.scenes.drawing.palette import Palette
+from backend.scenes.drawing.world import World
+from backend.scenes.part import Part
+from backend.scenes.setting import NOMINAL, WORST, Progress, Setting
+
+
+class Flights(Part):
+    """Draws them and knows which is which; what it is not told to draw anew stays."""
+
+    def __init__(
+        self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, progress: Progress
+    ) -> None:
+        self._world, self._progress = world, progress
+        styles = (
+            Style("nominal", "Nominal", palette.nominal, 0, "bottom"),
+            Style("worst", called(progress.shown), palette.worst, 1, "top"),
+            Style("what-if", "What-if", palette.what_if, 2, "beyond"),
+        )
+        self.nominal, self.chosen, self.what_if = (Drawn(server, setting, world, style) for style in styles)
+        self.every = (self.nominal, self.chosen, self.what_if)
+        self.obstacles = Obstacles(server, setting, palette, world)
+        self.dots = shapes.even_step(setting.horizon, DOTS)
+        """Time between the dots on a path [s]."""
+        self.time = 0.0
+
+    def stored(self) -> bool:
+        """Draw what the run has stored by now; whether there was anything new."""
+        progress = self._progress
+        wanted = {NOMINAL: self.nominal} | ({} if self.alone else {progress.shown: self.chosen})
+        new = {
+            drawn: flight
+            for name, drawn in wanted.items()
+            if (flight := progress.flights.get(name)) is not None and flight is not drawn.flight
+        }
+        first = all(drawn.flight is None for drawn in self.every)
+        if first and new:
+            self._world.fit(list(new.values()))
+        for drawn, flight in new.items():
+            drawn.draw(flight, self.time)
+        if new or first:
+            self.obstacles.update(self.every, self.time)
+        return bool(new)
+
+    def choose(self) -> None:
+        """The progress shows another finding, or none, beside the nominal flight."""
+        self.chosen.clear()
+        self.chosen.restyle(self.time, title=called(self._progress.shown))
+        if not self.stored():
+            self.obstacles.update(self.every, self.time)
+
+    def fly(self, flight: Flight) -> None:
+        """Show this what-if flight."""
+        self.what_if.draw(flight, self.time)
+        self.obstacles.update(self.every, self.time)
+
+    def trail(self, so_far: bool) -> None:
+        """Draw the paths alike from end to end, or what is flown so far stronger."""
+        for drawn in self.every:
+            drawn.trail.show(so_far, self.time, None if drawn.flight is None else drawn.place(self.time))
+
+    def moved(self, time: float) -> None:
+        """Put vehicles and obstacles where they are at that time [s]."""
+        self.time = time
+        for drawn in self.every:
+            drawn.move(time)
+        self.obstacles.move(time)
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        colours = (palette.nominal, palette.worst, palette.what_if)
+        for drawn, colour in zip(self.every, colours, strict=True):
+            drawn.restyle(self.time, colour=colour)
+        self.obstacles.paint(palette, self.time)
+
+    @property
+    def alone(self) -> bool:
+        """Whether the nominal flight is shown without a finding beside it."""
+        return self._progress.shown == NOMINAL
+
+    @property
+    def lead(self) -> Drawn | None:
+        """The flight that the cameras go with: the finding, else the nominal one; of those seen where any is."""
+        flown = [drawn for drawn in (self.chosen, self.nominal, self.what_if) if drawn.flight is not None]
+        return next((drawn for drawn in flown if drawn.visible), flown[0] if flown else None)
+
+    def sight(self, time: float) -> Sight | None:
+        """That flight at a time [s]."""
+        lead = self.lead
+        if lead is None or lead.flight is None:
+            return None
+        turn, closest = lead.flight.at(time)[1], lead.flight.closest
+        body = lead.bodies[closest.number] if closest and closest.number < len(lead.bodies) else None
+        return Sight(
+            vehicle=lead.place(time),
+            forward=rotated(turn, np.array([1.0, 0.0, 0.0])),
+            obstacle=None if body is None else body.at(time),
+            reach=0.0 if body is None else body.reach,
+            closest=closest,
+        )
+
+
+def called(shown: str) -> str:
+    """What a chosen flight is called."""
+    return "Worst" if shown == WORST else shown

@@ -1,0 +1,240 @@
+"""Draws the obstacles with their safety radius, moving ones along their tracks. Start reading at `Obstacles`.
+
+Where flights differ in an obstacle, each has its own; where they agree, it is drawn once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import viser
+
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.axes import along
+from backend.scenes.drawing.bodies import Body, body_of
+from backend.scenes.drawing.drawn import Drawn, anchor_of
+from backend.scenes.drawing.palette import Palette, Rgb, rgb, shade
+from backend.scenes.drawing.solids import Solids
+from backend.scenes.drawing.world import World
+from backend.scenes.setting import Setting
+
+
+@dataclass(eq=False)
+class _Group:
+    """One obstacle as some flights have it."""
+
+    name: str
+    body: Body
+    members: list[Drawn] = field(default_factory=list)
+    own: bool = False
+    """Whether other flights have it otherwise."""
+    titles: list[str] = field(default_factory=list)
+    """What its flights were called when it was drawn."""
+    nodes: list[Any] = field(default_factory=list)
+    root: Any = None
+    heading: Any = None
+
+    @property
+    def visible(self) -> bool:
+        return not self.members or any(one.visible for one in self.members)
+
+    @property
+    def called(self) -> list[str]:
+        return [one.style.title for one in self.members]
+
+    def takes_over(self, before: dict[str, _Group], span: float) -> bool:
+        """Go on with what is drawn already, where that looks the same; it is no longer among those before."""
+        old = before.get(self.name)
+        if old is None or old.own != self.own or old.members != self.members or old.titles != self.called:
+            return False
+        if not old.body.like(self.body, span) or _longer(self.body, old.body):
+            return False
+        self.nodes, self.root, self.heading, self.titles = old.nodes, old.root, old.heading, old.titles
+        del before[self.name]
+        return True
+
+    def move(self, time: float) -> None:
+        if self.body.flight is None or self.root is None:
+            return
+        self.root.position = self.body.at(time)
+        self.heading.wxyz = along(self.body.heading(time))
+
+
+class Obstacles:
+    """All obstacles of a scene."""
+
+    def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette, world: World) -> None:
+        self._scene, self._setting, self._palette, self._world = server.scene, setting, palette, world
+        self._solids = Solids(server)
+        self._groups: list[_Group] = []
+
+    def update(self, drawn: Sequence[Drawn], time: float) -> None:
+        """Draw them anew, as the flights that there are now have them, where they are at that time [s]."""
+        before = {group.name: group for group in self._groups}
+        self._groups = self._grouped([one for one in drawn if one.flight is not None])
+        new = [group for group in self._groups if not group.takes_over(before, self._world.frame.span)]
+        for group in before.values():
+            for node in group.nodes:
+                node.remove()
+        for group in new:
+            self._draw(group)
+        self.show()
+        self.move(time)
+
+    def move(self, time: float) -> None:
+        """Put those that move where they are at that time [s]."""
+        for group in self._groups:
+            group.move(time)
+
+    def show(self) -> None:
+        """Show those of which a flight is shown."""
+        for group in self._groups:
+            for node in group.nodes:
+                node.visible = group.visible
+
+    def moving(self) -> Iterator[tuple[Body, Rgb]]:
+        """Those to be seen that move, each with its colour."""
+        for group in self._groups:
+            if group.visible and group.body.flight is not None:
+                yield group.body, shade(self._colour(group), 0.8)
+
+    def paint(self, palette: Palette, time: float) -> None:
+        """The same in other colours."""
+        self._palette = palette
+        for group in self._groups:
+            for node in group.nodes:
+                node.remove()
+            group.nodes = []
+            self._draw(group)
+        self.show()
+        self.move(time)
+
+    def _grouped(self, flown: Sequence[Drawn]) -> list[_Group]:
+        found: list[_Group] = []
+        for number, moving in enumerate(self._setting.moving):
+            same: list[_Group] = []
+            if not flown and not moving:  # where one that moves will be, only a flight can say
+                same = [_Group(f"/obstacles/{number}", self._body(number, None))]
+            for one in flown:
+                body = self._body(number, one)
+                group = next((g for g in same if g.body.like(body, self._world.frame.span)), None)
+                if group is None:
+                    name = f"/obstacles/{number}" + (f"-{one.style.key}" if same else "")
+                    group = _Group(name, body)
+                    same.append(group)
+                elif _longer(body, group.body):
+                    group.body = body
+                group.members.append(one)
+            for group in same:
+                group.own = len(same) > 1
+            found += same
+        return found
+
+    def _body(self, number: int, one: Drawn | None) -> Body:
+        flight = None if one is None else one.flight
+        values = self._setting.values | ({} if flight is None else flight.parameters)
+        return body_of(number, values, self._setting.axes, flight)
+
+    def _draw(self, group: _Group) -> None:
+        body, colour = group.body, self._colour(group)
+        group.titles = group.called
+        group.root = self._scene.add_frame(group.name, show_axes=False, position=body.place)
+        group.nodes = [group.root]
+        if self._setting.planar:
+            self._flat(group, colour)
+        else:
+            self._solid(group, colour)
+        if body.flight is not None:
+            self._track(group, colour)
+        self._label(group)
+
+    def _colour(self, group: _Group) -> Rgb:
+        """Its flight's where flights differ in it."""
+        return rgb(group.members[0].style.colour if group.own else self._palette.obstacle)
+
+    def _flat(self, group: _Group, colour: Rgb) -> None:
+        """In the plane: a body some way up, the disc that must stay free, its edge dashed."""
+        unit, name, body = self._world.frame.unit, group.name, group.body
+        height, threshold = 1.2 * unit, self._setting.threshold
+        if body.flight is None:
+            self._solids.cylinder(f"{name}/core", 0.12 * unit, height, colour, 1.0)
+        if body.kind == "box":
+            self._solids.box(f"{group.name}/body", (*body.size[:2], height), height / 2, group.body.turn, colour)
+        elif body.size[0] > 0:
+            self._solids.cylinder(
+                f"{name}/body", body.size[0], height if body.flight is None else 0.4 * unit, colour, 0.45
+            )
+        self._solids.cylinder(f"{name}/safety", threshold, 0.02 * height, colour, 0.25)
+        ring = shapes.circle(np.array([0.0, 0.0, 0.03 * height]), threshold, dashes=24)
+        self._solids.line(f"{name}/ring", ring, rgb(self._palette.ink))
+
+    def _solid(self, group: _Group, colour: Rgb) -> None:
+        """In space: the body itself, and what must stay free about its centre as a wire frame."""
+        unit, name, body, threshold = self._world.frame.unit, group.name, group.body, self._setting.threshold
+        if body.kind == "box":
+            self._solids.box(f"{group.name}/body", body.size, 0.0, group.body.turn, colour)
+        elif body.kind == "cylinder":
+            self._solids.cylinder(f"{name}/body", body.size[0], body.size[1], colour, 0.45, lift=0.0)
+            capsule = shapes.capsule(threshold, body.size[1])
+            self._solids.mesh(f"{name}/safety", capsule, colour, wireframe=True, opacity=0.25)
+            return
+        elif body.size[0] > 0.2 * unit:
+            self._solids.ball(f"{name}/body", body.size[0], colour, opacity=0.45)
+        if body.flight is None and body.reach <= 0.2 * unit:
+            self._solids.ball(f"{name}/core", 0.2 * unit, colour)
+        if threshold > 0:
+            self._solids.ball(f"{name}/safety", threshold, colour, wireframe=True, opacity=0.25)
+
+    def _track(self, group: _Group, colour: Rgb) -> None:
+        """What says that it moves: its way in dashes, and a sign that looks along it."""
+        name, span, unit = group.name, self._world.frame.span, self._world.frame.unit
+        lift = np.array([0.0, 0.0, 0.003 * span if self._setting.planar else 0.0])
+        dashes = shapes.dashed(group.body.track + lift, span / 70)
+        if len(dashes):
+            track = f"/tracks/{name.rpartition('/')[2]}"
+            group.nodes.append(self._solids.line(track, dashes, shade(colour, 0.85), 2.5))
+        group.heading = self._scene.add_frame(f"{name}/heading", show_axes=False)
+        if self._setting.planar:
+            # on top of its body, its middle at the centre
+            sign = shapes.arrow()
+            moved = unit * (sign.vertices - (0.4, 0.0, 0.0)) + (0.0, 0.0, 0.45 * unit)
+            self._solids.mesh(f"{name}/heading/sign", shapes.Mesh(moved, sign.faces), shade(colour, 0.7))
+        else:
+            for part, mesh, share in zip(("body", "rest"), shapes.aircraft(), (0.85, 0.5), strict=True):
+                scaled = shapes.Mesh(unit * mesh.vertices, mesh.faces)
+                self._solids.mesh(f"{name}/heading/{part}", scaled, shade(colour, share))
+
+    def _label(self, group: _Group) -> None:
+        setting, body = self._setting, group.body
+        words = []
+        if body.flight is not None:
+            words.append("intruder" if len(setting.moving) == 1 else f"intruder {body.number + 1}")
+        if group.own:
+            words += [
+                one.style.title if one.style.title.startswith("F") else one.style.title.lower() for one in group.members
+            ]
+        if group is self._groups[0]:
+            words.append(f"{setting.quantity or 'limit'} > {setting.threshold:g} {setting.unit}")
+        if not words:
+            return
+        # Below its safety radius; where flights differ in it and both are near, the second stands above.
+        second = "-" in group.name
+        off = setting.threshold + (body.size[1] / 2 if body.kind == "cylinder" else 0.0)
+        off = off if second else -off
+        self._scene.add_label(
+            f"{group.name}/label",
+            ", ".join(words),
+            position=(0.0, off, 0.0) if setting.planar else (0.0, 0.0, off),
+            anchor=anchor_of(group.members, "bottom" if second else "top"),
+            font_screen_scale=0.8,
+        )
+
+
+def _longer(one: Body, other: Body) -> bool:
+    """Whether one is known for longer than the other."""
+    if one.flight is None or other.flight is None:
+        return False
+    return bool(one.flight.time[-1] > other.flight.time[-1])

@@ -1,0 +1,168 @@
+"""Velocities as arrows: of the vehicles and of what moves in their way, over ground, and relative. Read `Vectors`.
+
+An arrow is as long as the way flown in `ahead` seconds at that velocity, the same number for all arrows of a scene, so
+that it can be read off. The relative velocity is the vehicle's minus that of the obstacle whose centre is nearest: were
+both to keep theirs, that is the way the vehicle would take as seen from the obstacle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.bodies import nearest
+from backend.scenes.drawing.drawn import Drawn
+from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.palette import Palette, Rgb, linear, rgb, shade
+from backend.scenes.drawing.world import World
+from backend.scenes.part import Part
+from backend.scenes.setting import Setting
+
+Floats = NDArray[np.float64]
+
+LENGTH = 2.5
+"""About so many vehicles' lengths long is the arrow of a typical velocity."""
+HEAD = 0.3
+"""Length of an arrow's head; a shorter arrow is left out [vehicles' lengths]."""
+WIDTH = 3.5
+"""[pixels]"""
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """Of one flight at one time [m/s]: over ground, and relative to the nearest obstacle."""
+
+    ground: float
+    relative: float | None
+    """None without an obstacle."""
+
+
+def speeds(drawn: Drawn, time: float) -> Speeds:
+    """Of a flight that there is, at a time [s]."""
+    assert drawn.flight is not None
+    relative = relative_velocity(drawn, time)
+    ground = float(np.linalg.norm(drawn.flight.velocity(time)))
+    return Speeds(ground, None if relative is None else float(np.linalg.norm(relative)))
+
+
+def relative_velocity(drawn: Drawn, time: float) -> Floats | None:
+    """The vehicle's velocity minus that of the nearest obstacle (3,) [m/s]; None without an obstacle."""
+    assert drawn.flight is not None
+    body = nearest(drawn.bodies, drawn.flight.at(time)[0], time)
+    return None if body is None else drawn.flight.velocity(time) - body.velocity(time)
+
+
+class Vectors(Part):
+    """The arrows of all flights that are to be seen."""
+
+    def __init__(
+        self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, flights: Flights
+    ) -> None:
+        self._scene, self._setting, self._world, self._flights = server.scene, setting, world, flights
+        self._palette = palette
+        self.velocity, self.relative = True, False
+        self._nodes: dict[str, Any] = {}
+        self._colours: dict[str, list[Rgb]] = {}
+        self._time = 0.0
+
+    @property
+    def ahead(self) -> float | None:
+        """An arrow is the way of so many seconds; None before there is a flight."""
+        flights = [drawn.flight for drawn in self._flights.every if drawn.flight is not None]
+        typical = max((flight.typical_speed for flight in flights), default=0.0)
+        return shapes.even_step(LENGTH * self._world.frame.unit, typical) if typical > 0 else None
+
+    def show(self, *, velocity: bool | None = None, relative: bool | None = None) -> None:
+        """Show or hide the arrows of one kind."""
+        self.velocity = self.velocity if velocity is None else velocity
+        self.relative = self.relative if relative is None else relative
+        self.moved(self._time)
+
+    def moved(self, time: float) -> None:
+        """Draw them as they are at that time [s]."""
+        self._time = time
+        ahead = self.ahead
+        self._arrows("velocity", self._velocities(time, ahead) if self.velocity and ahead else [])
+        lead = self._flights.lead
+        relative = relative_velocity(lead, time) if lead and lead.seen and self.relative and ahead else None
+        if lead is None or relative is None or ahead is None:
+            self._arrows("relative", [])
+            self._label(None, "")
+            return
+        start = lead.place(time) + self._lift
+        end = start + ahead * relative
+        self._arrows("relative", [(start, end, rgb(self._palette.relative))])
+        self._label(end, f"v rel {np.linalg.norm(relative):.{self.decimals}f} m/s")
+
+    def changed(self) -> None:
+        """Draw them for the flights that there are now."""
+        self.moved(self._time)
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self._palette = palette
+        self._remove(*self._nodes)
+        self.moved(self._time)
+
+    @property
+    def decimals(self) -> int:
+        """Decimals of a speed: those that a typical one needs for three digits."""
+        flights = [drawn.flight for drawn in self._flights.every if drawn.flight is not None]
+        fastest = max((flight.typical_speed for flight in flights), default=0.0)
+        return 1 if fastest >= 10 else 2 if fastest >= 1 else 3
+
+    @property
+    def _lift(self) -> Floats:
+        """Over the hull of what drives in the plane."""
+        return np.array([0.0, 0.0, 0.6 * self._world.frame.unit * self._setting.planar])
+
+    def _velocities(self, time: float, ahead: float) -> list[tuple[Floats, Floats, Rgb]]:
+        found = []
+        for drawn in self._flights.every:
+            if drawn.seen and drawn.flight is not None:
+                start = drawn.place(time) + self._lift
+                found.append((start, start + ahead * drawn.flight.velocity(time), rgb(drawn.style.colour)))
+        for body, colour in self._flights.obstacles.moving():
+            start = body.at(time) + self._lift
+            found.append((start, start + ahead * body.velocity(time), shade(colour, 0.9)))
+        return found
+
+    def _arrows(self, kind: str, found: list[tuple[Floats, Floats, Rgb]]) -> None:
+        """Draw these arrows instead of those before, anew only where there are others."""
+        head = HEAD * self._world.frame.unit
+        long = [one for one in found if np.linalg.norm(one[1] - one[0]) > head]
+        if not long:
+            self._remove(kind)
+            return
+        arrows = [shapes.arrow_lines(start, end, head) for start, end, _ in long]
+        points = np.concatenate(arrows).astype(np.float32)
+        colours = [colour for lines, (*_, colour) in zip(arrows, long, strict=True) for _ in lines]
+        node = self._nodes.get(kind)
+        if node is not None and self._colours.get(kind) == colours:
+            node.points = points
+            return
+        self._colours[kind] = colours
+        both = np.repeat(np.array([linear(colour) for colour in colours], dtype=np.uint8)[:, None], 2, axis=1)
+        self._nodes[kind] = self._scene.add_line_segments(
+            f"/vectors/{kind}", points, both, thickness=WIDTH, thickness_units="screen"
+        )
+
+    def _label(self, place: Floats | None, text: str) -> None:
+        if place is None:
+            self._remove("label")
+        elif (node := self._nodes.get("label")) is not None:
+            node.position, node.text = place, text
+        else:
+            self._nodes["label"] = self._scene.add_label(
+                "/vectors/label", text, position=place, anchor="bottom-left", font_screen_scale=0.8
+            )
+
+    def _remove(self, *kinds: str) -> None:
+        for kind in kinds:
+            if (node := self._nodes.pop(kind, None)) is not None:
+                node.remove()

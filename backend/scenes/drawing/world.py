@@ -1,0 +1,176 @@
+"""Draws what no flight changes: ground, start and goal or course, north; and knows the box that holds everything.
+
+Start reading at `World`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.bodies import body_of
+from backend.scenes.drawing.cameras import Scene
+from backend.scenes.drawing.flight import Flight
+from backend.scenes.drawing.palette import Palette, rgb
+from backend.scenes.setting import Setting
+
+Floats = NDArray[np.float64]
+
+ROOTS = ("flights", "obstacles", "tracks", "start", "goal", "north", "vectors", "field")
+"""Below these the scene of the flights stands, but for the ground and a course."""
+
+LINE = 2.0
+"""Width of a drawn line [pixels]."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The box that holds everything: its middle, its sides and the largest of them [m]."""
+
+    middle: Floats
+    sides: Floats
+    span: float
+    unit: float
+    """The length of a vehicle and of other small signs [m]: to be seen, and no longer than what must stay free."""
+
+    @classmethod
+    def around(cls, points: Sequence[Floats], threshold: float) -> Frame:
+        """The box of these points (..., 3); never empty."""
+        stacked = np.vstack([np.atleast_2d(p) for p in points])
+        low, high = stacked.min(axis=0), stacked.max(axis=0)
+        span = max(float((high - low).max()), 1e-3)
+        unit = min(span / 16, max(0.9 * threshold, span / 40))
+        return cls((low + high) / 2, high - low, span, unit)
+
+
+class World:
+    """The fixed part of a scene."""
+
+    def __init__(self, server: viser.ViserServer, setting: Setting, palette: Palette) -> None:
+        self._scene, self._setting, self.palette = server.scene, setting, palette
+        self._roots: list[Any] = [server.scene.add_frame(f"/{name}", show_axes=False) for name in ROOTS]
+        self._flat: dict[str, Any] = {}
+        self._visible = True
+        self._background()
+        self.fit([])
+
+    def show(self, visible: bool) -> None:
+        """Show or hide the whole scene of the flights, whoever has drawn it."""
+        self._visible = visible
+        for node in (*self._roots, *self._flat.values()):
+            node.visible = visible
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self.palette = palette
+        self._background()
+        self._draw()
+
+    @property
+    def whole(self) -> Scene:
+        """What a camera has to hold."""
+        return Scene(self.frame.middle, self._points, self._setting.threshold, self.frame.unit)
+
+    def fit(self, flights: Sequence[Flight]) -> None:
+        """Draw it so that it holds these flights, and everything that stands in their way."""
+        points = list(self._reach(flights))
+        self.frame = Frame.around(points, self._setting.threshold)
+        self._points = np.vstack([np.atleast_2d(p)[:: max(1, len(np.atleast_2d(p)) // 50)] for p in points])
+        low = min(float(p[..., 2].min()) for p in points)
+        self.ground = -0.002 * self.frame.span if self._setting.planar else low - 0.04 * self.frame.span
+        """The height of the ground [m]."""
+        self._draw()
+
+    def _draw(self) -> None:
+        self._ground()
+        self._places()
+        if self._setting.axes.frame == "ned":
+            self._north()
+
+    def _reach(self, flights: Sequence[Flight]) -> Iterator[Floats]:
+        setting = self._setting
+        yield setting.start
+        if setting.goal is not None:
+            yield setting.goal
+        if setting.course is not None and not flights:
+            yield setting.course
+        for number, moving in enumerate(setting.moving):
+            if not moving:
+                body = body_of(number, setting.values, setting.axes, None)
+                far = max(setting.threshold, body.reach)
+                yield from (body.place - far, body.place + far)
+        for flight in flights:
+            yield flight.position
+            yield from flight.tracks.values()
+            if flight.closest is not None:
+                yield from (flight.closest.obstacle + sign * setting.threshold for sign in (-1, 1))
+
+    def _background(self) -> None:
+        self._scene.set_background_image(np.full((1, 1, 3), rgb(self.palette.background), dtype=np.uint8))
+
+    def _ground(self) -> None:
+        cell = shapes.even_step(self.frame.span, 10)
+        self._flat["ground"] = self._scene.add_grid(
+            "/ground",
+            visible=self._visible,
+            infinite_grid=True,
+            cell_size=cell,
+            section_size=5 * cell,
+            cell_color=rgb(self.palette.grid),
+            section_color=rgb(self.palette.section),
+            fade_distance=6 * self.frame.span,
+            shadow_opacity=0.0,
+            position=(0.0, 0.0, self.ground),
+        )
+
+    def _places(self) -> None:
+        """Start: a ring. Goal: a ring within a ring. Both named. A course: a line to where it would lead."""
+        setting, unit = self._setting, self.frame.unit
+        for name, place, colour, rings in (
+            ("start", setting.start, self.palette.soft, (0.35,)),
+            ("goal", setting.goal, self.palette.goal, (0.2, 0.4)),
+        ):
+            if place is None:
+                continue
+            for number, radius in enumerate(rings):
+                self._line(f"/{name}/{number}", shapes.circle(place, radius * unit), colour)
+            self._name(f"/{name}/label", name, place + np.array([0.0, -0.5 * unit, 0.0]))
+        if setting.course is not None:
+            way = np.stack([setting.start, setting.course])
+            dashes = shapes.dashed(way, self.frame.span / 140)
+            self._flat["course"] = self._line("/course", dashes, self.palette.soft, 1.2)
+            self._flat["course"].visible = self._visible
+
+    def _north(self) -> None:
+        """An arrow on the ground, in the corner of the box: aircraft scenes are north up."""
+        length = 1.5 * self.frame.unit
+        foot = np.array([*(self.frame.middle[:2] - 0.5 * self.frame.sides[:2]), self.ground])
+        tip = foot + np.array([0.0, length, 0.0])
+        head = shapes.arrow()
+        turned = (head.vertices * 0.35 * length)[:, (1, 0, 2)] + (0.0, length, 0.0)
+        self._line("/north/shaft", np.stack([foot, tip])[None], self.palette.soft)
+        self._scene.add_mesh_simple(
+            "/north/head",
+            turned.astype(np.float32),
+            head.faces.astype(np.uint32),
+            color=rgb(self.palette.soft),
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+            position=foot,
+        )
+        self._name("/north/label", "N", foot + 1.45 * (tip - foot), "bottom-center")
+
+    def _line(self, name: str, segments: Floats, colour: str, width: float = LINE) -> Any:
+        return self._scene.add_line_segments(
+            name, segments.astype(np.float32), rgb(colour), thickness=width, thickness_units="screen"
+        )
+
+    def _name(self, name: str, text: str, place: Floats, anchor: Any = "top-center") -> None:
+        self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=0.8)

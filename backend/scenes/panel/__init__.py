@@ -1,0 +1,1 @@
+"""The viewer's panel: its tabs and what they show."""

@@ -1,0 +1,72 @@
+"""The tab with the best so far of each search method over its evaluations. Start reading at `columns`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+from viser import uplot
+
+from backend.results.improvements import Improvements
+from backend.scenes.drawing.palette import Palette
+from backend.scenes.part import Part
+from backend.scenes.setting import Setting
+
+Floats = NDArray[np.float64]
+
+HAIR = 1e-4
+"""Too little to be seen in a number with three decimals."""
+
+
+def columns(curves: Sequence[Improvements]) -> tuple[Floats, ...]:
+    """Evaluation numbers from 1, and each method's best so far at them, as steps; NaN where it has not flown.
+
+    A step is drawn as one: every number at which something improves is there together with one a hair before it.
+    """
+    steps = {1.0 + index for curve in curves for index in curve.index}
+    ends = {float(curve.read) for curve in curves if curve.read}
+    grid = np.array(sorted(steps | {step - HAIR for step in steps if step > 1} | ends) or [1.0])
+    return (grid, *(_best(curve, grid) for curve in curves))
+
+
+def _best(curve: Improvements, grid: Floats) -> Floats:
+    known = np.concatenate([[np.nan], curve.cost])
+    count = np.searchsorted(1 + np.array(curve.index), grid, side="right")
+    return np.where(grid <= curve.read, known[count], np.nan)
+
+
+class ConvergenceTab(Part):
+    """One plot, drawn again while the search goes on."""
+
+    def __init__(self, gui: viser.GuiApi, setting: Setting, palette: Palette, curves: dict[int, Improvements]) -> None:
+        self._curves = [curves[position] for position, _, _ in setting.methods]
+        self._methods = setting.methods
+        unit = f" [{setting.unit}]" if setting.unit else ""
+        self._plot: Any = gui.add_uplot(
+            columns(self._curves),
+            self._series(palette),
+            title=f"Best {setting.quantity} so far{unit}",
+            scales={"x": uplot.Scale(time=False, distr=3), "y": uplot.Scale(auto=True)},
+            axes=(uplot.Axis(label="Evaluations"), uplot.Axis(size=64)),
+            aspect=1.15,
+        )
+
+    def changed(self) -> None:
+        """Bring the plot up to date."""
+        data = columns(self._curves)
+        if any(not np.array_equal(new, old, equal_nan=True) for new, old in zip(data, self._plot.data, strict=True)):
+            self._plot.data = data
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self._plot.series = self._series(palette)
+
+    def _series(self, palette: Palette) -> tuple[uplot.Series, ...]:
+        lines = [
+            uplot.Series(label=title, stroke=palette.method(name), width=2, points={"show": False})
+            for _, name, title in self._methods
+        ]
+        return (uplot.Series(label="evaluation"), *lines)

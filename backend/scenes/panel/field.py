@@ -1,0 +1,164 @@
+"""The avoider's field: what it asks for over the horizontal plane at the vehicle's height, at the time shown.
+
+A translucent plane in the colours of the demand's magnitude, small arrows of its direction, and the panel's words on
+both. The demands are those of the avoider's own code, asked in the simulation process. Start reading at `FieldSlice`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from backend.scenes.control.latest import Latest
+from backend.scenes.control.live import Live, LiveError
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.flights import Flights
+from backend.scenes.drawing.palette import DARK, Palette, Rgb, rgb
+from backend.scenes.drawing.world import World
+from backend.scenes.panel import field_slice, tables
+from backend.scenes.panel.field_slice import Grid, Slice
+from backend.scenes.part import Driver, Part
+from backend.scenes.setting import Setting
+
+Floats = NDArray[np.float64]
+
+HEAD = 0.9
+"""Length of an arrow's head, in cells."""
+WIDTH = 1.6
+"""Of an arrow's lines [pixels]."""
+
+
+@dataclass(frozen=True)
+class _Asked:
+    title: str
+    parameters: Mapping[str, float]
+    time: float
+    palette: Palette
+
+
+class FieldSlice(Part):
+    """The checkbox, the plane and its legend; the newest time is computed, whatever was overtaken is not."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        setting: Setting,
+        world: World,
+        palette: Palette,
+        flights: Flights,
+        live: Live,
+        driver: Driver,
+    ) -> None:
+        self._scene, self._setting, self._world, self._flights = server.scene, setting, world, flights
+        self._live, self._driver, self._palette = live, driver, palette
+        self._time, self._stopped = 0.0, False
+        self._root: Any = self._scene.add_frame("/field/slice", show_axes=False, visible=False)
+        self._box: Any = server.gui.add_checkbox(
+            "Avoider's field", False, hint="What the avoider would ask for elsewhere, over the plane at this height."
+        )
+        self._legend: Any = server.gui.add_html("")
+        self._drawn: tuple[Grid, Rgb] | None = None
+        self._plane: Any = None
+        self._lines: Any = None
+        self._latest: Latest[_Asked] = Latest(self._work)
+        self._box.on_update(lambda _: self._toggled())
+
+    def moved(self, time: float) -> None:
+        """Ask for the field of that time, where it is shown."""
+        self._time = time
+        self._ask()
+
+    def changed(self) -> None:
+        """Ask for the field of the flight that is shown now."""
+        self._ask()
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self._palette = palette
+        self._ask()
+
+    def stop(self) -> None:
+        """Ask and draw no more."""
+        self._latest.stop()
+        with self._driver.drawing():
+            self._stopped = True
+
+    @property
+    def on(self) -> bool:
+        """Whether it is to be seen."""
+        return bool(self._box.value)
+
+    def have(self, on: bool | None) -> None:
+        """Show or hide it; None leaves it as it is."""
+        if on is not None:
+            self._box.value = on  # which calls `_toggled`
+
+    def _toggled(self) -> None:
+        with self._driver.drawing():
+            if not self._box.value:
+                self._root.visible = False
+                self._legend.content = ""
+            self._ask()
+
+    def _ask(self) -> None:
+        if not self._box.value:
+            return
+        lead = self._flights.lead
+        if lead is None or lead.flight is None:
+            self._legend.content = tables.note("There is no flight yet whose field could be shown.")
+            return
+        self._latest.ask(_Asked(lead.style.title, lead.flight.parameters, self._time, self._palette))
+
+    def _work(self, asked: _Asked) -> None:
+        setting, grid = self._setting, Grid.over(self._world.frame)
+        drawn = np.concatenate([grid.places.reshape(-1, 2), np.zeros((grid.rows * grid.columns, 1))], axis=1)
+        places = [(float(x), float(y)) for x, y, _ in setting.axes.drawn(drawn)]
+        try:
+            answer = self._live.field(setting.document, setting.digest, asked.parameters, asked.time, places)
+        except LiveError as error:
+            with self._driver.drawing():
+                if not self._stopped:
+                    self._root.visible = False
+                    self._legend.content = tables.note(str(error), strong=True)
+            return
+        found = field_slice.read(answer, grid, setting.axes)
+        dark = asked.palette is DARK
+        picture = field_slice.picture(found, dark)
+        arrows = field_slice.arrows(found)
+        words = field_slice.legend(found, asked.title, setting, dark)
+        with self._driver.drawing():
+            if self._box.value and not self._stopped:
+                self._draw(found, picture, arrows, rgb(asked.palette.ink))
+                self._legend.content = words
+
+    def _draw(self, found: Slice, picture: NDArray[np.uint8], arrows: Floats, ink: Rgb) -> None:
+        """Draw it; what is only another picture of the same plane is changed in place, so that nothing flickers."""
+        grid, lift = found.grid, 1e-3 * self._world.frame.span * self._setting.planar
+        if self._drawn != (grid, ink):
+            self._drawn = grid, ink
+            self._plane = self._scene.add_image(
+                "/field/slice/plane",
+                picture,
+                grid.columns * grid.cell,
+                grid.rows * grid.cell,
+                format="png",
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+            self._lines = self._scene.add_line_segments(
+                "/field/slice/arrows", np.zeros((1, 2, 3), np.float32), ink, thickness=WIDTH, thickness_units="screen"
+            )
+        else:
+            self._plane.image = picture
+        self._plane.position = (*grid.middle, found.height + lift)
+        up = np.array([0.0, 0.0, 3 * lift])
+        lines = [shapes.arrow_lines(start + up, end + up, HEAD * grid.cell) for start, end in arrows]
+        self._lines.visible = bool(lines)
+        if lines:
+            self._lines.points = np.concatenate(lines).astype(np.float32)
+        self._root.visible = True

@@ -1,0 +1,173 @@
+"""Demands of an avoider on a grid, as drawn: their colours, their arrows, and the words on them. Read `Slice`."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backend.scenes.drawing.axes import Axes
+from backend.scenes.drawing.colours import colours, gradient
+from backend.scenes.drawing.world import Frame
+from backend.scenes.panel import tables
+from backend.scenes.setting import Setting
+
+Floats = NDArray[np.float64]
+
+PLACES = 1600
+"""About so many places are asked for."""
+EVERY = 4
+"""Every so many cells along each side has an arrow."""
+MARGIN = 0.1
+"""The plane reaches beyond the scene's box by this share of its larger side."""
+NARROWEST = 0.35
+"""Its shorter side is this share of its longer one at least."""
+DECADES = 100.0
+"""A colour stands for magnitudes up to so many times the typical one, and as many times smaller."""
+OPACITY = 150
+"""Of 255."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Square cells of a horizontal rectangle, as drawn."""
+
+    columns: int
+    rows: int
+    cell: float
+    """[m]"""
+    middle: tuple[float, float]
+
+    @classmethod
+    def over(cls, frame: Frame) -> Grid:
+        """A grid over the scene's box, and a little beyond."""
+        wide, deep = (float(side) for side in frame.sides[:2])
+        longest = max(wide, deep, 1e-3) * (1 + 2 * MARGIN)
+        wide, deep = (max(side + 2 * MARGIN * longest, NARROWEST * longest) for side in (wide, deep))
+        cell = float(np.sqrt(wide * deep / PLACES))
+        middle = float(frame.middle[0]), float(frame.middle[1])
+        return cls(max(2, round(wide / cell)), max(2, round(deep / cell)), cell, middle)
+
+    @property
+    def places(self) -> Floats:
+        """The middles of the cells (rows, columns, 2), y and x rising."""
+        x, y = (
+            middle + self.cell * (np.arange(count) - (count - 1) / 2)
+            for middle, count in zip(self.middle, (self.columns, self.rows), strict=True)
+        )
+        return np.stack(np.meshgrid(x, y), axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Slice:
+    """An answer on a grid; demands as drawn (rows, columns, 3), NaN where there is none."""
+
+    grid: Grid
+    demand: Floats
+    own: Floats | None
+    height: float
+    time: float
+    kind: str
+    unit: str
+    memory: int
+
+    @property
+    def magnitude(self) -> Floats:
+        """(rows, columns)"""
+        found: Floats = np.linalg.norm(self.demand, axis=-1)
+        return found
+
+    @property
+    def ends(self) -> tuple[float, float] | None:
+        """The magnitudes between which colours are told apart: a few places at a pole are no scale."""
+        known = self.magnitude[np.isfinite(self.magnitude) & (self.magnitude > 0)]
+        if known.size == 0:
+            return None
+        low, middle, high = (float(end) for end in np.quantile(known, (0.01, 0.5, 0.99)))
+        return max(low, middle / DECADES), min(high, middle * DECADES)
+
+    def shares(self) -> Floats:
+        """Of the logarithmic scale between its ends (rows, columns); 0 where all are alike, and where there is none."""
+        ends = self.ends
+        if ends is None or ends[1] < ends[0] * (1 + 1e-6):
+            return np.zeros(self.magnitude.shape)
+        with np.errstate(divide="ignore"):
+            found: Floats = np.log(self.magnitude / ends[0]) / np.log(ends[1] / ends[0])
+        return np.nan_to_num(np.clip(found, 0.0, 1.0))
+
+
+def read(answer: Mapping[str, Any], grid: Grid, axes: Axes) -> Slice:
+    """The simulation process's answer, as drawn."""
+    rows = [row or (np.nan,) * 3 for row in answer["demand"]]
+    demand = axes.drawn(np.array(rows, dtype=np.float64)).reshape(grid.rows, grid.columns, 3)
+    own = None if answer["own"] is None else axes.drawn(np.array(answer["own"], dtype=np.float64))
+    height = float(axes.drawn(np.array(answer["place"], dtype=np.float64))[2])
+    told = (answer[name] for name in ("time", "kind", "unit", "memory"))
+    return Slice(grid, demand, own, height, *told)
+
+
+def picture(found: Slice, dark: bool) -> NDArray[np.uint8]:
+    """Red, green, blue, opacity (rows, columns, 4); clear where there is no answer. Large demands stand out."""
+    opacity = np.where(np.isfinite(found.magnitude), OPACITY, 0).astype(np.uint8)
+    return np.concatenate([colours(1.0 - found.shares(), dark), opacity[..., None]], axis=-1)
+
+
+def arrows(found: Slice) -> Floats:
+    """Arrows (n, 2, 3) of one length in the demand's direction, about the middle of every few cells; none for none."""
+    grid, first = found.grid, EVERY // 2
+    places = grid.places[first::EVERY, first::EVERY].reshape(-1, 2)
+    demand = found.demand[first::EVERY, first::EVERY].reshape(-1, 3)
+    size = np.linalg.norm(demand, axis=1)
+    there = np.isfinite(size) & (size > 0)
+    middle = np.column_stack([places, np.full(len(places), found.height)])[there]
+    half = 0.38 * EVERY * grid.cell * demand[there] / size[there, None]
+    return np.stack([middle - half, middle + half], axis=1)
+
+
+def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
+    """Exactly what is shown: a scale with its numbers, and a few sentences."""
+    magnitude, unit = found.magnitude, found.unit
+    known = magnitude[np.isfinite(magnitude)]
+    name = str(setting.document["scenario"]["avoider"]["component"]).replace("_", " ")
+    where = "over the plane" if setting.planar else f"at the height of {_number(found.height)} m"
+    said = (
+        f"{found.kind.capitalize()} [{unit}] that the avoider ({name}) asks for {where}, at t = {found.time:.2f} s of "
+        f"{title}: with the vehicle's velocity and attitude, and the obstacles as it perceives them, of then"
+    )
+    said += ", and with what the avoider remembers then. " if found.memory else ". "
+    said += "Before the controller's own limits."
+    parts = [_scale(found, dark), tables.note(said)]
+    told = []
+    if known.size:
+        told.append(f"Least {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")
+    if found.own is not None:
+        told.append(f"Where the vehicle is: {_number(float(np.linalg.norm(found.own)))} {unit}.")
+    none, zero = int(np.isnan(magnitude).sum()), int((known == 0).sum())
+    told += [f"{none} of {magnitude.size} places have no answer and no colour."] if none else []
+    told += [f"{zero} of {magnitude.size} places ask for nothing."] if zero else []
+    return "".join([*parts, tables.note(" ".join(told))])
+
+
+def _scale(found: Slice, dark: bool) -> str:
+    ends = found.ends
+    if ends is None:
+        return tables.note("Nothing is asked for anywhere.", strong=True)
+    if ends[1] < ends[0] * (1 + 1e-6):
+        return tables.note(f"The same everywhere: {_number(ends[0])} {found.unit}.", strong=True)
+    texts = [_number(ends[0]), f"{_number(float(np.sqrt(ends[0] * ends[1])))}", f"{_number(ends[1])} {found.unit}"]
+    bar = f'<div style="height:10px;border-radius:2px;background:{gradient(dark, turned=True)}"></div>'
+    labels = "".join(f"<span>{html.escape(text)}</span>" for text in texts)
+    return (
+        f'<div style="margin:6px 10px;font-size:0.85em;font-variant-numeric:tabular-nums">{bar}'
+        f'<div style="display:flex;justify-content:space-between">{labels}</div>'
+        '<div style="opacity:0.7">logarithmic; the colours of the ends stand for what is beyond, too</div></div>'
+    )
+
+
+def _number(value: float) -> str:
+    """Three digits."""
+    return f"{float(f'{value:.3g}'):g}".replace("-", "−")

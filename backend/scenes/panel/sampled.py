@@ -1,0 +1,151 @@
+"""Flights of the run's random sample as thin lines, so that the findings are seen among the usual. Read `Sampled`.
+
+The first of the sample, as they were drawn, each flown again with its stored parameters: no choice of ours.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+import viser
+
+from backend.db.engine import read
+from backend.db.tables import Stage
+from backend.results import evaluations
+from backend.runs.service import number
+from backend.scenes.control.latest import Latest
+from backend.scenes.control.live import Live, LiveError
+from backend.scenes.drawing import shapes
+from backend.scenes.drawing.flight import Floats, from_live
+from backend.scenes.drawing.palette import Palette, rgb
+from backend.scenes.panel import tables
+from backend.scenes.part import Driver, Part
+from backend.scenes.setting import Setting
+
+MOST = 36
+"""Flights at most."""
+ROWS = 200
+"""A line has at most so many points."""
+TOGETHER = 6
+"""So many flights are drawn at once."""
+ROOT = "/flights/sampled"
+
+
+class Sampled(Part):
+    """A box in the panel; the flights are flown when it is ticked first, and kept."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        engine: sa.Engine,
+        live: Live,
+        setting: Setting,
+        palette: Palette,
+        driver: Driver,
+    ) -> None:
+        self._scene, self._engine, self._live, self._setting = server.scene, engine, live, setting
+        self._palette, self._driver = palette, driver
+        self._lines: list[Floats] = []
+        """Each of some flights (n, 2, 3)."""
+        self._nodes: list[Any] = []
+        self._root: Any = server.scene.add_frame(ROOT, show_axes=False, visible=False)
+        self._box: Any = server.gui.add_checkbox(
+            "Sampled flights", False, hint=f"The first {MOST} of the run's random sample, flown again."
+        )
+        self._note: Any = server.gui.add_html("")
+        self._whole = self._stopped = False
+        self._latest: Latest[None] = Latest(lambda _: self._fly())
+        self._box.on_update(lambda _: self._toggled())
+
+    def paint(self, palette: Palette) -> None:
+        """The same in other colours."""
+        self._palette = palette
+        self._nodes = [self._line(n, lines) for n, lines in enumerate(self._lines)]
+
+    def stop(self) -> None:
+        """Fly nothing more."""
+        self._stopped = True
+        self._latest.stop()
+
+    @property
+    def on(self) -> bool:
+        """Whether it is to be seen."""
+        return bool(self._box.value)
+
+    def have(self, on: bool | None) -> None:
+        """Show or hide it; None leaves it as it is."""
+        if on is not None:
+            self._box.value = on  # which calls `_toggled`
+
+    def _toggled(self) -> None:
+        with self._driver.drawing():
+            self._root.visible = self._box.value
+        if self._box.value and not self._whole:
+            self._latest.ask(None)
+
+    def _fly(self) -> None:
+        with read(self._engine) as reader:
+            stage, parameters = _sample(reader, number(self._setting.run), self._setting)
+        if not parameters:
+            self._note.content = tables.note("No random sample is stored: it comes from certify or from Monte Carlo.")
+            return
+        self._forget()
+        failed = 0
+        for begin in range(0, len(parameters), TOGETHER):
+            flown = []
+            for values in parameters[begin : begin + TOGETHER]:
+                if self._stopped or not self._box.value:
+                    return
+                try:
+                    answer = self._live.fly(self._setting.document, self._setting.digest, values, ROWS)
+                except LiveError as error:
+                    self._note.content = tables.note(str(error), strong=True)
+                    return
+                failed += answer["status"] != "ok"
+                flight = from_live(answer)
+                flown += [] if flight is None else [shapes.polyline(flight.position)]
+            self._add(flown)
+        self._whole = True
+        lost = f" {failed} of them failed, and end where they did." if failed else ""
+        words = f"Thin: the first {len(parameters)} flights of the sample of {stage}, as drawn.{lost}"
+        with self._driver.drawing():
+            self._note.content = tables.note(words)
+
+    def _forget(self) -> None:
+        with self._driver.drawing():
+            for node in self._nodes:
+                node.remove()
+            self._lines, self._nodes = [], []
+
+    def _add(self, flown: list[Floats]) -> None:
+        if flown:
+            with self._driver.drawing():
+                self._lines.append(np.concatenate(flown))
+                self._nodes.append(self._line(len(self._nodes), self._lines[-1]))
+
+    def _line(self, n: int, segments: Floats) -> Any:
+        return self._scene.add_line_segments(
+            f"{ROOT}/{n}",
+            segments.astype(np.float32),
+            rgb(self._palette.sampled),
+            thickness=1.0,
+            thickness_units="screen",
+        )
+
+
+def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[dict[str, float]]]:
+    """Which stage has a random sample, and the first parameters of it: certify's own before that of a search."""
+    query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.evaluations > 0)
+    stages = reader.execute(query.order_by(Stage.position)).all()
+    certified = (setting.document.get("stages", {}).get("certify") or {}).get("samples", MOST)
+    asked = itertools.chain(
+        ((stage, min(MOST, certified)) for stage in stages if stage.kind == "certify"),
+        ((stage, MOST) for stage in stages if stage.method == "monte_carlo"),
+    )
+    for stage, most in asked:
+        name = "the certify stage" if stage.kind == "certify" else "Monte Carlo"
+        return name, evaluations.drawn_first(reader, run_id, stage.position, most)
+    return "", []

@@ -1,0 +1,85 @@
+"""The small tables of numbers in the viewer's panel, as HTML. Start reading at `separations`."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+
+from backend.scenes.drawing import vectors
+from backend.scenes.drawing.drawn import Drawn
+from backend.scenes.setting import Setting
+
+_TABLE = (
+    'style="width:calc(100% - 20px);margin:6px 10px;border-collapse:collapse;font-size:0.85em;'
+    'font-variant-numeric:tabular-nums"'
+)
+_NUMBER = 'style="text-align:right;padding:2px 0 2px 8px"'
+_HEAD = 'style="text-align:right;font-weight:500;opacity:0.7;padding:2px 0 2px 8px"'
+
+
+def number(value: float | None, decimals: int) -> str:
+    """So many decimals with a true minus sign, or a dash."""
+    return "–" if value is None or not math.isfinite(value) else f"{value:.{decimals}f}".replace("-", "−")
+
+
+def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
+    """Separation now, its minimum, and the margin of every flight that is shown."""
+    rows = [
+        _row(one, one.style.title, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)), setting.decimals)
+        for one in drawn
+        if one.flight is not None
+    ]
+    if not rows:
+        return note("No flight is stored yet.")
+    heads = _heads(("now", setting.quantity or "min", "margin"))
+    return f"<table {_TABLE}><tr>{_unit(setting.unit)}{heads}</tr>{''.join(rows)}</table>"
+
+
+def speeds(drawn: Sequence[Drawn], time: float, decimals: int) -> str:
+    """How fast every flight that is shown is, over ground and relative to the nearest obstacle."""
+    found = [(one, vectors.speeds(one, time)) for one in drawn if one.flight is not None]
+    if not found:
+        return ""
+    rows = "".join(_row(one, one.style.title, (at.ground, at.relative), decimals) for one, at in found)
+    return f"<table {_TABLE}><tr>{_unit('m/s')}{_heads(('over ground', 'v rel'))}</tr>{rows}</table>"
+
+
+def outcome(drawn: Drawn, setting: Setting) -> str:
+    """What a what-if flight gave: cost and margin, or why there is none."""
+    flight = drawn.flight
+    if flight is None:
+        return note("Move a slider to fly the case.")
+    if flight.status != "ok":
+        return note(f"{flight.status}: {flight.reason}", strong=True)
+    rows = _row(drawn, setting.quantity or "value", (flight.cost,), setting.decimals, setting.unit)
+    rows += _row(drawn, "margin", (_margin(drawn, setting),), setting.decimals, setting.unit)
+    word = "Clear of" if (_margin(drawn, setting) or 0.0) > 0 else "At or below"
+    limit = f"{word} the limit of {setting.threshold:g} {setting.unit}."
+    return f"<table {_TABLE}>{rows}</table>" + note(limit)
+
+
+def note(text: str, strong: bool = False) -> str:
+    """A sentence."""
+    weight = "font-weight:600;" if strong else ""
+    return f'<p style="{weight}margin:6px 10px;font-size:0.85em">{html.escape(text)}</p>'
+
+
+def _unit(text: str) -> str:
+    return f'<th style="text-align:left;font-weight:500;opacity:0.7">[{html.escape(text)}]</th>'
+
+
+def _heads(texts: Sequence[str]) -> str:
+    return "".join(f"<th {_HEAD}>{html.escape(text)}</th>" for text in texts)
+
+
+def _margin(drawn: Drawn, setting: Setting) -> float | None:
+    flight = drawn.flight
+    return None if flight is None or flight.cost is None else flight.cost - setting.threshold
+
+
+def _row(drawn: Drawn, title: str, values: Sequence[float | None], decimals: int, unit: str = "") -> str:
+    mark = f'<span style="color:{drawn.style.colour}">■</span> {html.escape(title)}'
+    texts = [number(value, decimals) for value in values]
+    cells = "".join(f"<td {_NUMBER}>{text} {html.escape(unit)}</td>" for text in texts)
+    return f'<tr><td style="white-space:nowrap">{mark}</td>{cells}</tr>'

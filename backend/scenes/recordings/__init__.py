@@ -1,0 +1,1 @@
+"""A flight as a page that plays without a server."""

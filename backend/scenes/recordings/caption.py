@@ -1,0 +1,105 @@
+"""What a recording says of itself: a card of words and numbers over the scene. Start reading at `with_caption`."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import viser
+
+from backend.scenes.drawing.palette import DARK, LIGHT
+from backend.scenes.panel.tables import number
+from backend.scenes.recordings.recording import Cast, Recording
+from backend.scenes.setting import Setting
+from campaigns.version import VERSION
+
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "
+    "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; connect-src data: blob:; base-uri 'none'; "
+    "form-action 'none'"
+)
+"""Everything is in the page: it may ask nobody for anything."""
+
+_STYLE = """
+#told{position:fixed;top:12px;right:12px;z-index:4;max-width:min(340px,calc(100vw - 24px));
+max-height:calc(100vh - 76px);overflow:auto;box-sizing:border-box;padding:10px 14px;border:1px solid;border-radius:6px;
+font:12px/18px system-ui,"Segoe UI",Roboto,sans-serif;font-variant-numeric:tabular-nums}
+#told summary{cursor:pointer;font-weight:600;font-size:13px}
+#told summary:focus-visible{outline:2px solid currentColor;outline-offset:2px}
+#told p{margin:6px 0 0}
+#told dl{display:grid;grid-template-columns:max-content 1fr;gap:1px 12px;margin:8px 0 0}
+#told dt{opacity:.75}
+#told dd{margin:0;text-align:right;overflow-wrap:anywhere}
+#told .digest{font-family:ui-monospace,Menlo,monospace;font-size:11px}
+#told i{display:inline-block;width:14px;height:3px;margin-right:6px;vertical-align:middle}
+"""
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is told beside the flights themselves."""
+
+    run: str
+    name: str
+    state: str
+    """The verdict, or what the run is doing."""
+    campaign: str
+    results: str
+    """The digests."""
+
+
+def with_caption(made: Recording, setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
+    """viser's page with a title, a policy that lets it ask nobody, and the card."""
+    title = html.escape(f"{told.run} {cast.label}: {told.name}")
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+    page = made.html.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />{policy}', 1)
+    page = page.replace("<title>Viser</title>", f"<title>{title}</title><style>{_STYLE}{_colours(dark)}</style>", 1)
+    return page.replace(
+        '<div id="root"></div>', f'<div id="root"></div>{_card(made.said, setting, cast, told, dark)}', 1
+    )
+
+
+def _colours(dark: bool) -> str:
+    ground, ink, edge = ("#151b21", "#e7ecf2", "#2f3b47") if dark else ("#ffffff", "#15202b", "#c8d0d9")
+    return f"#told{{background:{ground};color:{ink};border-color:{edge}}}"
+
+
+def _card(said: str, setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
+    palette = DARK if dark else LIGHT
+    quantity = setting.quantity or "value"
+    flights = [("Nominal", palette.nominal, cast.nominal)] if cast.nominal else []
+    colour = palette.nominal if cast.label == "nominal" else palette.worst
+    flights.append(("Nominal" if cast.label == "nominal" else cast.label, colour, cast.shown))
+    rows = [_row(f"{title}, {quantity}", _cost(flight.cost, setting), colour) for title, colour, flight in flights]
+    rows.append(_row("Criterion", f"{quantity} > {setting.threshold:g} {setting.unit}"))
+    rows.append(_row("Verdict of the run", told.state))
+    units = {one.path: one.unit for one in setting.uncertain}
+    asked = {path: cast.shown.parameters[path] for path in _uncertain(setting) if path in cast.shown.parameters}
+    given = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in asked.items()]
+    marks = [_row("Campaign", told.campaign, kind="digest"), _row("Results", told.results, kind="digest")]
+    last = f"{html.escape(said)} Vehicles are not to scale. Clearance {VERSION}, viser {viser.__version__}."
+    return (
+        f'<details id="told" open><summary>{html.escape(f"{told.run} · {cast.label}")}</summary>'
+        f"<p>{html.escape(told.name)}</p>{_list(rows)}"
+        + (f"<p>Parameters of {html.escape(cast.label)}, all digits</p>{_list(given)}" if given else "")
+        + f"<p>Digests (SHA-256)</p>{_list(marks)}<p>{last}</p></details>"
+    )
+
+
+def _uncertain(setting: Setting) -> Sequence[str]:
+    return list(setting.document.get("uncertain") or {})
+
+
+def _cost(cost: float | None, setting: Setting) -> str:
+    return f"{number(cost, setting.decimals)} {setting.unit}" if cost is not None else "none: the flight failed"
+
+
+def _list(rows: Sequence[str]) -> str:
+    return f"<dl>{''.join(rows)}</dl>"
+
+
+def _row(head: str, value: str, colour: str = "", kind: str = "") -> str:
+    mark = f'<i style="background:{colour}"></i>' if colour else ""
+    of = f' class="{kind}"' if kind else ""
+    return f"<dt>{mark}{html.escape(head)}</dt><dd{of}>{html.escape(value.strip())}</dd>"

@@ -1,0 +1,147 @@
+"""Recordings on demand, and the page at /view/R-0001/F1/recorded/ that plays one without a viewer's server behind it.
+
+A few are made at a time and the last few are kept. Start reading at `Recordings.page`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import sqlalchemy as sa
+import viser
+from fastapi import APIRouter, Request
+from fastapi.responses import RedirectResponse, Response
+
+from backend.db.digest import results_digest
+from backend.db.engine import read
+from backend.db.tables import CatalogueDocument
+from backend.errors import RefusedError, not_found
+from backend.exports.naming import named
+from backend.results import service as results
+from backend.runs.service import number, summary
+from backend.scenes import setting
+from backend.scenes.address import parse
+from backend.scenes.drawing.flight import from_stored
+from backend.scenes.recordings.caption import POLICY, Told, with_caption
+from backend.scenes.recordings.recording import Cast, record
+from campaigns.version import VERSION
+
+router = APIRouter(include_in_schema=False)
+
+AT_ONCE = 2
+PATIENCE = 20.0
+"""How long a request waits for its turn [s]."""
+KEPT = 8
+"""Pages kept, each about 0.9 MB."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A page that plays a flight, its entity tag and its name as a file."""
+
+    html: str
+    tag: str
+    file: str
+
+
+@dataclass(frozen=True)
+class _Asked:
+    setting: setting.Setting
+    cast: Cast
+    told: Told
+    tag: str
+
+
+class Recordings:
+    """Makes recordings from stored flights; safe to use from any thread."""
+
+    def __init__(self, engine: sa.Engine) -> None:
+        self._engine = engine
+        self._turns = threading.BoundedSemaphore(AT_ONCE)
+        self._lock = threading.Lock()
+        self._kept: OrderedDict[str, str] = OrderedDict()
+
+    def page(self, run_id: int, flight: str, dark: bool = False, known: str = "") -> Recorded | str:
+        """The page of a flight, "F1" or "nominal"; its tag alone where that is among the known ones.
+
+        404 for no run or no such stored flight; 503 when too many are being made.
+        """
+        with read(self._engine) as reader:
+            asked = _asked(reader, run_id, flight, dark)
+        if asked.tag in known:
+            return asked.tag
+        page = self._recall(asked.tag)
+        if page is None:
+            page = self._made(asked, dark)
+        return Recorded(page, asked.tag, named(asked.told.run, asked.told.name, f"flight-{flight}.html"))
+
+    def _made(self, asked: _Asked, dark: bool) -> str:
+        if not self._turns.acquire(timeout=PATIENCE):
+            raise RefusedError(503, "busy", f"{AT_ONCE} recordings are being made: ask again in a few seconds")
+        try:
+            page = self._recall(asked.tag)  # made while this one waited
+            if page is None:
+                made = record(asked.setting, asked.cast, dark)
+                page = with_caption(made, asked.setting, asked.cast, asked.told, dark)
+        finally:
+            self._turns.release()
+        with self._lock:
+            self._kept[asked.tag] = page
+            if len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+        return page
+
+    def _recall(self, tag: str) -> str | None:
+        with self._lock:
+            if tag in self._kept:
+                self._kept.move_to_end(tag)
+            return self._kept.get(tag)
+
+
+def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked:
+    run = summary(reader, run_id)
+    row = results.stored(reader, run_id, label)
+    flight = None if row is None else from_stored(row)
+    if flight is None:
+        raise not_found("stored flight of this run called", label)
+    other = results.stored(reader, run_id, setting.NOMINAL) if label != setting.NOMINAL else None
+    cast = Cast(label, flight, None if other is None else from_stored(other))
+    told = Told(run.id, run.name, run.verdict or run.state, run.campaign_digest, results_digest(reader, run_id))
+    published = reader.scalar(sa.select(sa.func.max(CatalogueDocument.published)))
+    parts = (*vars(told).values(), label, str(dark), VERSION, viser.__version__, str(published))
+    tag = hashlib.sha256("\n".join(parts).encode()).hexdigest()
+    return _Asked(setting.load(reader, run_id), cast, told, f'W/"{tag}"')
+
+
+@router.get("/view/{run}/{flight}/recorded")
+def recorded_without_slash(run: str, flight: str, request: Request) -> Response:
+    """One address for one recording: with a slash at its end."""
+    return RedirectResponse(f"{request.url.path}/", 308)
+
+
+@router.get("/view/{run}/{flight}/recorded/{rest:path}")
+def recorded_page(run: str, flight: str, rest: str, request: Request) -> Response:
+    """A flight's recording; `dark` behind the slash for the dark theme. Everything it plays is in the page itself."""
+    if request.query_params:
+        detail = "the address of a recording takes no query: it plays what is in its own page and nothing else"
+        raise RefusedError(400, "not-allowed", detail)
+    if rest.strip("/") not in ("", "dark", "light"):
+        raise RefusedError(
+            404, "not-found", f"{rest!r} is not part of a recording's address: /view/RUN/F1/recorded/dark/"
+        )
+    return answer(request, run, flight, dark=parse(rest).dark, how="inline")
+
+
+def answer(request: Request, run: str, flight: str, dark: bool, how: str) -> Response:
+    """The recording as a page or a file; 304 where the visitor has it already."""
+    known = request.headers.get("if-none-match", "")
+    found = request.app.state.recordings.page(number(run), flight, dark, known)
+    headers = {"Cache-Control": "private, no-cache", "ETag": found if isinstance(found, str) else found.tag}
+    if isinstance(found, str):
+        return Response(status_code=304, headers=headers)
+    headers["Content-Security-Policy"] = f"{POLICY}; frame-ancestors 'self'"
+    headers["Content-Disposition"] = f'{how}; filename="{found.file}"'
+    return Response(found.html, media_type="text/html", headers=headers)

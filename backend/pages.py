@@ -7,6 +7,7 @@ Start reading at `serve`.
 from __future__ import annotations
 
 import html
+import mimetypes
 from pathlib import Path
 
 from fastapi import FastAPI, Request
@@ -14,7 +15,8 @@ from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Resp
 from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 
-ASSET = "public, max-age=31536000, immutable"
+ASSET = {"Cache-Control": "public, max-age=31536000, immutable"}
+FRESH = {"Cache-Control": "no-cache"}
 _STYLE = (
     "body{font:15px/24px system-ui,sans-serif;max-width:34em;margin:15vh auto;padding:0 24px;"
     "color:#15202b;background:#fff}"
@@ -36,7 +38,7 @@ def serve(app: FastAPI, folder: Path) -> None:
             raise HTTPException(404)
         file = _inside(folder, path)
         if file is not None:
-            return FileResponse(file, headers={"Cache-Control": ASSET if path.startswith("assets/") else "no-cache"})
+            return _asset(file, request.headers) if path.startswith("assets/") else FileResponse(file, headers=FRESH)
         if path.startswith("assets/") or not wants_page(request.headers):
             raise HTTPException(404)
         index = folder / "index.html"
@@ -44,7 +46,19 @@ def serve(app: FastAPI, folder: Path) -> None:
             return plain(
                 "The pages are not built", "<p>Run <code>make install</code>, then start the service again.</p>", 503
             )
-        return FileResponse(index, headers={"Cache-Control": "no-cache"})
+        return FileResponse(index, headers=FRESH)
+
+
+def _asset(file: Path, headers: Headers) -> Response:
+    """A hashed file, as the build has packed it for browsers that take that (RFC 7932)."""
+    packed = file.with_name(f"{file.name}.br")
+    if not packed.is_file():
+        return FileResponse(file, headers=ASSET)
+    given = ASSET | {"Vary": "Accept-Encoding"}
+    if "br" not in {coding.partition(";")[0].strip() for coding in headers.get("accept-encoding", "").split(",")}:
+        return FileResponse(file, headers=given)
+    kind = mimetypes.guess_type(file.name)[0]
+    return FileResponse(packed, media_type=kind, headers=given | {"Content-Encoding": "br"})
 
 
 def _inside(folder: Path, path: str) -> Path | None:

@@ -1,16 +1,59 @@
 // Builds the pages into `dist`, which the service serves; in development the service's own port answers the API.
+import { readFileSync, writeFileSync } from 'node:fs'
+import { join } from 'node:path'
+import { brotliCompressSync } from 'node:zlib'
 import react from '@vitejs/plugin-react'
+import type { Plugin } from 'vite'
 import { defineConfig } from 'vitest/config'
 
 const service = process.env.CLEARANCE_URL ?? 'http://127.0.0.1:8000'
 
+/** Names in the page itself the code of every page: a browser asks for it without reading any other code first. */
+const atOnce: Plugin = {
+  name: 'at-once',
+  transformIndexHtml: {
+    order: 'post',
+    handler: (_, { bundle = {} }) =>
+      Object.values(bundle)
+        .filter((file) => file.type === 'chunk' && ['Pages', 'shared'].includes(file.name))
+        .map((file) => ({
+          tag: 'link',
+          attrs: { rel: 'preload', as: 'script', crossorigin: true, href: `/${file.fileName}` },
+          injectTo: 'head',
+        })),
+  },
+}
+
+/** Packs code and styles once and as small as can be, as `FILE.br` beside them: the service sends those. */
+const packed: Plugin = {
+  name: 'packed',
+  writeBundle({ dir = '' }, bundle) {
+    for (const { fileName } of Object.values(bundle).filter((file) => /^assets\/.*\.(js|css)$/.test(file.fileName)))
+      writeFileSync(join(dir, `${fileName}.br`), brotliCompressSync(readFileSync(join(dir, fileName))))
+  },
+}
+
 export default defineConfig({
-  plugins: [react()],
+  plugins: [react(), atOnce, packed],
   build: {
     // The content security policy allows no data: fonts or scripts, so nothing is inlined.
     assetsInlineLimit: 0,
     chunkSizeWarningLimit: 700,
     modulePreload: { polyfill: false },
+    // One style sheet, named in the page itself: no code waits for another.
+    cssCodeSplit: false,
+    rolldownOptions: {
+      output: {
+        // Few files: a browser fetches six at a time. What several pages share comes in one, charts in another.
+        codeSplitting: {
+          includeDependenciesRecursively: false,
+          groups: [
+            { name: 'charts', test: /node_modules.uplot|src.charts/, priority: 1 },
+            { name: 'shared', test: /^(?!.*(src.api.ahead|preload-helper))/, minShareCount: 2 },
+          ],
+        },
+      },
+    },
   },
   server: {
     proxy: Object.fromEntries(

@@ -47,6 +47,17 @@ def test_assets_are_open_and_kept_for_long(built: Path, service: Service) -> Non
         assert stranger.get("/favicon.svg").status_code == 200
 
 
+def test_what_the_build_has_packed_is_sent_so_to_browsers_that_take_it(built: Path, client: httpx.Client) -> None:
+    (built / "assets" / "index-abc123.js.br").write_bytes(b"packed")
+    for takes, sent in (("gzip, br", b"packed"), ("gzip", b"console.log(1)"), ("br;q=1", b"packed")):
+        with client.stream("GET", "/assets/index-abc123.js", headers={"accept-encoding": takes}) as answer:
+            assert b"".join(answer.iter_raw()) == sent
+        assert answer.headers.get("content-encoding") == ("br" if sent == b"packed" else None)
+        assert answer.headers["content-type"].startswith("text/javascript")
+        assert answer.headers["vary"] == "Accept-Encoding"
+        assert "immutable" in answer.headers["cache-control"]
+
+
 @pytest.mark.parametrize("path", ["/assets/gone.js", "/assets/../secret.txt", "/assets/..%2f..%2fsecret.txt", "/api/x"])
 def test_what_is_not_there_is_a_problem_and_not_the_application(built: Path, client: httpx.Client, path: str) -> None:
     answer = client.get(path, headers=HTML)

@@ -32,10 +32,11 @@ import type {
 } from '../client'
 import * as sdk from '../client'
 import { client } from '../client/client.gen'
+import { fetchOnce } from './ahead'
 import type { Campaign } from './campaign'
 import { refusalOf } from './problems'
 
-client.setConfig({ baseUrl: '' })
+client.setConfig({ baseUrl: '', fetch: (request) => fetchOnce(request as Request) })
 
 interface Answer<T> {
   data?: T

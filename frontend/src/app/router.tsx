@@ -4,6 +4,7 @@ import { readCompare } from '../compare/search'
 import { readChosen } from '../run/chosen'
 import { readSearch } from '../runs/search'
 import { parseSearch, stringifySearch } from './address'
+import { lazy } from './lazy'
 import { Shell } from './Shell'
 import { Loading, NotFound, Trouble } from './Trouble'
 
@@ -22,7 +23,7 @@ const runs = createRoute({
   getParentRoute: () => root,
   path: '/runs',
   validateSearch: readSearch,
-  component: lazyRouteComponent(() => import('../runs/RunsPage'), 'RunsPage'),
+  component: lazyRouteComponent(lazy.runs, 'RunsPage'),
 })
 
 interface LaunchSearch {
@@ -46,45 +47,45 @@ const launch = createRoute({
     draft: word(search.draft),
     tab: search.tab === 'yaml' ? 'yaml' : undefined,
   }),
-  component: lazyRouteComponent(() => import('../launch/LaunchPage'), 'LaunchPage'),
+  component: lazyRouteComponent(lazy.launch, 'LaunchPage'),
 })
 
 const run = createRoute({
   getParentRoute: () => root,
   path: '/runs/$id',
   validateSearch: readChosen,
-  component: lazyRouteComponent(() => import('../run/RunPage'), 'RunPage'),
+  component: lazyRouteComponent(lazy.run, 'RunPage'),
 })
 
 const docs = createRoute({
   getParentRoute: () => root,
   path: '/docs',
-  component: lazyRouteComponent(() => import('../docs/ApiPage'), 'ApiPage'),
+  component: lazyRouteComponent(lazy.docs, 'ApiPage'),
 })
 
 const verdicts = createRoute({
   getParentRoute: () => root,
   path: '/help',
-  component: lazyRouteComponent(() => import('../help/VerdictsPage'), 'VerdictsPage'),
+  component: lazyRouteComponent(lazy.verdicts, 'VerdictsPage'),
 })
 
 const methods = createRoute({
   getParentRoute: () => root,
   path: '/help/methods',
-  component: lazyRouteComponent(() => import('../help/MethodsPage'), 'MethodsPage'),
+  component: lazyRouteComponent(lazy.methods, 'MethodsPage'),
 })
 
 const components = createRoute({
   getParentRoute: () => root,
   path: '/help/components',
-  component: lazyRouteComponent(() => import('../help/ComponentsPage'), 'ComponentsPage'),
+  component: lazyRouteComponent(lazy.components, 'ComponentsPage'),
 })
 
 const compare = createRoute({
   getParentRoute: () => root,
   path: '/compare',
   validateSearch: readCompare,
-  component: lazyRouteComponent(() => import('../compare/ComparePage'), 'ComparePage'),
+  component: lazyRouteComponent(lazy.compare, 'ComparePage'),
 })
 
 export const router = createRouter({

@@ -58,45 +58,45 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     let crossed: number | undefined
     let placing = false
     const stand = () => {
+      const built = plot.current
       const x = standing?.time()
-      if (placing || x === undefined || pointed()) return
+      if (!built || placing || x === undefined || pointed()) return
       placing = true
       const [low, high] = [built.scales.x?.min ?? 0, built.scales.x?.max ?? 0]
       const seen = x !== null && x >= low && x <= high
       built.setCursor(seen ? { left: built.valToPos(x, 'x'), top: 0 } : { left: -10, top: -10 }, true)
       placing = false
     }
-    const built = new uPlot(
-      optionsFor(
-        read,
-        () => latest.current.hidden,
-        Math.max(element.clientWidth, 60),
-        (u) => {
-          const cursor = cursorOf(u, read())
-          setCursor(cursor)
-          // Only under a pointer: uPlot sets its cursor by itself, too, when data or size change.
-          const x = cursor && u.over.matches(':hover') ? read().x[cursor.at] : undefined
-          if (x !== undefined && x !== crossed) latest.current.onCross?.(x)
-          crossed = x
-          stand()
-        },
-      ),
-      dataOf(read()),
-      element,
-    )
-    plot.current = built
+    const crossing = (u: uPlot) => {
+      const cursor = cursorOf(u, read())
+      setCursor(cursor)
+      // Only under a pointer: uPlot sets its cursor by itself, too, when data or size change.
+      const x = cursor && u.over.matches(':hover') ? read().x[cursor.at] : undefined
+      if (x !== undefined && x !== crossed) latest.current.onCross?.(x)
+      crossed = x
+      stand()
+    }
+    const build = (width: number) => {
+      const built = new uPlot(optionsFor(read, () => latest.current.hidden, width, crossing), dataOf(read()), element)
+      if (document.fonts.status === 'loading')
+        void document.fonts.ready.then(() => plot.current === built && built.redraw(false, true))
+      return built
+    }
+    // The observer tells the width before anything is painted, once for all charts. To ask for it here would have the
+    // page laid out again for each of them.
     const observer = new ResizeObserver(([entry]) => {
       const width = Math.floor(entry?.contentRect.width ?? 0)
-      if (width > 40 && width !== built.width) built.setSize({ width, height: read().height })
+      if (width <= 40) return
+      if (!plot.current) plot.current = build(width)
+      else if (width !== plot.current.width) plot.current.setSize({ width, height: read().height })
       stand()
     })
     observer.observe(element)
     const end = standing?.subscribe(stand)
-    void document.fonts.ready.then(() => plot.current === built && built.redraw(false, true))
     return () => {
       observer.disconnect()
       end?.()
-      built.destroy()
+      plot.current?.destroy()
       plot.current = null
     }
   }, [structure, standing])
@@ -113,7 +113,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
           {spec.readout && cursor && <Readout at={cursor.at} spec={spec} hidden={hidden} />}
         </div>
       )}
-      <div className="plot" role="img" aria-label={spec.label} ref={holder}>
+      <div className="plot" role="img" aria-label={spec.label} style={{ height: spec.height }} ref={holder}>
         {cursor && !cursor.pointed && !spec.readout && <Flag left={cursor.left} text={spec.xText(spec.x[cursor.at] as number)} />}
         {cursor?.pointed && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
       </div>

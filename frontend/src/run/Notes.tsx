@@ -1,11 +1,13 @@
 // Notes on a run, in Markdown: why it was flown, what was seen, what was decided.
 import { IconPencil } from '@tabler/icons-react'
-import { useState } from 'react'
+import { lazy, Suspense, useState } from 'react'
 import type { RunDetail } from '../client'
 import { count } from '../format/numbers'
 import { Card } from '../ui/Card'
-import { Markdown } from '../ui/Markdown'
 import { useEdit } from './useEdit'
+
+// Most runs have no notes: the parser comes with the first.
+const Parsed = lazy(() => import('../ui/Markdown').then((module) => ({ default: module.Markdown })))
 
 const MOST = 20_000
 
@@ -84,5 +86,13 @@ export function Notes({ run, className }: { run: RunDetail; className: string })
         <p className="mut">Nothing written yet. Say why this run was flown, and what was decided on it.</p>
       )}
     </Card>
+  )
+}
+
+function Markdown({ text }: { text: string }) {
+  return (
+    <Suspense>
+      <Parsed text={text} />
+    </Suspense>
   )
 }

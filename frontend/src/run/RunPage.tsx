@@ -1,6 +1,7 @@
 // One run: while it works, how far it is; when it is over, the verdict and everything behind it.
 import { useQuery } from '@tanstack/react-query'
 import { useParams, useSearch } from '@tanstack/react-router'
+import { useState } from 'react'
 import { useStream } from '../api/events'
 import { Refusal } from '../api/problems'
 import { isLive, runQuery } from '../api/queries'
@@ -8,7 +9,7 @@ import { Loading, Trouble } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
 import type { RunDetail } from '../client'
 import { usePolling } from '../ui/usePolling'
-import { useRunData } from './data'
+import { useAsked, useRunData } from './data'
 import { Finished } from './Finished'
 import { Head } from './Head'
 import { History } from './History'
@@ -19,6 +20,7 @@ export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
   useTitle(id)
   const query = useQuery(runQuery(id))
+  useAsked(id)
   const live = query.data !== undefined && isLive(query.data)
   useStream(id, live)
   // The stream has no rate and no time left; and where it fails, this goes on.
@@ -32,11 +34,14 @@ export function RunPage() {
 function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
   useTitle(`${run.id} ${run.name}`)
   const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
+  // Drawn once it is known what stands where, and from then on whatever is asked for again.
+  const [drawn, setDrawn] = useState('')
+  if (data.complete && drawn !== run.id) setDrawn(run.id)
   return (
     <>
       <Head run={run} stale={stale} />
       {run.removed !== null && <Removed run={run} />}
-      {isLive(run) ? <Live data={data} /> : <Finished data={data} />}
+      {isLive(run) ? <Live data={data} /> : drawn === run.id ? <Finished data={data} /> : <Loading what="results" />}
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
         <History run={run.id} />
       </div>

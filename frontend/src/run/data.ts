@@ -1,6 +1,6 @@
 // What the cards of a run's page share: the run with its answers, and small readings of them. Start reading at `RunData`.
-import { keepPreviousData, useQuery, useQueryClient } from '@tanstack/react-query'
-import { useEffect, useRef } from 'react'
+import { keepPreviousData, usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useEffect, useMemo, useRef } from 'react'
 import { asCampaign, type Campaign } from '../api/campaign'
 import { useStreamStatus } from '../api/events'
 import {
@@ -54,6 +54,16 @@ export interface RunData {
   chosen: string
   finding: FindingDetail | null
   findingTrace: TraceData | undefined
+  /** All has come that decides where on the page things stand. */
+  complete: boolean
+}
+
+/** Asks for what hangs on a run beside the run itself, not after it. */
+export function useAsked(id: string): void {
+  usePrefetchQuery(stagesQuery(id))
+  usePrefetchQuery(findingsQuery(id))
+  usePrefetchQuery(evaluationsQuery(id))
+  usePrefetchQuery(componentsQuery(id))
 }
 
 /** Everything the page shows of a run; what is still on its way is empty or undefined. */
@@ -61,47 +71,54 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
   const over = !isLive(run)
   useFreshAtEnd(run.id, over)
   const catalogue = useQuery(componentsQuery(run.id)).data?.catalogue
-  const stages = useQuery(stagesQuery(run.id)).data ?? []
+  const stages = useQuery(stagesQuery(run.id))
   const evaluations = useQuery(evaluationsQuery(run.id))
-  // The stream brings every improvement with its place. What it does not bring is read rarely: all evaluations of a long
-  // search are much to read for one that failed.
-  const streamed = useStreamStatus() === 'open'
-  usePolling(evaluations.refetch, 3000, !over && !streamed)
-  const missed = useRef(0)
-  usePolling(
-    () => {
-      if (missed.current !== missedOf(run)) void evaluations.refetch()
-      missed.current = missedOf(run)
-    },
-    10_000,
-    !over && streamed,
-  )
-  const findings = useQuery(findingsQuery(run.id)).data ?? []
-  const traces = useQuery({ ...tracesQuery(run.id), enabled: over }).data ?? []
-  const has = (name: string) => over && traces.some((trace) => trace.name === name)
-  const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') }).data
-  const chosen = chosenOf(asked, findings)
+  useMissed(run, evaluations.refetch)
+  const findings = useQuery(findingsQuery(run.id))
+  const traces = useQuery({ ...tracesQuery(run.id), enabled: over })
+  const has = (name: string) => over && (traces.data ?? []).some((trace) => trace.name === name)
+  const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') })
+  const chosen = chosenOf(asked, findings.data ?? [])
   const findingTrace = useQuery({
     ...traceQuery(run.id, chosen),
     enabled: chosen !== NOMINAL && has(chosen),
     placeholderData: keepPreviousData,
-  }).data
-  const campaign = asCampaign(run.campaign)
-  const parameters = uncertainOf(campaign, catalogue)
+  })
+  const campaign = useMemo(() => asCampaign(run.campaign), [run.campaign])
+  const parameters = useMemo(() => uncertainOf(campaign, catalogue), [campaign, catalogue])
   return {
     run,
     campaign,
     catalogue,
     parameters,
-    stages,
+    stages: stages.data ?? [],
     evaluations: evaluations.data,
-    findings,
-    traces,
-    nominalTrace,
+    findings: findings.data ?? [],
+    traces: traces.data ?? [],
+    nominalTrace: nominalTrace.data,
     chosen,
-    finding: findings.find((finding) => finding.label === chosen) ?? null,
-    findingTrace: chosen === NOMINAL ? undefined : findingTrace,
+    finding: findings.data?.find((finding) => finding.label === chosen) ?? null,
+    findingTrace: chosen === NOMINAL ? undefined : findingTrace.data,
+    complete: [stages, findings, traces, nominalTrace, findingTrace].every((query) => !query.isLoading),
   }
+}
+
+/** Asks again for evaluations that the stream does not bring. */
+function useMissed(run: RunDetail, refetch: () => unknown): void {
+  const live = isLive(run)
+  // The stream brings every improvement with its place. What it does not bring is read rarely: all evaluations of a long
+  // search are much to read for one that failed.
+  const streamed = useStreamStatus() === 'open'
+  usePolling(refetch, 3000, live && !streamed)
+  const missed = useRef(0)
+  usePolling(
+    () => {
+      if (missed.current !== missedOf(run)) void refetch()
+      missed.current = missedOf(run)
+    },
+    10_000,
+    live && streamed,
+  )
 }
 
 /** Evaluations without a value, whose reasons the page lists. */

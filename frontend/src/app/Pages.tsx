@@ -1,23 +1,13 @@
-// Starts the pages: styles, theme, query cache, router.
-import '@fontsource-variable/inter/index.css'
-import '@fontsource-variable/jetbrains-mono/index.css'
+// The pages: theme, query cache, router.
 import { MantineProvider } from '@mantine/core'
 import { QueryClientProvider } from '@tanstack/react-query'
 import { RouterProvider } from '@tanstack/react-router'
 import { StrictMode } from 'react'
 import { createRoot } from 'react-dom/client'
-import { queryClient } from './api/queries'
-import { mantineTheme } from './app/mantine'
-import './theme/tokens.css'
-import './theme/base.css'
-import './theme/shell.css'
-import './theme/parts.css'
-import './theme/pages.css'
-import './theme/docs.css'
-import './theme/jump.css'
-import './theme/mantine.css'
-import { router } from './app/router'
-import { useTheme } from './theme/useTheme'
+import { queryClient } from '../api/queries'
+import { useTheme } from '../theme/useTheme'
+import { mantineTheme } from './mantine'
+import { router } from './router'
 
 function Pages() {
   const theme = useTheme()
@@ -37,10 +27,10 @@ function Pages() {
   )
 }
 
-const root = document.getElementById('root')
-if (root)
+export function show(root: HTMLElement): void {
   createRoot(root).render(
     <StrictMode>
       <Pages />
     </StrictMode>,
   )
+}

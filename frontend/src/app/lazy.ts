@@ -1,0 +1,18 @@
+// The pages' code, each in a file of its own; what an address will show can be asked for before the router runs.
+
+export const lazy = {
+  runs: () => import('../runs/RunsPage'),
+  run: () => import('../run/RunPage'),
+  launch: () => import('../launch/LaunchPage'),
+  compare: () => import('../compare/ComparePage'),
+  docs: () => import('../docs/ApiPage'),
+  verdicts: () => import('../help/VerdictsPage'),
+  methods: () => import('../help/MethodsPage'),
+  components: () => import('../help/ComponentsPage'),
+}
+
+/** The code of the page at an address, where it is one of those opened most. */
+export function pageAt(path: string): (() => Promise<unknown>) | undefined {
+  if (path.startsWith('/runs/')) return lazy.run
+  return { '/': lazy.runs, '/runs': lazy.runs, '/launch': lazy.launch, '/compare': lazy.compare }[path]
+}

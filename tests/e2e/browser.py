@@ -64,6 +64,12 @@ class Visit:
         """Open an address of the service."""
         self.page.goto(self.address + path)
 
+    def stay(self, path: str) -> Page:
+        """Be at an address, whatever its query: a page that stands there already stays as it is."""
+        if urlsplit(self.page.url).path != path:
+            self.go(path)
+        return self.page
+
     def shot(self, name: str, *, full: bool = True) -> Path:
         """Keep a picture of the page."""
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)

@@ -132,8 +132,9 @@ def test_name_tags_pin_and_notes_are_kept(signed_in: Visit, runs: list[str]) -> 
 
 
 def test_notes_that_somebody_else_wrote_meanwhile_are_not_lost(signed_in: Visit, runs: list[str]) -> None:
-    page, notes = signed_in.page, signed_in.page.locator("#notes")
-    notes.get_by_role("button", name="Edit").click()
+    page = signed_in.stay(f"/runs/{runs[0]}")
+    notes = page.locator("#notes")
+    notes.get_by_role("button", name=re.compile("Edit|Write")).click()
     notes.get_by_label("Notes in Markdown").fill("Mine.")
     other = f"{signed_in.address}/api/v1/runs/{runs[0]}"
     page.request.patch(other, data={"notes": "Theirs."}, headers={"Origin": signed_in.address})
@@ -153,6 +154,8 @@ def test_notes_that_somebody_else_wrote_meanwhile_are_not_lost(signed_in: Visit,
 
 def test_a_pinned_run_is_the_first(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.page
+    pinned = f"{signed_in.address}/api/v1/runs/{runs[0]}"
+    assert page.request.patch(pinned, data={"pinned": True}, headers={"Origin": signed_in.address}).ok
     signed_in.go("/runs?sort=created")
     expect(page.locator("tr[data-run]")).to_have_count(3)
     assert named(page)[0] == runs[0]

@@ -18,7 +18,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 from PIL import Image
-from playwright.sync_api import Browser, Download, expect
+from playwright.sync_api import Browser, Download, Page, expect
 
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
@@ -56,9 +56,14 @@ def visit(finished: Service, browser: Browser) -> Iterator[Visit]:
         yield visit
 
 
-def saved(visit: Visit, entry: str) -> Download:
+@pytest.fixture
+def page(visit: Visit) -> Page:
+    """The page of the first run, as the test before has left it or fresh."""
+    return visit.stay("/runs/R-0001")
+
+
+def saved(page: Page, entry: str) -> Download:
     """A file of the Export menu."""
-    page = visit.page
     page.get_by_role("button", name="Export").click()
     with page.expect_download() as download:
         page.get_by_role("menuitem", name=re.compile(f"^{entry}")).click()
@@ -66,18 +71,27 @@ def saved(visit: Visit, entry: str) -> Download:
     return download.value
 
 
-def test_a_run_is_taken_away_as_files(visit: Visit) -> None:
+def test_nothing_is_asked_for_twice(visit: Visit) -> None:
+    asked: list[str] = []
+    visit.page.on("request", lambda request: asked.append(request.url))
     visit.go("/runs/R-0001")
-    download = saved(visit, "Evaluations, CSV")
+    for chart in ("^Separation", "^Convergence"):
+        expect(visit.page.get_by_role("img", name=re.compile(chart)).locator("canvas")).to_be_visible()
+    answers = [url for url in asked if "/api/v1/" in url and "/views/" not in url]
+    assert len(answers) > 8
+    assert sorted(set(answers)) == sorted(answers)
+
+
+def test_a_run_is_taken_away_as_files(page: Page) -> None:
+    download = saved(page, "Evaluations, CSV")
     assert download.suggested_filename == "R-0001-mass-5-evaluations.csv"
     with Path(download.path()).open(newline="") as file:
         assert len(list(csv.reader(file))) == 1001
-    assert json.loads(saved(visit, "Everything, JSON").path().read_text())["run"]["id"] == "R-0001"
-    assert saved(visit, "Flights, MAT-file").path().read_bytes().startswith(b"MATLAB 5.0 MAT-file")
+    assert json.loads(saved(page, "Everything, JSON").path().read_text())["run"]["id"] == "R-0001"
+    assert saved(page, "Flights, MAT-file").path().read_bytes().startswith(b"MATLAB 5.0 MAT-file")
 
 
-def test_figures_are_saved_as_pictures(visit: Visit) -> None:
-    page = visit.page
+def test_figures_are_saved_as_pictures(page: Page) -> None:
     for card, kind in (("separation", "PNG"), ("sample", "PNG"), ("sample", "SVG")):
         page.locator(f"#{card}").get_by_role("button", name="Save figure").click()
         with page.expect_download() as download:
@@ -93,8 +107,7 @@ def test_figures_are_saved_as_pictures(visit: Visit) -> None:
             assert len(list(drawn.iter("{http://www.w3.org/2000/svg}text"))) > 5
 
 
-def test_the_charts_over_time_share_their_crosshair(visit: Visit) -> None:
-    page = visit.page
+def test_the_charts_over_time_share_their_crosshair(page: Page) -> None:
     motion, separation = page.locator("#motion"), page.locator("#separation")
     for name in ("v over time", "force over time"):
         expect(motion.get_by_role("img", name=re.compile(name))).to_be_visible()
@@ -112,9 +125,9 @@ def test_the_charts_over_time_share_their_crosshair(visit: Visit) -> None:
     assert download.value.path().read_text().startswith('"time since start, s","v nominal, m/s","v worst, m/s"')
 
 
-def test_what_is_chosen_is_seen_in_every_card(visit: Visit) -> None:
-    page = visit.page
+def test_what_is_chosen_is_seen_in_every_card(page: Page) -> None:
     sensitivity, findings = page.locator("#sensitivity"), page.locator("#findings")
+    findings.scroll_into_view_if_needed()
     expect(findings.get_by_role("img", name=re.compile("seen from above"))).to_have_count(3)
     expect(sensitivity.get_by_role("button", name="Others at worst")).to_be_visible()
     findings.locator("[data-finding=F2]").get_by_role("button", name="F2").click()
@@ -124,8 +137,7 @@ def test_what_is_chosen_is_seen_in_every_card(visit: Visit) -> None:
     findings.locator("[data-finding=F1]").get_by_role("button", name="F1").click()
 
 
-def test_every_criterion_is_told(visit: Visit) -> None:
-    page = visit.page
+def test_every_criterion_is_told(page: Page) -> None:
     space = page.locator("#space")
     row = page.get_by_role("row", name=re.compile("Goal miss"))
     expect(row).to_contain_text(re.compile("0.600.*0.700.*more is worse"))
@@ -136,8 +148,7 @@ def test_every_criterion_is_told(visit: Visit) -> None:
     expect(page).to_have_url(re.compile("by=goal_miss"))
 
 
-def test_the_report_is_read_and_printed(visit: Visit) -> None:
-    page = visit.page
+def test_the_report_is_read_and_printed(page: Page) -> None:
     page.get_by_role("button", name="Export").click()
     with page.context.expect_page() as opened:
         page.get_by_role("menuitem", name="Safety-case report, HTML").click()
@@ -152,12 +163,12 @@ def test_the_report_is_read_and_printed(visit: Visit) -> None:
     assert wrong == []
     report.close()
     page.keyboard.press("Escape")
-    printed = saved(visit, "Safety-case report, PDF")
+    printed = saved(page, "Safety-case report, PDF")
     assert printed.path().read_bytes().startswith(b"%PDF-")
 
 
-def test_what_is_installed_otherwise_now_is_told(finished: Service, visit: Visit) -> None:
-    page, card = visit.page, visit.page.locator("#components")
+def test_what_is_installed_otherwise_now_is_told(finished: Service, page: Page) -> None:
+    card = page.locator("#components")
     expect(card).to_contain_text("What is installed now says the same.")
     document = CATALOGUE.model_dump(mode="json")
     document["components"][0]["parameters"][1]["default"] = 0.2
@@ -172,8 +183,7 @@ def test_what_is_installed_otherwise_now_is_told(finished: Service, visit: Visit
     expect(card.get_by_role("row", name=re.compile("^J"))).to_contain_text("0.05")
 
 
-def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit) -> None:
-    page = visit.page
+def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit, page: Page) -> None:
     page.reload()
     card = page.locator("#signoff")
     expect(card).to_contain_text("Nobody has signed")
@@ -211,6 +221,7 @@ def test_two_runs_are_compared(visit: Visit) -> None:
 
 def test_runs_to_compare_are_chosen_on_the_page(visit: Visit) -> None:
     page = visit.page
+    visit.go("/compare?runs=R-0001,R-0002")
     page.get_by_role("button", name="Take R-0001 out").click()
     expect(page).to_have_url(re.compile("runs=R-0002"))
     expect(page.get_by_text("Choose two to 4 runs here")).to_be_visible()

@@ -46,7 +46,7 @@ it('takes no answer that has become old, and lets its connection go', async () =
   const { askAhead, fetchOnce } = await fresh()
   askAhead({ pathname: '/runs', search: '' })
   expect(sent).toEqual(['/api/v1/session', '/api/v1/runs?limit=100'])
-  vi.advanceTimersByTime(11_000)
+  vi.advanceTimersByTime(16_000)
   expect(ended).toEqual(['/api/v1/session', '/api/v1/runs?limit=100'])
   await fetchOnce(new Request(`${BASE}/api/v1/runs?limit=100`))
   expect(sent).toHaveLength(3)

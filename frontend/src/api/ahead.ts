@@ -1,8 +1,8 @@
 // What the page of a run and the run list ask the service for first is asked for ahead of the code that shows it: the
 // service answers while the browser still reads that code. Start reading at `askAhead`.
 
-/** For how long an answer may be taken for a fresh one [ms]. */
-const FRESH = 10_000
+/** For how long an answer may be taken for a fresh one, as in the query cache [ms]. */
+const FRESH = 15_000
 
 const asked = new Map<string, Promise<Response>>()
 /** From the page's own first request on it asks for itself. */

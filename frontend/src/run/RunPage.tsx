@@ -36,7 +36,7 @@ function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
   const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
   // Drawn once it is known what stands where, and from then on whatever is asked for again.
   const [drawn, setDrawn] = useState('')
-  if (data.complete && drawn !== run.id) setDrawn(run.id)
+  if (!isLive(run) && data.complete && drawn !== run.id) setDrawn(run.id)
   return (
     <>
       <Head run={run} stale={stale} />

@@ -8,6 +8,9 @@ import { defineConfig } from 'vitest/config'
 
 const service = process.env.CLEARANCE_URL ?? 'http://127.0.0.1:8000'
 
+/** What pages share comes to all of them, but not what starts them, nor what only a campaign's text needs. */
+const SHARED = /^(?!.*(src.api.ahead|preload-helper|src.launch.text|node_modules.(yaml|@codemirror|@lezer)))/
+
 /** Names in the page itself the code of every page: a browser asks for it without reading any other code first. */
 const atOnce: Plugin = {
   name: 'at-once',
@@ -49,7 +52,7 @@ export default defineConfig({
           includeDependenciesRecursively: false,
           groups: [
             { name: 'charts', test: /node_modules.uplot|src.charts/, priority: 1 },
-            { name: 'shared', test: /^(?!.*(src.api.ahead|preload-helper))/, minShareCount: 2 },
+            { name: 'shared', test: SHARED, minShareCount: 2 },
           ],
         },
       },

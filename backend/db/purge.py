@@ -16,7 +16,7 @@ import sqlalchemy as sa
 from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
-from backend.db.tables import EvaluationChunk, Finding, Run, Signoff, Stage, Trace
+from backend.db.tables import EvaluationChunk, Finding, Run, RunText, Signoff, Stage, Trace
 
 _EMPTY: dict[str, Any] = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
@@ -60,7 +60,7 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
         if row is None:
             return False
         digest = results_digest(writer, run_id)
-        for table in (EvaluationChunk, Stage, Finding, Trace):
+        for table in (EvaluationChunk, Stage, Finding, Trace, RunText):
             writer.execute(sa.delete(table).where(table.run_id == run_id))
         left = {**_EMPTY, "purged": now(writer), "purged_by": user[:64], "purged_digest": digest}
         writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))

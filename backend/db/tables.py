@@ -223,6 +223,15 @@ class Worker(Base):
     run_id: orm.Mapped[int | None]
 
 
+class RunText(Base):
+    """The text that a run's campaign was submitted as, with its comments and order; none where a document was given."""
+
+    __tablename__ = "run_texts"
+    run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
+    text: orm.Mapped[str] = orm.mapped_column(sa.Text)
+    """YAML or JSON; it means the run's campaign."""
+
+
 class IdempotencyKey(Base):
     """A submit that was already answered: the same key gives the same run, another body under it is refused."""
 

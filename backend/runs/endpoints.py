@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
@@ -12,7 +12,7 @@ from backend import bodies
 from backend.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.deps import Engine, Reader
-from backend.runs import edits, listing, removal, service
+from backend.runs import edits, listing, removal, service, texts
 from backend.runs.components import components
 from backend.runs.facets import facets
 from backend.runs.filters import Filters
@@ -44,6 +44,12 @@ SUBMIT_BODY = {
         "application/json": {"schema": {"$ref": "#/components/schemas/RunSubmit"}},
         "application/yaml": {"schema": {"type": "string"}},
     },
+}
+CAMPAIGN_FILE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "YAML, or JSON where it was typed as such.",
+        "content": {"application/yaml": {"schema": {"type": "string"}}},
+    }
 }
 Key = Annotated[
     str | None,
@@ -155,6 +161,13 @@ def edit_run(run: str, given: RunEdit, engine: Engine, visitor: CurrentVisitor) 
 def get_run(run: str, reader: Reader) -> RunDetail:
     """One run with its campaign, its stages as they stand, and the parts of its verdict."""
     return service.detail(reader, service.number(run))
+
+
+@router.get("/runs/{run}/campaign.yaml", response_class=Response, responses=CAMPAIGN_FILE)
+def get_run_campaign(run: str, reader: Reader) -> Response:
+    """The campaign of a run as a file: as it was typed where it was given as text, else as YAML."""
+    headers = {"Content-Disposition": f'attachment; filename="{listing.name(service.number(run))}-campaign.yaml"'}
+    return Response(texts.text(reader, service.number(run)), headers=headers, media_type="application/yaml")
 
 
 @router.post("/runs/{run}/cancel")

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from backend.catalog.schemas import CriterionOut
 from campaigns import Catalogue
+from campaigns.load import LARGEST_FILE
 from campaigns.values import Notes
 
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
@@ -27,6 +28,16 @@ class RunSubmit(Schema):
     campaign: dict[str, Any]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
+    text: (
+        Annotated[
+            str,
+            Field(
+                max_length=LARGEST_FILE,
+                description="The same campaign as YAML or JSON, as it was typed: kept with its comments and order.",
+            ),
+        ]
+        | None
+    ) = None
     priority: Annotated[int, Field(ge=-10, le=10)] = 0
 
 

@@ -16,13 +16,13 @@ from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import now, read
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import IdempotencyKey, Run, Stage
+from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
-from campaigns import Campaign, CampaignError, Catalogue, check
-from campaigns.load import load_document
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check
+from campaigns.load import load_document, load_text
 from campaigns.plan import plan
 
 _ID = re.compile(r"R-(\d{1,15})")
@@ -38,6 +38,8 @@ class Submission:
     priority: int
     digest: str
     """Of the request's body, to tell a repeated request from another one under the same key."""
+    text: str | None
+    """The campaign as it was typed; None where only a document was given."""
 
 
 def number(run: str) -> int:
@@ -50,18 +52,22 @@ def number(run: str) -> int:
 
 def from_yaml(body: bytes) -> Submission:
     """A submission whose body is the campaign itself."""
-    return _submission(bodies.yaml_campaign(body), RunSubmit(campaign={}), body)
+    return _submission(bodies.yaml_campaign(body), RunSubmit(campaign={}, text=bodies.text(body)), body)
 
 
 def from_json(body: bytes, given: RunSubmit) -> Submission:
-    """A submission as the API describes it."""
-    return _submission(load_document(given.campaign, "request"), given, body)
+    """A submission as the API describes it; raises `CampaignError`, also where its text means another campaign."""
+    campaign = load_document(given.campaign, "request")
+    if given.text is not None and load_text(given.text, "text").digest != campaign.digest:
+        text = "the text means another campaign than `campaign`: send the two as one, or leave the text out"
+        raise CampaignError("request", [Problem("text", "", text)])
+    return _submission(campaign, given, body)
 
 
 def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission:
     tags = campaign.tags if given.tags is None else list(dict.fromkeys(given.tags))
     digest = hashlib.sha256(body).hexdigest()
-    return Submission(campaign, given.name or campaign.name, tags, given.priority, digest)
+    return Submission(campaign, given.name or campaign.name, tags, given.priority, digest, given.text)
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSummary:
@@ -75,6 +81,8 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
         run_id = None if key is None else _repeated(writer, submission, visitor, key)
         if run_id is None:
             run_id = _queue(writer, submission, visitor, catalogue)
+            if submission.text is not None:
+                writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
             told = {"campaign": submission.campaign.digest, "name": submission.name}
             audit.note(writer, visitor, "run.submitted", listing.name(run_id), told)
             if key is not None:

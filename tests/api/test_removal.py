@@ -10,7 +10,7 @@ import sqlalchemy as sa
 
 from backend.db.purge import due, purge
 from backend.db.queue import Queue
-from backend.db.tables import Run
+from backend.db.tables import Run, RunText
 from tests.api.catalogue import campaign
 from tests.api.reported import finish_fully
 from tests.api.server import Service
@@ -121,8 +121,9 @@ def test_what_is_not_there_is_not_found(client: httpx.Client, run: str) -> None:
 
 
 READ = (
-    "", "/stages", "/findings", "/traces", "/traces/F1", "/evaluations", "/components", "/signoffs", "/report.html",
-    "/exports", "/exports/run.json", "/exports/evaluations.csv", "/exports/traces.mat", "/exports/flight-F1.html",
+    "", "/campaign.yaml", "/stages", "/findings", "/traces", "/traces/F1", "/evaluations", "/components", "/signoffs",
+    "/report.html", "/exports", "/exports/run.json", "/exports/evaluations.csv", "/exports/traces.mat",
+    "/exports/flight-F1.html",
 )  # fmt: skip
 
 
@@ -133,6 +134,7 @@ def test_a_purged_run_leaves_a_tombstone(service: Service, client: httpx.Client,
     client.post(f"{run}/signoffs/{signed['id']}/withdraw", json={"reason": "Too early."})
     with service.engine.begin() as writer:
         writer.execute(sa.update(Run).where(Run.id == 2).values(continues=1))
+        writer.execute(sa.insert(RunText).values(run_id=1, text="# Ours."))
     client.delete(run, params=WHY)
     assert due(service.engine, 60.0) == []
     (found,) = due(service.engine, 0.0)
@@ -141,7 +143,7 @@ def test_a_purged_run_leaves_a_tombstone(service: Service, client: httpx.Client,
     assert purge(service.engine, 1, 0.0, "root")
     assert not purge(service.engine, 1, 0.0, "root")
     rows = service.rows()
-    assert {rows[name] for name in ("evaluation_chunks", "stages", "findings", "traces")} == {0}
+    assert {rows[name] for name in ("evaluation_chunks", "stages", "findings", "traces", "run_texts")} == {0}
     assert (rows["runs"], rows["signoffs"], rows["campaigns"]) == (2, 1, 2)
     for path in (*(run + path for path in READ), "/api/v1/events?run=R-0001"):
         told = problem(client.get(path), 410)

@@ -16,6 +16,7 @@ from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from campaigns import Campaign
+from campaigns.load import load_text
 from campaigns.plan import plan
 from tests.api.catalogue import campaign
 from tests.api.server import Service
@@ -61,6 +62,28 @@ def test_a_campaign_as_yaml_is_the_same_campaign(client: httpx.Client) -> None:
     assert answer.status_code == 201
     assert answer.json()["name"] == "Unicycle past a pillar"
     assert answer.json()["campaign_digest"] == Campaign.model_validate(campaign()).digest
+
+
+def test_a_run_keeps_its_campaign_as_it_was_typed(service: Service, client: httpx.Client) -> None:
+    document = campaign()
+    text = "# Ours.\n" + yaml.safe_dump(document) + "# The end.\n"
+    assert client.post("/api/v1/runs", content=text, headers=YAML).status_code == 201
+    together = {"campaign": document, "name": "Another", "text": text.replace("The end", "No end")}
+    assert client.post("/api/v1/runs", json=together).status_code == 201
+    third = submit(client)
+    files = [client.get(f"/api/v1/runs/{run}/campaign.yaml") for run in ("R-0001", "R-0002", third)]
+    assert [file.headers["content-type"].partition(";")[0] for file in files] == ["application/yaml"] * 3
+    assert [file.text for file in files[:2]] == [text, together["text"]]
+    assert load_text(files[2].text).digest == Campaign.model_validate(document).digest
+    other = client.post("/api/v1/runs", json=together | {"text": text.replace("threshold: 0.5", "threshold: 0.6")})
+    found = problem(other, 422)
+    assert [error["field"] for error in found["errors"]] == ["text"]
+    assert "another campaign" in found["errors"][0]["message"]
+    problem(client.post("/api/v1/runs", json=together | {"text": "name: ["}), 422)
+    problem(client.get("/api/v1/runs/R-0004/campaign.yaml"), 404)
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CampaignRow).values(document=document | {"version": 0}))
+    assert yaml.safe_load(client.get(f"/api/v1/runs/{third}/campaign.yaml").text)["version"] == 0
 
 
 def test_a_run_names_the_one_it_goes_on_with(service: Service, client: httpx.Client) -> None:

@@ -197,7 +197,7 @@ def test_the_form_changes_the_text_in_its_place(signed_in: Visit) -> None:
     until(lambda: written(page) == ours, "both edits of the form are taken back", 10)
     page.get_by_role("button", name="Redo").click()
     assert written(page) == ours.replace("15.0  # as", "15.5  # as")
-    write_over(page, first)
+    write_over(page, ours)
     expect(page.get_by_text("Valid", exact=True)).to_be_visible()
 
 
@@ -314,6 +314,10 @@ def test_a_long_run_is_cancelled(signed_in: Visit) -> None:
     page = signed_in.page
     page.get_by_role("link", name="Run again").click()
     expect(page.get_by_label("Mass, low")).to_have_value("4.3")
+    page.get_by_role("button", name="YAML", exact=True).click()
+    expect(editor(page)).to_contain_text("# Ours.")
+    assert "horizon:   15.0  # as flown in March" in written(page)
+    page.get_by_role("button", name="Form", exact=True).click()
     page.get_by_label("DIRECT, evaluations at most", exact=True).fill("9000000")
     page.get_by_role("button", name="Options of DIRECT", exact=True).click()
     page.get_by_label("Iterations").first.fill("1000000")

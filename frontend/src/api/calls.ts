@@ -64,6 +64,9 @@ export const listRuns = (filter: RunFilter, cursor: string | null, limit = 100):
   answer(sdk.listRuns({ query: { ...filter, limit, ...(cursor ? { cursor } : {}) } }))
 
 export const getRun = (run: string): Promise<RunDetail> => answer(sdk.getRun({ path: { run } }))
+/** Its campaign as a file: as it was typed, where it came as text. */
+export const getRunText = (run: string): Promise<string> =>
+  answer(sdk.getRunCampaign({ path: { run }, parseAs: 'text' }))
 export const cancelRun = (run: string): Promise<RunSummary> => answer(sdk.cancelRun({ path: { run } }))
 export const getFacets = (): Promise<RunFacets> => answer(sdk.listFacets())
 export const editRun = (run: string, change: RunEdit): Promise<RunDetail> =>
@@ -149,6 +152,8 @@ export interface Submission {
   campaign: Campaign
   name: string
   tags: string[]
+  /** The campaign as it was typed. */
+  text: string
 }
 
 /** Starts a run; the same key never starts a second one. */

@@ -68,9 +68,10 @@ export function Editor(props: EditorProps) {
   const submission = useRef({ body: '', key: '' })
   const launch = useMutation({
     mutationFn: async () => {
-      const checked = await checkCampaign(await draft.typed())
+      const text = await draft.typed()
+      const checked = await checkCampaign(text)
       if (!checked.ok) throw new Refusal(422, 'The campaign has problems', '', checked.problems)
-      const given = { campaign: asCampaign(checked.document), name: name.trim(), tags }
+      const given = { campaign: asCampaign(checked.document), name: name.trim(), tags, text }
       const body = JSON.stringify(given)
       if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
       const run = await submitRun(given, submission.current.key)

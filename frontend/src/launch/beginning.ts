@@ -1,5 +1,5 @@
 // What an editor begins with: a campaign of the library, an earlier run's, or the text of a draft. Start: `fromDraft`.
-import { checkCampaign, getSchema } from '../api/calls'
+import { checkCampaign, getRunText, getSchema } from '../api/calls'
 import { asCampaign, type Campaign } from '../api/campaign'
 import type { Draft, LibraryCampaign, RunDetail } from '../client'
 import type { Beginning } from './useDraft'
@@ -18,8 +18,7 @@ export function fromLibrary(item: LibraryCampaign): Start {
 
 export async function fromRun(run: RunDetail): Promise<Start> {
   const campaign = asCampaign(run.campaign)
-  const { yaml } = await checkCampaign(campaign)
-  const text = yaml ?? JSON.stringify(campaign, null, 2)
+  const text = await getRunText(run.id)
   return { campaign, text, readable: true, name: run.name, tags: run.tags, draft: null }
 }
 

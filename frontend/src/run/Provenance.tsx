@@ -3,7 +3,7 @@ import { IconDownload } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
-import { checkCampaign } from '../api/calls'
+import { getRunText } from '../api/calls'
 import { type Provenance as Origin, summaryOf } from '../api/results'
 import { plain } from '../format/numbers'
 import { moment } from '../format/time'
@@ -13,12 +13,11 @@ import { CopyButton, save } from '../ui/files'
 import type { RunData } from './data'
 
 export function Provenance({ data, className }: { data: RunData; className: string }) {
-  const { run, campaign } = data
+  const { run } = data
   const origin = summaryOf(run).provenance ?? {}
   const download = useMutation({
-    mutationFn: () => checkCampaign(campaign),
-    onSuccess: ({ yaml }) =>
-      save(`${run.id}-campaign.yaml`, yaml ?? JSON.stringify(campaign, null, 2), 'application/yaml'),
+    mutationFn: () => getRunText(run.id),
+    onSuccess: (text) => save(`${run.id}-campaign.yaml`, text, 'application/yaml'),
   })
   const all = {
     run: run.id,

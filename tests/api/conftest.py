@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,6 +14,9 @@ from backend.db.engine import default_url, migrate
 from backend.settings import Settings
 from tests.api.server import Service
 
+Fresh = Callable[[Path], str]
+"""Makes the empty database of a service; its URL."""
+
 
 @pytest.fixture(scope="session")
 def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -23,20 +26,31 @@ def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def fresh(migrated: Path) -> Fresh:
+    """Makes an empty database for a data folder that is not there yet; `tests.api.postgres` has another one."""
+
+    def made(data: Path) -> str:
+        shutil.copytree(migrated, data)
+        return default_url(data)
+
+    return made
+
+
 @contextmanager
-def running(migrated: Path, folder: Path) -> Iterator[Service]:
+def running(fresh: Fresh, folder: Path) -> Iterator[Service]:
     """A service without a catalogue and without pages."""
-    shutil.copytree(migrated, folder / "data")
-    service = Service(Settings(data=folder / "data", pages=folder / "dist"))
+    data = folder / "data"
+    service = Service(Settings(data=data, database=fresh(data), pages=folder / "dist"))
     service.start()
     yield service
     service.stop()
 
 
 @pytest.fixture
-def bare(migrated: Path, tmp_path: Path) -> Iterator[Service]:
+def bare(fresh: Fresh, tmp_path: Path) -> Iterator[Service]:
     """A service of the test's own, as it is before any worker came."""
-    with running(migrated, tmp_path) as service:
+    with running(fresh, tmp_path) as service:
         yield service
 
 
@@ -55,9 +69,9 @@ def client(service: Service) -> Iterator[httpx.Client]:
 
 
 @pytest.fixture(scope="module")
-def still(migrated: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+def still(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with a catalogue, shared by the tests that leave nothing in it."""
-    with running(migrated, tmp_path_factory.mktemp("still")) as service:
+    with running(fresh, tmp_path_factory.mktemp("still")) as service:
         service.publish()
         yield service
 

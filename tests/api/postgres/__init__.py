@@ -1,0 +1,1 @@
+"""The tests of what is stored, once more on PostgreSQL. Start reading at `conftest`."""

@@ -35,7 +35,7 @@ def _number(value: Any) -> float:
         raise ValueError("expected a number, given true or false")
     if isinstance(value, str):
         if not _DECIMAL.fullmatch(value.strip()):
-            raise ValueError("expected a number, given text")
+            raise ValueError(f"expected a number, given {'text' if value.strip() else 'nothing'}")
         value = float(value)
     if not isinstance(value, int | float):
         raise ValueError("expected a number")

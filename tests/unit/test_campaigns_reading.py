@@ -64,6 +64,7 @@ NUMBERS: dict[str, tuple[Any, str, str]] = {
     "absurd": (1.1e12, "1100000000000.0", "expected a finite number of at most 1e+12 in magnitude"),
     "true": (True, "true", "expected a number, given true or false"),
     "text": ("five", '"five"', "expected a number, given text"),
+    "nothing": (" ", '" "', "expected a number, given nothing"),
     "text of nan": ("nan", '"nan"', "expected a number, given text"),
     "text with underscores": ("1_000", '"1_000"', "expected a number, given text"),
     "hexadecimal": ("0x10", '"0x10"', "expected a number, given text"),

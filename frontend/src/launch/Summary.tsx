@@ -28,20 +28,17 @@ export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps
           {problems.slice(0, 12).map((problem) => (
             <li key={problem.field + problem.message}>
               {problem.field && (
-                <button type="button" className="linkbtn mono" onClick={() => here(problem.field)}>
-                  {problem.field}
-                </button>
-              )}{' '}
-              {problem.message}
-              {problem.given && <span className="mut"> (given {problem.given})</span>}
-              {problem.field && (
-                <>
-                  {' '}
-                  <button type="button" className="linkbtn" onClick={() => there(problem.field)}>
+                <span className="where">
+                  <button type="button" className="linkbtn mono" onClick={() => here(problem.field)}>
+                    {problem.field}
+                  </button>
+                  <button type="button" className="linkbtn small" onClick={() => there(problem.field)}>
                     {tab === 'form' ? 'In the YAML' : 'In the form'}
                   </button>
-                </>
+                </span>
               )}
+              {problem.message.charAt(0).toUpperCase() + problem.message.slice(1)}
+              {problem.given && <span className="mut"> (given {problem.given})</span>}
             </li>
           ))}
         </ul>

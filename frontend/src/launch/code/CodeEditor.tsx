@@ -116,14 +116,15 @@ interface StandingProps extends CodeEditorProps {
 }
 
 /** What stands at the cursor, in words: the same as the box under the pointer. */
-function Standing({ text, cursor, campaign, catalogue, schema, onForm }: StandingProps) {
+function Standing({ text, cursor, campaign, catalogue, schema, readOnly, onForm }: StandingProps) {
   const found = useMemo(() => {
     if (cursor === null) return null
     const tree = tolerant(text)
     const standing = fieldAt(tree, Math.min(cursor, text.length))
     if (!standing) return null
     const hint = hintOf({ campaign, catalogue, schema, document: plain(tree) }, standing.at)
-    return { field: standing.at.join('.'), hint }
+    const says = hint && (hint.detail || hint.text || hint.title.toLowerCase() !== String(standing.at.at(-1)).toLowerCase())
+    return { field: standing.at.join('.'), hint: says ? hint : null }
   }, [text, cursor, campaign, catalogue, schema])
   return (
     <div className="standing small" data-testid="standing">
@@ -134,6 +135,7 @@ function Standing({ text, cursor, campaign, catalogue, schema, onForm }: Standin
             <span className="sec">
               {found.hint.title}
               {found.hint.detail && <span className="mut">, {found.hint.detail}</span>}
+              {found.hint.text && <span className="mut">. {found.hint.text}</span>}
             </span>
           )}
           <button type="button" className="linkbtn" onClick={() => onForm(found.field)}>
@@ -141,7 +143,7 @@ function Standing({ text, cursor, campaign, catalogue, schema, onForm }: Standin
           </button>
         </>
       ) : (
-        <span className="mut">Ctrl Space offers what may be written, Ctrl F searches, F8 goes to the next problem.</span>
+        <span className="mut">{readOnly ? 'Touch a line to be told what stands there.' : 'Ctrl Space offers what may be written, Ctrl F searches, F8 goes to the next problem.'}</span>
       )}
     </div>
   )

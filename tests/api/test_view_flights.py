@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import httpx
+import msgspec
 import numpy as np
 import pytest
 
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, encounter, straight, turned
 from tests.api.server import Service
-from tests.api.viewing import Panel, frames_until, viewing
+from tests.api.viewing import Panel, frames, frames_until, viewing
 
 
 def shipped(service: Service, client: httpx.Client, campaign: str) -> str:
@@ -80,6 +81,21 @@ def test_an_aircraft_flies_upright_with_north_ahead_and_east_to_the_right(bare: 
             assert left[0] < -0.9, "the left wing is in the west"
             assert up[2] > 0.9
         with viewing(bare, client, f"/view/{run}/") as connection:
-            received = frames_until(connection, b"Search")
+            received, drawn = b"", []
+            for frame in frames(connection):
+                received += frame
+                drawn += msgspec.msgpack.decode(frame)["messages"]
+                if b"Search" in received:
+                    break
         assert b"/course" in received, "a plan of speed and heading instead of a goal"
         assert b"/goal/label" not in received
+        # A number stands at its height: the aircraft climbs from 0 to 40 m, the safety radius reaches further up.
+        texts, heights = {}, {}
+        for message in drawn:
+            if message["type"] == "LabelMessage" and message["name"].startswith("/north/height/"):
+                texts[message["name"]] = message["props"]["text"]
+            if message["type"] == "SetPositionMessage" and message["name"].startswith("/north/height/"):
+                heights[message["name"]] = message["position"][2]
+        assert len(texts) >= 2
+        for name, text in texts.items():
+            assert float(text.removeprefix("height ").removesuffix(" m").replace("\u2212", "-")) == heights[name]

@@ -12,7 +12,7 @@ from backend.scenes.panel.tables import note, number
 from backend.scenes.setting import Setting
 
 _TABLE = (
-    'style="width:calc(100% - 20px);margin:6px 10px;border-collapse:collapse;font-size:0.85em;'
+    'style="width:calc(100% - 28px);margin:6px 18px 6px 10px;border-collapse:collapse;font-size:0.85em;'
     'font-variant-numeric:tabular-nums"'
 )
 

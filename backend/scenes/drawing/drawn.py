@@ -114,7 +114,7 @@ class Drawn:
     def _stand(self, flight: Flight, dots: Any) -> None:
         """Its shadow on the ground, and stems down to it at even times."""
         shadow = flight.position * (1.0, 1.0, 0.0) + (0.0, 0.0, self._world.ground)
-        self._line("shadow", shapes.dashed(shadow, self._world.frame.span / 200), 1.0, soft=True)
+        self._line("shadow", shapes.dashed(shadow, self._world.frame.span / 140), 1.5)
         feet = [flight.at(time)[0] for time in dots]
         stems = np.array([(foot, (foot[0], foot[1], self._world.ground)) for foot in feet])
         self._line("stems", stems, 1.0, soft=True)
@@ -123,7 +123,7 @@ class Drawn:
         return f"/flights/{self.style.key}/{part}"
 
     def _line(self, part: str, segments: Any, width: float, soft: bool = False) -> None:
-        colour = rgb(self._world.palette.section if soft else self.style.colour)
+        colour = rgb(self._world.palette.soft if soft else self.style.colour)
         self._scene.add_line_segments(
             self._name(part), segments.astype(np.float32), colour, thickness=width, thickness_units="screen"
         )
@@ -131,8 +131,8 @@ class Drawn:
     def _build_vehicle(self) -> Any:
         frame = self._scene.add_frame(self._name("vehicle"), show_axes=False)
         body, rest = _shape(self._setting)
-        dark = shade(rgb(self.style.colour), 0.45)
-        for part, mesh, colour in (("body", body, shade(rgb(self.style.colour), 0.8)), ("rest", rest, dark)):
+        dark = shade(rgb(self.style.colour), 0.6)
+        for part, mesh, colour in (("body", body, rgb(self.style.colour)), ("rest", rest, dark)):
             self._scene.add_mesh_simple(
                 self._name(f"vehicle/{part}"),
                 (self._world.frame.unit * mesh.vertices).astype(np.float32),
@@ -154,7 +154,7 @@ class Drawn:
         near, far = closest.position + self._lift, closest.obstacle + self._lift
         self._ball("closest", 0.1, near, self.style.colour)
         self._ball("closest-obstacle", 0.07, far, self.style.colour)
-        self._line("ruler", np.stack([near, far])[None], 1.5)
+        self._line("ruler", np.stack([near, far])[None], 2.5)
         text = f"{self.style.title} {closest.value:.{self._setting.decimals}f} {self._setting.unit}"
         place, anchor = self._label_place(closest)
         self._scene.add_label(self._name("label"), text, position=place, anchor=anchor, font_screen_scale=0.9)

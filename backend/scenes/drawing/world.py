@@ -25,6 +25,9 @@ Floats = NDArray[np.float64]
 ROOTS = ("flights", "obstacles", "tracks", "start", "goal", "north", "vectors", "field")
 """Below these the scene of the flights stands, but for the ground and a course."""
 
+LEAST_HEIGHT = 0.04
+"""A scene lower than this share of its span has no scale of heights."""
+
 LINE = 2.0
 """Width of a drawn line [pixels]."""
 
@@ -56,6 +59,8 @@ class World:
         self._scene, self._setting, self.palette = server.scene, setting, palette
         self._roots: list[Any] = [server.scene.add_frame(f"/{name}", show_axes=False) for name in ROOTS]
         self._flat: dict[str, Any] = {}
+        self._scale: list[Any] = []
+        """The nodes of the scale of heights."""
         self._visible = True
         self._background()
         self.fit([])
@@ -92,6 +97,7 @@ class World:
         self._places()
         if self._setting.axes.frame == "ned":
             self._north()
+            self._heights()
 
     def _reach(self, flights: Sequence[Flight]) -> Iterator[Floats]:
         setting = self._setting
@@ -167,10 +173,30 @@ class World:
         )
         self._name("/north/label", "N", foot + 1.45 * (tip - foot), "bottom-center")
 
+    def _heights(self) -> None:
+        """A pole in the corner of the box with a scale of heights over the scenario's origin, not over the grid."""
+        for node in self._scale:
+            node.remove()
+        self._scale = []
+        top, length = float(self._points[:, 2].max()), 0.3 * self.frame.unit
+        if top - self.ground < LEAST_HEIGHT * self.frame.span:
+            return
+        step = shapes.even_step(top - self.ground, 3)
+        marks = step * np.arange(np.ceil(self.ground / step), np.floor(top / step) + 1)
+        x, y = self.frame.middle[:2] + 0.5 * self.frame.sides[:2] * (-1.0, 1.0)
+        pole = [((x, y, self.ground), (x, y, max(top, float(marks[-1]))))] if len(marks) else []
+        ticks = [((x, y, z), (x + length, y, z)) for z in marks]
+        if ticks:
+            self._scale.append(self._line("/north/heights", np.array(pole + ticks), self.palette.soft, 1.5))
+        for k, z in enumerate(marks):
+            text = ("height " if z == marks[-1] else "") + f"{z:g} m".replace("-", "−")
+            place = np.array([x + 1.2 * length, y, z])
+            self._scale.append(self._name(f"/north/height/{k}", text, place, "center-left"))
+
     def _line(self, name: str, segments: Floats, colour: str, width: float = LINE) -> Any:
         return self._scene.add_line_segments(
             name, segments.astype(np.float32), rgb(colour), thickness=width, thickness_units="screen"
         )
 
-    def _name(self, name: str, text: str, place: Floats, anchor: Any = "top-center") -> None:
-        self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=0.8)
+    def _name(self, name: str, text: str, place: Floats, anchor: Any = "top-center") -> Any:
+        return self._scene.add_label(name, text, position=place, anchor=anchor, font_screen_scale=0.8)

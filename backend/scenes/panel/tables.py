@@ -11,7 +11,7 @@ from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.setting import Setting
 
 _TABLE = (
-    'style="width:calc(100% - 20px);margin:6px 10px;border-collapse:collapse;font-size:0.85em;'
+    'style="width:calc(100% - 28px);margin:6px 18px 6px 10px;border-collapse:collapse;font-size:0.85em;'
     'font-variant-numeric:tabular-nums"'
 )
 _NUMBER = 'style="text-align:right;padding:2px 0 2px 8px"'

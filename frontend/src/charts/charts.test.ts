@@ -2,6 +2,7 @@
 import { describe, expect, it } from 'vitest'
 import { toCsv } from './csv'
 import { linesOn, stepsOn, union } from './series'
+import { isFar } from './reach'
 import { linearTicks, logTicks, padded, tickDecimals } from './ticks'
 
 describe('ticks', () => {
@@ -47,4 +48,12 @@ it('CSV quotes what needs it and keeps every digit', () => {
     ],
   }
   expect(toCsv(table)).toBe('"a, b",c\r\n"say ""x""",0.30000000000000004\r\n,-1\r\n')
+})
+
+describe('isFar', () => {
+  it('tells a criterion that would flatten the values, below or above them', () => {
+    const values = [10, 11, 12]
+    expect([-2.1, -2, 9, 24, 24.1].map((value) => isFar(values, value))).toEqual([true, false, false, false, true])
+    expect(isFar([], 5)).toBe(false)
+  })
 })

@@ -4,7 +4,7 @@ import { unitText } from '../format/units'
 import { Card, Seg } from '../ui/Card'
 import type { Compared } from './data'
 import type { Row, Setting } from './differences'
-import { Letter } from './Picks'
+import { RunHeads } from './Picks'
 
 interface DefinitionProps {
   runs: Compared[]
@@ -45,11 +45,7 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
             <thead>
               <tr>
                 <th>Setting</th>
-                {runs.map(({ letter }) => (
-                  <th key={letter} className="num">
-                    <Letter of={letter} />
-                  </th>
-                ))}
+                <RunHeads runs={runs} />
               </tr>
             </thead>
             {groups.map((group) => (

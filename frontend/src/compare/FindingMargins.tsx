@@ -3,7 +3,7 @@ import { decimalsFor, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { type Compared, unitOf } from './data'
 import { APART, type Case, matched } from './matching'
-import { Letter } from './Picks'
+import { RunHeads } from './Picks'
 
 export function FindingMargins({ runs, className }: { runs: Compared[]; className: string }) {
   const unit = unitOf(runs)
@@ -28,12 +28,7 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
         <table>
           <thead>
             <tr>
-              {runs.map(({ letter }) => (
-                <th key={letter} className="num">
-                  <Letter of={letter} />
-                </th>
-              ))}
-              {two && <th className="num">B minus A</th>}
+              <RunHeads runs={runs} apart={two} />
             </tr>
           </thead>
           <tbody>

@@ -6,7 +6,7 @@ import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Compared, unitOf } from './data'
 import { AxisHead, axisOf, Mark, MarkKeys } from './marks'
-import { Letter } from './Picks'
+import { RunHeads } from './Picks'
 
 const [WIDTH, EDGE] = [280, 10]
 
@@ -43,12 +43,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
         <thead>
           <tr>
             <th>Method</th>
-            {runs.map(({ letter }) => (
-              <th key={letter} className="num">
-                <Letter of={letter} />
-              </th>
-            ))}
-            {two && <th className="num">B minus A</th>}
+            <RunHeads runs={runs} apart={two} />
             <AxisHead axis={axis} />
           </tr>
         </thead>

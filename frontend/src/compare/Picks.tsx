@@ -58,6 +58,24 @@ function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void
 
 export const Letter = ({ of }: { of: string }) => <span className={`letter letter-${of}`}>{of}</span>
 
+interface RunHeadsProps {
+  runs: readonly Compared[]
+  /** With a column for the difference of two. */
+  apart?: boolean
+}
+
+/** The heads of a table's columns that belong to the runs. */
+export const RunHeads = ({ runs, apart }: RunHeadsProps) => (
+  <>
+    {runs.map(({ letter }) => (
+      <th key={letter} className="num">
+        <Letter of={letter} />
+      </th>
+    ))}
+    {apart && <th className="num">B minus A</th>}
+  </>
+)
+
 function Remove({ id, onRemove }: { id: string; onRemove: () => void }) {
   const words = `Take ${id} out`
   return (

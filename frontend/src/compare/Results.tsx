@@ -6,7 +6,7 @@ import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import { boundOf, type Compared, closestOf, sampleOf, unitOf } from './data'
-import { Letter } from './Picks'
+import { RunHeads } from './Picks'
 
 interface Line {
   key: string
@@ -29,12 +29,7 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
         <thead>
           <tr>
             <th />
-            {runs.map(({ letter }) => (
-              <th key={letter} className="num">
-                <Letter of={letter} />
-              </th>
-            ))}
-            {two && <th className="num">B minus A</th>}
+            <RunHeads runs={runs} apart={two} />
           </tr>
         </thead>
         <tbody>

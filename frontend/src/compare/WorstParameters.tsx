@@ -4,7 +4,7 @@ import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import type { Compared } from './data'
-import { Letter } from './Picks'
+import { RunHeads } from './Picks'
 
 export function WorstParameters({ runs, className }: { runs: Compared[]; className: string }) {
   const paths = [...new Set(runs.flatMap(({ parameters }) => parameters.map((p) => p.path)))]
@@ -14,11 +14,7 @@ export function WorstParameters({ runs, className }: { runs: Compared[]; classNa
         <thead>
           <tr>
             <th>Parameter</th>
-            {runs.map(({ letter }) => (
-              <th key={letter} className="num">
-                <Letter of={letter} />
-              </th>
-            ))}
+            <RunHeads runs={runs} />
             <th>Within bounds</th>
           </tr>
         </thead>

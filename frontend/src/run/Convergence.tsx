@@ -3,6 +3,7 @@ import { useMemo, useState } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../charts/Legend'
 import { Plot } from '../charts/Plot'
+import { useReach } from '../charts/reach'
 import { stepsOn, union } from '../charts/series'
 import type { PlotSpec } from '../charts/spec'
 import { count, decimalsApart, decimalsFor, fixed, plain } from '../format/numbers'
@@ -22,7 +23,6 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
   const { run } = data
   const [by, setBy] = useState<'evaluations' | 'seconds'>('evaluations')
   const [scale, setScale] = useState<'log' | 'linear'>('log')
-  const [near, setNear] = useState<'all' | 'near'>('near')
   const [hidden, toggle] = useHidden()
   const { stages, evaluations, catalogue } = data
   const searches = useMemo(
@@ -38,22 +38,16 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
         .filter(({ curve }) => curve.x.length > 0),
     [searches, by],
   )
-  // Far from the criterion the steps would be flattened to one line: then the chart can show the values alone.
-  const far =
-    run.threshold !== null &&
-    isFar(
-      curves.flatMap(({ curve }) => curve.y),
-      run.threshold,
-    )
+  const { criterion, choice, note } = useReach(
+    curves.flatMap(({ curve }) => curve.y),
+    run.threshold,
+    run.unit,
+    'this axis',
+  )
   const spec = useMemo((): PlotSpec => {
     const xs = union(curves.map(({ curve }) => curve))
     const values = curves.flatMap(({ curve }) => curve.y)
     const decimals = decimalsFor(values, 5)
-    const threshold = run.threshold
-    const criterion =
-      threshold === null || (far && near === 'near')
-        ? undefined
-        : { value: threshold, label: `Criterion, ${plain(threshold)} ${run.unit}`, tint: true }
     return {
       label: `Convergence: best ${symbolText(run.quantity)} found so far by ${curves.length} methods`,
       x: xs,
@@ -76,12 +70,15 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
           ? `Evaluations of each method${log ? ' (log scale)' : ''}`
           : 'Working time of each method, s',
       xLog: log,
-      criterion,
+      criterion:
+        criterion === null
+          ? undefined
+          : { value: criterion, label: `Criterion, ${plain(criterion)} ${run.unit}`, tint: true },
       height,
       xText: (x) => (by === 'evaluations' ? `Evaluation ${count(x)}` : `${fixed(x, 3)} s`),
       yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
     }
-  }, [curves, run.threshold, run.quantity, run.unit, by, log, near, far, height])
+  }, [curves, criterion, run.quantity, run.unit, by, log, height])
 
   const keys: Key[] = curves.map(({ search }) => ({
     key: String(search.stage.position),
@@ -110,17 +107,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       data={table}
     >
       <div className="tools">
-        {far && (
-          <Seg
-            label="Vertical axis"
-            options={[
-              { value: 'near', label: 'Values' },
-              { value: 'all', label: 'With criterion' },
-            ]}
-            value={near}
-            onChange={setNear}
-          />
-        )}
+        {choice}
         {by === 'evaluations' && (
           <Seg
             label="Scale of evaluations"
@@ -150,11 +137,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
         <>
           <Plot spec={spec} hidden={hidden} />
           <Legend keys={keys} hidden={hidden} onToggle={toggle} />
-          {far && near === 'near' && (
-            <p className="fig">
-              The criterion, {plain(run.threshold)} {run.unit}, lies off this axis.
-            </p>
-          )}
+          {note}
           <p className="sr">
             {curves
               .map(
@@ -167,17 +150,4 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       )}
     </ChartCard>
   )
-}
-
-/** Whether the criterion lies so far from all values that showing both would hide the steps. */
-function isFar(values: number[], threshold: number): boolean {
-  if (values.length === 0) return false
-  let low = values[0] as number
-  let high = low
-  for (const value of values) {
-    if (value < low) low = value
-    if (value > high) high = value
-  }
-  const distance = threshold < low ? low - threshold : threshold - high
-  return distance > 6 * (high - low)
 }

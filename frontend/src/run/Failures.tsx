@@ -3,7 +3,7 @@ import { useState } from 'react'
 import type { EvaluationFailure } from '../client'
 import { count, decimalsFor, fixed } from '../format/numbers'
 import { unitText } from '../format/units'
-import { Card } from '../ui/Card'
+import { Card, NumHead } from '../ui/Card'
 import { CopyButton } from '../ui/files'
 import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
@@ -53,11 +53,9 @@ export function Failures({ data, className }: { data: RunData; className: string
             <th>Status</th>
             <th>Reason</th>
             {data.parameters.map((p) => (
-              <th key={p.path} className="num" title={p.text}>
+              <NumHead key={p.path} unit={unitText(p.unit)} title={p.text}>
                 <Sign text={p.symbol} />
-                <br />
-                <span className="u">{unitText(p.unit)}</span>
-              </th>
+              </NumHead>
             ))}
             <th>
               <span className="sr">Take away</span>

@@ -6,7 +6,7 @@ import type { FindingDetail } from '../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Place } from '../ui/bars'
-import { Card } from '../ui/Card'
+import { Card, NumHead } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
@@ -54,32 +54,14 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
           <tr>
             <th>Finding</th>
             <th>From above</th>
-            <th className="num">
-              <Sign text={run.quantity || 'value'} />
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Margin
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Closest at
-              <br />
-              <span className="u">s</span>
-            </th>
-            <th className="num">
-              Speed there
-              <br />
-              <span className="u">m/s</span>
-            </th>
+            <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
+            <NumHead unit={run.unit}>Margin</NumHead>
+            <NumHead unit="s">Closest at</NumHead>
+            <NumHead unit="m/s">Speed there</NumHead>
             {run.criteria.slice(1).map((criterion) => (
-              <th key={criterion.name} className="num" title={criterion.title}>
+              <NumHead key={criterion.name} unit={unitText(criterion.unit)} title={criterion.title}>
                 <Sign text={criterion.quantity || criterion.title} />
-                <br />
-                <span className="u">{unitText(criterion.unit)}</span>
-              </th>
+              </NumHead>
             ))}
             {parameters.map((p) => (
               <th key={p.path} className="place" title={`${p.text} [${unitText(p.unit)}]`}>

@@ -8,7 +8,7 @@ import type { PlotSpec } from '../charts/spec'
 import { padded } from '../charts/ticks'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { unitText } from '../format/units'
-import { Seg } from '../ui/Card'
+import { NumHead, Seg } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign, symbolText } from '../ui/Sign'
@@ -138,18 +138,14 @@ function Points({ data, criteria, points }: PointsProps) {
           <tr>
             <th>Found by</th>
             {criteria.map((c) => (
-              <th key={c.name} className="num">
+              <NumHead key={c.name} unit={unitText(c.unit)}>
                 {c.title}
-                <br />
-                <span className="u">{unitText(c.unit)}</span>
-              </th>
+              </NumHead>
             ))}
             {data.parameters.map((p) => (
-              <th key={p.path} className="num">
+              <NumHead key={p.path} unit={unitText(p.unit)}>
                 <Sign text={p.symbol} />
-                <br />
-                <span className="u">{unitText(p.unit)}</span>
-              </th>
+              </NumHead>
             ))}
             <th className="num">Evaluation</th>
           </tr>

@@ -2,7 +2,7 @@
 import { type Compared, type Member, resultOf } from '../api/results'
 import { count, decimalsApart, duration, fixed, NONE, signed } from '../format/numbers'
 import { HelpLink } from '../help/links'
-import { Card, Progress } from '../ui/Card'
+import { Card, NumHead, Progress } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
@@ -34,38 +34,14 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             <th>Method</th>
             {!over && <th>Budget used</th>}
             <th className="num">Evaluations</th>
-            <th className="num">
-              Best <Sign text={run.quantity || 'value'} />
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Above best
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num hide-n">
-              Margin
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Best at
-              <br />
-              <span className="u">evaluation</span>
-            </th>
+            <NumHead unit={run.unit}>Best <Sign text={run.quantity || 'value'} /></NumHead>
+            <NumHead unit={run.unit}>Above best</NumHead>
+            <NumHead unit={run.unit} className="hide-n">Margin</NumHead>
+            <NumHead unit="evaluation">Best at</NumHead>
             {compared && (
               <>
-                <th className="num">
-                  Within 1 %
-                  <br />
-                  <span className="u">at evaluation</span>
-                </th>
-                <th className="num">
-                  Findings
-                  <br />
-                  <span className="u">of {data.findings.length}</span>
-                </th>
+                <NumHead unit="at evaluation">Within 1 %</NumHead>
+                <NumHead unit="of {data.findings.length}">Findings</NumHead>
               </>
             )}
             {failed && <th className="num">Failed</th>}

@@ -3,7 +3,7 @@ import { useState } from 'react'
 import type { SearchResult } from '../api/results'
 import { count, decimalsApart, decimalsFor, fixed, NONE } from '../format/numbers'
 import { unitText } from '../format/units'
-import { Card } from '../ui/Card'
+import { Card, NumHead } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
@@ -64,17 +64,11 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
           <tr>
             <th className="num">{started ? 'Start' : 'No.'}</th>
             {parameters.map((p) => (
-              <th key={p.path} className="num">
+              <NumHead key={p.path} unit={unitText(p.unit)}>
                 <Sign text={p.symbol} />
-                <br />
-                <span className="u">{unitText(p.unit)}</span>
-              </th>
+              </NumHead>
             ))}
-            <th className="num">
-              <Sign text={run.quantity || 'value'} />
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
+            <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
             <th className="num">Evaluations</th>
             <th>Ended</th>
           </tr>

@@ -11,7 +11,7 @@ import { padded } from '../charts/ticks'
 import type { TraceColumn } from '../client'
 import { decimalsFor, fixed } from '../format/numbers'
 import { unitText } from '../format/units'
-import { Menu } from '../ui/Menu'
+import { Menu, Pick, Picks } from '../ui/Menu'
 import { Sign, symbolText } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import type { RunData } from './data'
@@ -174,21 +174,16 @@ function Choice({ all, shown, chosen, onChange }: ChoiceProps) {
     onChange(all.map((column) => column.name).filter((each) => (each === name ? on : names.includes(each))).join(',') || undefined)
   return (
     <Menu name="Columns" said={null} on={chosen} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
-      <div className="picks" role="group" aria-label="Columns over time">
+      <Picks label="Columns over time">
         {all.map((column) => (
-          <label key={column.name} className="pickrow">
-            <input
-              type="checkbox"
-              checked={names.includes(column.name)}
-              onChange={(event) => toggle(column.name, event.target.checked)}
-            />
+          <Pick key={column.name} on={names.includes(column.name)} onChange={(on) => toggle(column.name, on)}>
             <span className="grow">
               <Sign text={column.symbol} /> <span className="mut">{wordsOf(column)}</span>
             </span>
             <span className="mut">{unitText(column.unit)}</span>
-          </label>
+          </Pick>
         ))}
-      </div>
+      </Picks>
       <span className="row">
         <button type="button" className="btn s" onClick={() => onChange(all.map(({ name }) => name).join(','))}>
           All

@@ -6,7 +6,7 @@ import { asCampaign, type Campaign, type Published as PublishedValue } from '../
 import { libraryQuery } from '../api/queries'
 import type { Minimum } from '../api/results'
 import { decimalsFor, fixed, NONE, signed } from '../format/numbers'
-import { Card } from '../ui/Card'
+import { Card, NumHead } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { type RunData, searchesOf } from './data'
 
@@ -45,21 +45,9 @@ export function Published({ data, className }: { data: RunData; className: strin
         <thead>
           <tr>
             <th>Value</th>
-            <th className="num">
-              Published
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Ours
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Difference
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
+            <NumHead unit={run.unit}>Published</NumHead>
+            <NumHead unit={run.unit}>Ours</NumHead>
+            <NumHead unit={run.unit}>Difference</NumHead>
           </tr>
         </thead>
         <tbody>

@@ -1,16 +1,16 @@
 // Sensitivity: each parameter over its bounds, the others nominal, and the others as in the chosen finding; all curves
 // share the vertical axis.
-import { useMemo, useState } from 'react'
+import { useMemo } from 'react'
 import type { SensitivityCurve, SensitivityResult, Slices, ValidateResult } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../charts/Legend'
 import { Plot } from '../charts/Plot'
+import { useReach } from '../charts/reach'
 import { linesOn, union } from '../charts/series'
 import type { PlotSpec } from '../charts/spec'
 import { padded } from '../charts/ticks'
-import { decimalsFor, fixed, plain } from '../format/numbers'
+import { decimalsFor, fixed } from '../format/numbers'
 import { unitText } from '../format/units'
-import { Seg } from '../ui/Card'
 import { Sign, symbolText } from '../ui/Sign'
 import { calledOf, NOMINAL } from './chosen'
 import type { RunData, UncertainParameter } from './data'
@@ -27,20 +27,17 @@ interface SensitivityCardProps {
 
 export function SensitivityCard({ data, result, validation, className, height }: SensitivityCardProps) {
   const { run, parameters, chosen } = data
-  const [axis, setAxis] = useState<'near' | 'all'>('near')
   const [hidden, toggle] = useHidden()
   const slices = validation?.after?.[chosen]?.slices
   const called = calledOf(chosen).replace('Worst', 'worst')
   const drawn = [...result.curves, ...(slices?.curves ?? [])]
   const costs = drawn.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
-  const threshold = run.threshold
-  const far = threshold !== null && costs.length > 0 && Math.min(...costs) - threshold > 6 * spread(costs)
-  const withCriterion = threshold !== null && (!far || axis === 'all')
-  const yRange = padded(withCriterion ? [...costs, threshold] : costs, false, 0.1)
+  const { criterion, choice, note } = useReach(costs, run.threshold, run.unit, 'these axes')
+  const yRange = padded(criterion === null ? costs : [...costs, criterion], false, 0.1)
   const keys: Key[] = [
     { key: 'nominal', label: 'Others at nominal', colour: '--c-nom' },
     ...(slices ? [{ key: 'worst', label: `Others at ${called}`, colour: '--c-worst' }] : []),
-    ...(withCriterion ? [{ key: 'criterion', label: 'Criterion', colour: '--c-crit', dashed: true, fixed: true }] : []),
+    ...(criterion === null ? [] : [{ key: 'criterion', label: 'Criterion', colour: '--c-crit', dashed: true, fixed: true }]),
   ]
   return (
     <ChartCard
@@ -57,17 +54,7 @@ export function SensitivityCard({ data, result, validation, className, height }:
       right={
         <>
           <Legend keys={keys} hidden={hidden} onToggle={toggle} />
-          {far && (
-            <Seg
-              label="Vertical axis"
-              options={[
-                { value: 'near', label: 'Values' },
-                { value: 'all', label: 'With criterion' },
-              ]}
-              value={axis}
-              onChange={setAxis}
-            />
-          )}
+          {choice}
         </>
       }
       footer={footerOf(drawn, missing(validation, chosen, slices))}
@@ -84,23 +71,17 @@ export function SensitivityCard({ data, result, validation, className, height }:
               called={called}
               parameter={parameter}
               yRange={yRange}
-              criterion={withCriterion}
+              criterion={criterion}
               hidden={hidden}
               height={height}
             />
           ) : null
         })}
       </div>
-      {far && axis === 'near' && (
-        <p className="fig">
-          The criterion, {plain(threshold)} {run.unit}, lies off these axes.
-        </p>
-      )}
+      {note}
     </ChartCard>
   )
 }
-
-const spread = (values: number[]): number => Math.max(...values) - Math.min(...values)
 
 /** The slice of one parameter through the finding, and the finding's own value of it. */
 function throughOf(slices: Slices | undefined, path: string): Through | null {
@@ -144,7 +125,7 @@ interface SmallProps {
   called: string
   parameter: UncertainParameter
   yRange: [number, number]
-  criterion: boolean
+  criterion: number | null
   hidden: ReadonlySet<string>
   height: number
 }
@@ -191,7 +172,7 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
       yRange: [y0, y1],
       yTicks: 4,
       left: 52,
-      criterion: criterion && run.threshold !== null ? { value: run.threshold, tint: true } : undefined,
+      criterion: criterion === null ? undefined : { value: criterion, tint: true },
       height,
       xText: (x) => `${symbolText(symbol)} = ${fixed(x, digits)} ${unitText(unit)}`,
       yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
@@ -203,7 +184,6 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
     cost,
     run.quantity,
     run.unit,
-    run.threshold,
     run.nominal_cost,
     symbol,
     unit,

@@ -2,7 +2,7 @@
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
 import type { ValidateResult, ValidationCase } from '../api/results'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../format/numbers'
-import { Card } from '../ui/Card'
+import { Card, NumHead } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
 import { Said } from './Said'
@@ -56,26 +56,10 @@ export function ValidationCard({
           <tr>
             <th>Flight</th>
             <th>Integration</th>
-            <th className="num">
-              Step
-              <br />
-              <span className="u">ms</span>
-            </th>
-            <th className="num">
-              <Sign text={run.quantity || 'value'} />
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Change
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
-            <th className="num">
-              Allowed
-              <br />
-              <span className="u">{run.unit}</span>
-            </th>
+            <NumHead unit="ms">Step</NumHead>
+            <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
+            <NumHead unit={run.unit}>Change</NumHead>
+            <NumHead unit={run.unit}>Allowed</NumHead>
           </tr>
         </thead>
         <tbody>

@@ -2,7 +2,7 @@
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { COLUMNS } from './columns'
 import type { ColumnKey } from './columnKeys'
-import { Menu } from '../ui/Menu'
+import { Menu, Pick, Picks } from '../ui/Menu'
 
 interface ColumnsMenuProps {
   cols: ColumnKey[] | undefined
@@ -17,18 +17,13 @@ export function ColumnsMenu({ cols, usual, onChange }: ColumnsMenuProps) {
     onChange(COLUMNS.map((column) => column.key).filter((k) => (k === key ? on : shown.includes(k))))
   return (
     <Menu name="Columns" said={null} on={cols !== undefined} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
-      <div className="picks" role="group" aria-label="Columns">
+      <Picks label="Columns">
         {COLUMNS.map((column) => (
-          <label key={column.key} className="pickrow">
-            <input
-              type="checkbox"
-              checked={shown.includes(column.key)}
-              onChange={(event) => toggle(column.key, event.target.checked)}
-            />
+          <Pick key={column.key} on={shown.includes(column.key)} onChange={(on) => toggle(column.key, on)}>
             {column.name}
-          </label>
+          </Pick>
         ))}
-      </div>
+      </Picks>
       {cols && (
         <button type="button" className="btn s" onClick={() => onChange(undefined)}>
           The usual columns

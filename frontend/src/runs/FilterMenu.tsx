@@ -2,7 +2,7 @@
 import { type ReactNode, useState } from 'react'
 import type { Facet } from '../client'
 import { count } from '../format/numbers'
-import { Menu } from '../ui/Menu'
+import { Menu, Pick, Picks } from '../ui/Menu'
 
 interface FilterMenuProps {
   name: string
@@ -39,20 +39,15 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
           />
         </label>
       )}
-      <div className="picks" role="group" aria-label={name}>
+      <Picks label={name}>
         {shown.map((option) => (
-          <label key={option.value} className="pickrow">
-            <input
-              type="checkbox"
-              checked={value.includes(option.value)}
-              onChange={(event) => toggle(option.value, event.target.checked)}
-            />
+          <Pick key={option.value} on={value.includes(option.value)} onChange={(on) => toggle(option.value, on)}>
             <span className="grow wrap-any">{label(option.value)}</span>
             <span className="mut tn">{count(option.runs)}</span>
-          </label>
+          </Pick>
         ))}
         {shown.length === 0 && <p className="small mut">{all.length ? 'Nothing of this name.' : 'No run has any yet.'}</p>}
-      </div>
+      </Picks>
       {value.length > 0 && (
         <button type="button" className="btn s" onClick={() => onChange(undefined)}>
           Any {name.toLowerCase()}

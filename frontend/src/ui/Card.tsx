@@ -66,6 +66,24 @@ export function Stat({ name, value, unit, note, bad, testId }: StatProps) {
   )
 }
 
+interface NumHeadProps {
+  unit: ReactNode
+  title?: string
+  className?: string
+  children: ReactNode
+}
+
+/** The head of a column of numbers: what they are, and below it their unit. */
+export function NumHead({ unit, title, className = '', children }: NumHeadProps) {
+  return (
+    <th className={`num ${className}`} title={title}>
+      {children}
+      <br />
+      <span className="u">{unit}</span>
+    </th>
+  )
+}
+
 interface SegProps<T extends string> {
   label: string
   options: readonly { value: T; label: ReactNode }[]

@@ -32,3 +32,23 @@ export function Menu({ name, said, on, icon, above, children }: MenuProps) {
     </Popover>
   )
 }
+
+/** The choices of a menu, each an entry to tick. */
+export const Picks = ({ label, children }: { label: string; children: ReactNode }) => (
+  <div className="picks" role="group" aria-label={label}>
+    {children}
+  </div>
+)
+
+interface PickProps {
+  on: boolean
+  onChange: (on: boolean) => void
+  children: ReactNode
+}
+
+export const Pick = ({ on, onChange, children }: PickProps) => (
+  <label className="pickrow">
+    <input type="checkbox" checked={on} onChange={(event) => onChange(event.target.checked)} />
+    {children}
+  </label>
+)

@@ -32,6 +32,8 @@ THEMES = ("light", "dark")
 PAGES = {
     "runs": ("/runs", "tr[data-run=R-0004]"),
     "runs-narrowed-to-nothing": ("/runs?q=no+such+run", "text=No run matches"),
+    "runs-removed": ("/runs?removed=true", "tr[data-run=R-0005]"),
+    "run-removed": ("/runs/R-0005", "text=Removed from the lists"),
     "run": ("/runs/R-0001", "#separation canvas"),
     "run-violated": ("/runs/R-0002", "#separation canvas"),
     "run-live": ("/runs/R-0003", "[data-testid=best]"),
@@ -83,7 +85,7 @@ def visit(service: Service, browser: Browser) -> Iterator[Visit]:
 
 @pytest.fixture(scope="module")
 def filled(service: Service) -> Service:
-    """The same service with a run that is cleared, one that is violated, one in work and one that waits."""
+    """The same service with a run that is cleared, one that is violated, one in work, one that waits, one removed."""
     document = load_file(library()["unicycle_static"]).document()
     with service.signed_in() as client:
         submit(client, document, "Full box")
@@ -95,6 +97,9 @@ def filled(service: Service) -> Service:
         work.nominal()
         work.search(0, 700)
         submit(client, document, "Waits")
+        submit(client, document, "Removed")
+        client.post("/api/v1/runs/R-0005/cancel")
+        client.delete("/api/v1/runs/R-0005", params={"reason": "The bounds were those of another vehicle."})
     return service
 
 

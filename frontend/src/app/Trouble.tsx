@@ -13,7 +13,14 @@ export function Loading({ what }: { what: string }) {
   )
 }
 
-export function Trouble({ error, retry }: { error: unknown; retry?: () => void }) {
+interface TroubleProps {
+  error: unknown
+  retry?: () => void
+  /** Whether a way to the runs is offered; not on their own page. */
+  onward?: boolean
+}
+
+export function Trouble({ error, retry, onward = true }: TroubleProps) {
   const title = error instanceof Refusal ? error.title : 'This page could not be shown'
   const detail = error instanceof Error ? error.message : String(error)
   return (
@@ -27,9 +34,11 @@ export function Trouble({ error, retry }: { error: unknown; retry?: () => void }
             Try again
           </button>
         )}
-        <Link to="/runs" className="btn">
-          All runs
-        </Link>
+        {onward && (
+          <Link to="/runs" className="btn">
+            All runs
+          </Link>
+        )}
       </div>
     </div>
   )

@@ -34,7 +34,7 @@ export function RunsPage() {
     })
 
   if (query.isPending) return <Loading what="runs" />
-  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} onward={false} />
   const counts = query.data.pages[0]?.counts ?? {}
   const none = runs.length === 0 && !isNarrowed(search) && !counts.removed
   const selected = runs.filter((run) => marked.has(run.id))

@@ -189,7 +189,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     key: 'duration',
     name: 'Duration',
     head: named('Duration'),
-    width: 88,
+    width: 80,
     sort: 'duration',
     down: true,
     num: true,
@@ -201,7 +201,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     key: 'submitted',
     name: 'Submitted',
     head: named('Submitted'),
-    width: 106,
+    width: 94,
     sort: 'created',
     down: true,
     cell: (run, { now }) => <span className="sec nw"><Time at={run.created} now={now} /></span>,
@@ -228,7 +228,7 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     key: 'owner',
     name: 'User',
     head: named('User'),
-    width: 74,
+    width: 66,
     sort: 'owner',
     cell: (run) => (
       <span className="sec cut" title={run.owner}>

@@ -127,7 +127,7 @@ function Standing({ text, cursor, campaign, catalogue, schema, readOnly, onForm 
     return { field: standing.at.join('.'), hint: says ? hint : null }
   }, [text, cursor, campaign, catalogue, schema])
   return (
-    <div className="standing small" data-testid="standing">
+    <div className="codefoot small" data-testid="standing">
       {found ? (
         <>
           <span className="mono">{found.field}</span>

@@ -20,7 +20,7 @@ Pose = tuple[Floats, Floats]
 
 FIELD_OF_VIEW = np.radians(40.0)
 ASPECT = 1.1
-"""Width by height that the scene has to fit into, beside the panel."""
+"""Width by height that the scene has to fit into, while no browser has said what it has."""
 MOVING: tuple[Camera, ...] = ("chase", "intruder")
 """Those that go with the time."""
 TOWARDS = {
@@ -56,8 +56,11 @@ class Sight:
     closest: Closest | None
 
 
-def pose(camera: Camera, scene: Scene, sight: Sight | None) -> Pose:
-    """Where the camera stands and what it looks at; the overview where there is nothing of what it asks for."""
+def pose(camera: Camera, scene: Scene, sight: Sight | None, aspect: float = ASPECT) -> Pose:
+    """Where the camera stands and what it looks at; the overview where there is nothing of what it asks for.
+
+    aspect: width by height of the picture.
+    """
     if sight is not None and camera == "chase":
         return _behind(sight, scene.unit)
     if sight is not None and sight.obstacle is not None and camera == "intruder":
@@ -71,7 +74,7 @@ def pose(camera: Camera, scene: Scene, sight: Sight | None) -> Pose:
         reach = max(1.1 * max(closest.value, scene.threshold), 2 * scene.unit)
         points = middle + reach * np.array([*np.eye(3), *-np.eye(3)])
     direction = np.array(TOWARDS[kind]) / np.linalg.norm(TOWARDS[kind])
-    return middle + distance(points - middle, direction) * direction, middle
+    return middle + distance(points - middle, direction, aspect) * direction, middle
 
 
 def _behind(sight: Sight, unit: float) -> Pose:
@@ -97,10 +100,10 @@ def level(direction: Floats) -> Floats:
     return flat / length
 
 
-def distance(points: Floats, direction: Floats) -> float:
+def distance(points: Floats, direction: Floats, aspect: float = ASPECT) -> float:
     """How far off a camera must stand in that direction to see all these points about what it looks at [m]."""
     right = np.cross((0.0, 0.0, 1.0), direction)
     right /= np.linalg.norm(right)
     up = np.cross(direction, right)
-    across = np.maximum(np.abs(points @ right) / ASPECT, np.abs(points @ up))
+    across = np.maximum(np.abs(points @ right) / aspect, np.abs(points @ up))
     return float((1.15 * across / np.tan(FIELD_OF_VIEW / 2) + points @ direction).max())

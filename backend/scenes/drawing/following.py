@@ -17,7 +17,7 @@ import numpy as np
 import viser
 
 from backend.scenes.address import Camera
-from backend.scenes.drawing.cameras import FIELD_OF_VIEW, MOVING, Floats, Pose, pose
+from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW, MOVING, Floats, Pose, pose
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.world import World
 from backend.scenes.part import Part
@@ -28,6 +28,8 @@ PATIENCE = 0.4
 """A browser that does not say that it has come to where it was sent is sent on after this time [s]."""
 REMEMBERED = 300
 """So many places told to a browser are remembered: 10 s of them for one that is slow to draw."""
+NARROWEST, WIDEST = 0.6, 1.8
+"""Width by height of a picture, as far as cameras make use of it: labels stand at the sides."""
 OWN = 1e-3
 """A place further off than this share of its distance from what is looked at is not the one told."""
 
@@ -42,6 +44,8 @@ class Following(Part):
         self.on_own: Callable[[], None] = lambda: None
         """Called by `work` after the visitor has moved the camera."""
         self._server, self._world, self._flights, self._wake = server, world, flights, wake
+        self._aspect = ASPECT
+        """Of the browser's picture."""
         self._at: Pose | None = None
         """Where the browser said last that its camera stands."""
         self._place: Pose | None = None
@@ -122,7 +126,7 @@ class Following(Part):
                 client.camera.look_at = target
 
     def _pose(self, camera: Camera) -> Pose:
-        return pose(camera, self._world.whole, self._flights.sight(self._time))
+        return pose(camera, self._world.whole, self._flights.sight(self._time), self._aspect)
 
     def _remembered(self, found: Pose) -> Pose:
         self._told.append(found[0])
@@ -130,6 +134,7 @@ class Following(Part):
 
     def _connected(self, client: viser.ClientHandle) -> None:
         client.camera.on_update(self._seen)
+        self._aspect = min(max(client.camera.aspect, NARROWEST), WIDEST)
         with self._lock:
             if client.client_id in self._sent:  # it was among the browsers before this was called
                 return
@@ -156,6 +161,7 @@ class Following(Part):
             elif self._heard:
                 self._place = None
             self._at = eye, target
+            self._aspect = min(max(camera.aspect, NARROWEST), WIDEST)
             if self.camera is None:
                 self._wake()
             # Until the browser has come to where it was sent, this is where it was before.

@@ -97,5 +97,6 @@ def test_an_aircraft_flies_upright_with_north_ahead_and_east_to_the_right(bare: 
             if message["type"] == "SetPositionMessage" and message["name"].startswith("/north/height/"):
                 heights[message["name"]] = message["position"][2]
         assert len(texts) >= 2
+        assert "0 m" in texts.values(), "without a minus"
         for name, text in texts.items():
             assert float(text.removeprefix("height ").removesuffix(" m").replace("\u2212", "-")) == heights[name]

@@ -182,7 +182,7 @@ class World:
         if top - self.ground < LEAST_HEIGHT * self.frame.span:
             return
         step = shapes.even_step(top - self.ground, 3)
-        marks = step * np.arange(np.ceil(self.ground / step), np.floor(top / step) + 1)
+        marks = step * np.arange(np.ceil(self.ground / step), np.floor(top / step) + 1) + 0.0  # no minus before a zero
         x, y = self.frame.middle[:2] + 0.5 * self.frame.sides[:2] * (-1.0, 1.0)
         pole = [((x, y, self.ground), (x, y, max(top, float(marks[-1]))))] if len(marks) else []
         ticks = [((x, y, z), (x + length, y, z)) for z in marks]

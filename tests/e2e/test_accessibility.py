@@ -31,7 +31,8 @@ THEMES = ("light", "dark")
 
 PAGES = {
     "runs": ("/runs", "tr[data-run=R-0004]"),
-    "runs-narrowed-to-nothing": ("/runs?q=no+such+run", "text=No run matches"),
+    # An address from elsewhere: what it does not know is left out.
+    "runs-narrowed-to-nothing": ("/runs?q=no+such+run&show=odd&sort=colour", "text=No run matches"),
     "runs-removed": ("/runs?removed=true", "tr[data-run=R-0005]"),
     "run-removed": ("/runs/R-0005", "text=Removed from the lists"),
     "run": ("/runs/R-0001", "#separation canvas"),

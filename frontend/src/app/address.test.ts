@@ -1,7 +1,7 @@
 // What is written to the address is what is read from it.
 import { expect, it } from 'vitest'
 import { readSearch } from '../runs/search'
-import { parseSearch, stringifySearch } from './address'
+import { onlyKnown, parseSearch, stringifySearch } from './address'
 
 it.each([
   [{}, ''],
@@ -18,4 +18,9 @@ it.each([
 
 it('leaves out what is not set', () => {
   expect(stringifySearch({ a: undefined, b: null })).toBe('')
+})
+
+it('takes nothing for granted that a page does not know', () => {
+  const raw = { show: 'odd', q: 'a', other: '1' }
+  expect({ ...raw, ...onlyKnown(readSearch)(raw) }).toEqual({ q: 'a', show: undefined, other: undefined })
 })

@@ -27,3 +27,11 @@ export function stringifySearch(search: Record<string, unknown>): string {
   const text = query.toString().replaceAll('%2C', ',').replaceAll('%3A', ':')
   return text ? `?${text}` : ''
 }
+
+/** A page's reader of its address, so that what it does not know is nothing: the router would hand it on as it stands. */
+export const onlyKnown =
+  <T extends object>(read: (search: Record<string, unknown>) => T) =>
+  (search: Record<string, unknown>): T => ({
+    ...Object.fromEntries(Object.keys(search).map((key) => [key, undefined])),
+    ...read(search),
+  })

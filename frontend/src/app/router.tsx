@@ -3,7 +3,7 @@ import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirec
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/chosen'
 import { readSearch } from '../runs/search'
-import { parseSearch, stringifySearch } from './address'
+import { onlyKnown, parseSearch, stringifySearch } from './address'
 import { lazy } from './lazy'
 import { Shell } from './Shell'
 import { Loading, NotFound, Trouble } from './Trouble'
@@ -22,7 +22,7 @@ const start = createRoute({
 const runs = createRoute({
   getParentRoute: () => root,
   path: '/runs',
-  validateSearch: readSearch,
+  validateSearch: onlyKnown(readSearch),
   component: lazyRouteComponent(lazy.runs, 'RunsPage'),
 })
 
@@ -41,19 +41,19 @@ const word = (value: unknown): string | undefined => (typeof value === 'string' 
 const launch = createRoute({
   getParentRoute: () => root,
   path: '/launch',
-  validateSearch: (search: Record<string, unknown>): LaunchSearch => ({
+  validateSearch: onlyKnown((search): LaunchSearch => ({
     case: word(search.case),
     from: word(search.from),
     draft: word(search.draft),
     tab: search.tab === 'yaml' ? 'yaml' : undefined,
-  }),
+  })),
   component: lazyRouteComponent(lazy.launch, 'LaunchPage'),
 })
 
 const run = createRoute({
   getParentRoute: () => root,
   path: '/runs/$id',
-  validateSearch: readChosen,
+  validateSearch: onlyKnown(readChosen),
   component: lazyRouteComponent(lazy.run, 'RunPage'),
 })
 
@@ -84,7 +84,7 @@ const components = createRoute({
 const compare = createRoute({
   getParentRoute: () => root,
   path: '/compare',
-  validateSearch: readCompare,
+  validateSearch: onlyKnown(readCompare),
   component: lazyRouteComponent(lazy.compare, 'ComparePage'),
 })
 

@@ -41,7 +41,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             {compared && (
               <>
                 <NumHead unit="at evaluation">Within 1 %</NumHead>
-                <NumHead unit="of {data.findings.length}">Findings</NumHead>
+                <NumHead unit={`of ${data.findings.length}`}>Findings</NumHead>
               </>
             )}
             {failed && <th className="num">Failed</th>}

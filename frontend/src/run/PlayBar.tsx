@@ -8,11 +8,11 @@ import {
   IconPlayerPlay,
   IconStack2,
 } from '@tabler/icons-react'
-import { type CSSProperties, useState } from 'react'
+import { type CSSProperties, useEffect, useState } from 'react'
 import type { LayersChange, ViewState } from '../client'
 import { fixed, plain } from '../format/numbers'
 import { IconButton } from '../ui/IconButton'
-import { Menu } from '../ui/Menu'
+import { Menu, Pick, Picks } from '../ui/Menu'
 import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
 import { closestOf } from './flown'
@@ -137,30 +137,44 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
   ]
   return (
     <Menu name="Shown" said={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>
-      <div className="picks" role="group" aria-label="What is drawn">
+      <Picks label="What is drawn">
         {names.map(([layer, name]) => (
-          <Pick
+          <Asked
             key={layer}
             name={name}
             on={shown.layers[layer]}
-            change={(on) => view.steer({ layers: { [layer]: on } })}
+            ask={(on) => view.steer({ layers: { [layer]: on } })}
           />
         ))}
-        <Pick
+        <Asked
           name="Paths only as far as flown"
           on={shown.layers.trail === 'so_far'}
-          change={(on) => view.steer({ layers: { trail: on ? 'so_far' : 'whole' } })}
+          ask={(on) => view.steer({ layers: { trail: on ? 'so_far' : 'whole' } })}
         />
-      </div>
+      </Picks>
     </Menu>
   )
 }
 
-function Pick({ name, on, change }: { name: string; on: boolean; change: (on: boolean) => void }) {
+/** How long a tick stands as it was asked for while the view has not said so [ms]. */
+const WAIT = 3000
+
+/** A tick that is seen at once, and that the view has the last word on. */
+function Asked({ name, on, ask }: { name: string; on: boolean; ask: (on: boolean) => void }) {
+  const [asked, setAsked] = useState<boolean | null>(null)
+  if (asked === on) setAsked(null)
+  useEffect(() => {
+    if (asked === null) return
+    const timer = setTimeout(() => setAsked(null), WAIT)
+    return () => clearTimeout(timer)
+  }, [asked])
+  const change = (wanted: boolean) => {
+    setAsked(wanted)
+    ask(wanted)
+  }
   return (
-    <label className="pickrow">
-      <input type="checkbox" checked={on} onChange={(event) => change(event.target.checked)} />
+    <Pick on={asked ?? on} onChange={change}>
       <span className="grow">{name}</span>
-    </label>
+    </Pick>
   )
 }

@@ -15,7 +15,7 @@ from campaigns.problem import CampaignError, Problem, shown
 from campaigns.reading import UnreadableError, misshapen, parse
 from campaigns.spec import Campaign
 
-__all__ = ["CampaignError", "Problem", "library", "load_document", "load_file", "load_text"]
+__all__ = ["CampaignError", "Problem", "library", "load_document", "load_file", "load_text", "read_text"]
 
 LARGEST_FILE = 1_000_000
 """[bytes]"""
@@ -25,6 +25,11 @@ LIBRARY = Path(__file__).parent / "library"
 
 def load_file(path: Path) -> Campaign:
     """Read a campaign from a file; raises `CampaignError` for anything that is wrong, a missing file included."""
+    return load_text(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    """The text of a campaign's file; raises `CampaignError` for one that cannot be read."""
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
@@ -35,10 +40,9 @@ def load_file(path: Path) -> Campaign:
     if len(content) > LARGEST_FILE:
         raise CampaignError(str(path), [_too_large()])
     try:
-        text = content.decode("utf-8-sig")
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CampaignError(str(path), [Problem("", "", "the file is not UTF-8 text")]) from None
-    return load_text(text, str(path))
 
 
 def load_text(text: str, source: str = "campaign") -> Campaign:

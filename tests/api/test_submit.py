@@ -33,7 +33,7 @@ def command(service: Service, monkeypatch: pytest.MonkeyPatch) -> Iterator[Comma
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     path = tmp_path / "campaign.yaml"
-    path.write_text(yaml.safe_dump(campaign()))
+    path.write_text(f"# Reviewed in November.\n{yaml.safe_dump(campaign())}")
     return path
 
 
@@ -64,7 +64,9 @@ def test_the_files_are_those_of_the_service(service: Service, command: Command, 
     finish_fully(service)
     out = tmp_path / "out"
     assert command("follow", "R-0001", "--out", out).result(30) == 0
-    assert sorted(f.name for f in out.iterdir()) == ["evaluations.csv", "findings.csv", "report.html", "run.json"]
+    made = ["campaign.yaml", "evaluations.csv", "findings.csv", "report.html", "run.json"]
+    assert sorted(f.name for f in out.iterdir()) == made
+    assert (out / "campaign.yaml").read_text() == file.read_text()
     with service.signed_in() as client:
         for name in ("evaluations.csv", "findings.csv"):
             assert (out / name).read_bytes() == client.get(f"/api/v1/runs/R-0001/exports/{name}").content

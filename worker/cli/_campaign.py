@@ -9,7 +9,10 @@ from campaigns import Campaign, library, load_file
 
 def read_campaign(file: Path) -> Campaign:
     """The campaign of a file, or of the library where there is no such file; raises `CampaignError`."""
+    return load_file(found(file))
+
+
+def found(file: Path) -> Path:
+    """The file that is meant: of the library where there is none of this name."""
     shipped = library()
-    if not file.exists() and str(file) in shipped:
-        return load_file(shipped[str(file)])
-    return load_file(file)
+    return shipped[str(file)] if not file.exists() and str(file) in shipped else file

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from worker.cli._remote import Remote
 
 FILES = {
+    "campaign.yaml": "runs/{run}/campaign.yaml",
     "run.json": "runs/{run}/exports/run.json",
     "evaluations.csv": "runs/{run}/exports/evaluations.csv",
     "findings.csv": "runs/{run}/exports/findings.csv",

@@ -30,14 +30,15 @@ def submit(
     patience: Patience = PATIENCE,
 ) -> None:  # fmt: skip
     """Send a campaign to a service and wait for its verdict, which is the exit code."""
-    from worker.cli._campaign import read_campaign
+    from campaigns.load import load_text, read_text
+    from worker.cli._campaign import found
     from worker.cli._following import follow_to_the_end, token_of
     from worker.cli._out import writable
     from worker.cli._remote import Remote
 
     writable(out)
-    campaign = read_campaign(file)
-    body: dict[str, Any] = {"campaign": campaign.document(), "priority": priority}
+    text = read_text(found(file))
+    body: dict[str, Any] = {"campaign": load_text(text, str(file)).document(), "text": text, "priority": priority}
     body |= {"name": name} if name else {}
     body |= {"tags": tag} if tag else {}
     with Remote(service, token_of(token_file, os.environ.get("CLEARANCE_TOKEN")), patience) as remote:

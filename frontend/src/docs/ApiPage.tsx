@@ -62,7 +62,7 @@ function Page({ document }: { document: OpenApi }) {
             <Snippet text={first} />
             <p>
               In continuous integration one command sends a campaign, waits, and ends with the verdict: its exit code is
-              0 for cleared, 1 for violated, 2 for inconclusive. <code>--out</code> keeps report, run, findings and
+              0 for cleared, 1 for violated, 2 for inconclusive. <code>--out</code> keeps report, run, campaign, findings and
               evaluations.
             </p>
             <Snippet text="clearance submit campaign.yaml --tag nightly --out artefacts/" />

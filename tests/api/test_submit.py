@@ -87,7 +87,7 @@ def test_for_programs_it_prints_the_run_and_nothing_else(
 
 
 def test_a_run_without_a_verdict_is_none(
-    service: Service, command: Command, file: Path, capsys: pytest.CaptureFixture[str]
+    service: Service, command: Command, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for run in ("R-0001", "R-0002"):
         assert command("submit", file, "--no-wait").result(30) == 0
@@ -98,7 +98,9 @@ def test_a_run_without_a_verdict_is_none(
     claim = queue.claim("w1")
     assert claim is not None
     queue.fail(claim, "the trim has no solution")
-    assert command("follow", "R-0001").result(30) == INTERRUPTED
+    out = tmp_path / "out"
+    assert command("follow", "R-0001", "--out", out).result(30) == INTERRUPTED
+    assert "No verdict" in (out / "report.html").read_text()
     assert "Cancelled: no verdict" in capsys.readouterr().out
     assert command("follow", "R-0002").result(30) == INTERNAL
     assert "the trim has no solution" in capsys.readouterr().out

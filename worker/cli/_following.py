@@ -67,10 +67,12 @@ def follow_to_the_end(service: Remote, run: str, out: Path | None, as_json: bool
     except (KeyboardInterrupt, UnreachableError):
         typer.echo(f"{run} goes on by itself; `clearance follow {run}` takes it up again", err=True)
         raise
+    # Before the files, which the service may not be able to give.
+    typer.echo(json.dumps(told, indent=2) if as_json else "\n".join(_ended(service, told)))
     if out is not None:
         for name, path in FILES.items():
             service.save(path.format(run=run), out / name)
-    typer.echo(json.dumps(told, indent=2) if as_json else "\n".join(_ended(service, told, out)))
+        typer.echo(f"Files in {out}", err=True)
     if told["state"] == "done":
         return CODES[told["verdict"]]
     return INTERRUPTED if told["state"] == "cancelled" else INTERNAL
@@ -101,12 +103,11 @@ def _line(told: dict[str, Any], figures: bool) -> str:
     return f"{told['id']} {name}, {stage['evaluations']:,} of at most {stage['planned']:,} evaluations{best}"
 
 
-def _ended(service: Remote, told: dict[str, Any], out: Path | None) -> list[str]:
+def _ended(service: Remote, told: dict[str, Any]) -> list[str]:
     if told["state"] == "done":
         lines = [told["verdict"].capitalize(), told["reason"]]
     elif told["state"] == "cancelled":
         lines = ["Cancelled: no verdict"]
     else:
         lines = ["Failed: no verdict", told["error"] or "no reason is recorded"]
-    lines.append(f"{service.address}/runs/{told['id']}")
-    return lines if out is None else [*lines, f"Files in {out}"]
+    return [*lines, f"{service.address}/runs/{told['id']}"]

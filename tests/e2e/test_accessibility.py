@@ -12,6 +12,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
+from backend.scenes.schemas import Layers, ViewState
 from campaigns import library, load_file
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
@@ -52,15 +53,31 @@ PAGES = {
 """Each with its address and what is seen once it is there."""
 
 
-VIEW = {
-    "opened": 1.0,
-    "revision": 1,
-    "flight": "F1",
-    "time": 10.0,
-    "camera": "chase",
-    "playing": False,
-    "theme": "light",
-}
+VIEW = ViewState(
+    opened=1.0,
+    revision=1,
+    flight="F1",
+    time=10.0,
+    camera="chase",
+    eye=None,
+    playing=False,
+    speed=1.0,
+    theme="light",
+    panel=False,
+    layers=Layers(
+        nominal=True,
+        finding=True,
+        what_if=False,
+        velocity=True,
+        relative=False,
+        trail="whole",
+        sampled=False,
+        field=False,
+        space=False,
+        axes=("vehicle.m", "vehicle.J", "value"),
+    ),
+    what_if=None,
+).model_dump(mode="json")
 """What an open 3D view would answer."""
 
 

@@ -124,7 +124,7 @@ def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Serv
         until(lambda: page.evaluate("true") and f"since={shown.revision}&" in asked[-1])
         recorded.stop()
         notice = page.locator("#flight [role=status]").last
-        expect(notice).to_contain_text("The service cannot be reached")
+        expect(notice).to_contain_text("Nothing answers at this address")
         again = Service(recorded.settings, recorded.port)
         again.start()
         try:

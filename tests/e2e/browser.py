@@ -81,7 +81,7 @@ class Visit:
 
     def _said(self, message: ConsoleMessage) -> None:
         if message.type == "error":
-            self.wrong.append(f"console: {message.text}")
+            self.wrong.append(f"console: {message.text} {message.location.get('url', '')}".rstrip())
 
     def _threw(self, error: Error) -> None:
         if VIEWER_EVAL not in error.message:
@@ -105,7 +105,7 @@ def visiting(browser: Browser, address: str) -> Iterator[Visit]:
     visit = Visit(context.new_page(), address)
     yield visit
     context.close()
-    assert visit.wrong == []
+    assert visit.wrong == [], "\n".join(visit.wrong)
 
 
 def launch(playwright: Playwright) -> Browser:

@@ -1,6 +1,6 @@
 // The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
 import { useSearch } from '@tanstack/react-router'
-import { useEffect, useRef, useSyncExternalStore } from 'react'
+import { useEffect, useLayoutEffect, useRef, useSyncExternalStore } from 'react'
 import { useTheme } from '../theme/useTheme'
 import { Card } from '../ui/Card'
 import { useCalm } from '../ui/useCalm'
@@ -28,12 +28,13 @@ export function Flight({ data, view, className }: FlightProps) {
   const place = useRef({ time: t, camera: cam })
   const known = useSyncExternalStore(view.subscribe, () => view.known)
 
-  useEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
-  useEffect(() => {
+  useLayoutEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
+  useLayoutEffect(() => {
     place.current = { time: t, camera: cam }
   }, [t, cam])
   // Opened once: what is chosen later goes there by its key.
-  useEffect(() => (ready ? view.open(place.current) : undefined), [view, ready])
+  // Let go before its frame is taken out of the page: the service would answer that the view is gone.
+  useLayoutEffect(() => (ready ? view.open(place.current) : undefined), [view, ready])
   useEffect(() => keysOf(holder.current?.closest('section'), view), [view, holder])
   useInstant(view, data.run.id)
 

@@ -6,6 +6,7 @@ Start reading at `follow_to_the_end`.
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -43,14 +44,15 @@ Patience = Annotated[float, typer.Option(help="How long a service that does not 
 AsJson = Annotated[bool, typer.Option("--json", help="Print the run as the API gives it, and nothing else.")]
 
 
-def token_of(file: str, found: str | None) -> str:
+def token_of(file: str) -> str:
     """The token of a file, else that of the environment; `WrongInputError` where there is none."""
+    found = os.environ.get("CLEARANCE_TOKEN", "")
     if file:
         try:
             found = Path(file).read_text("utf-8")
         except (OSError, ValueError) as error:
             raise WrongInputError(f"the token's file {file} cannot be read: {error}") from None
-    token = (found or "").strip()
+    token = found.strip()
     if not token:
         raise WrongInputError(
             "no API token: set CLEARANCE_TOKEN or give --token-file; `clearance token create ci` makes one"

@@ -116,10 +116,13 @@ class Remote:
 
 
 def _problem(answer: httpx.Response) -> dict[str, Any]:
-    """The problem document of an answer; empty where it is none."""
+    """The problem document of an answer; empty where it is none, or not whole."""
     if not answer.headers.get("content-type", "").startswith("application/problem+json"):
         return {}
-    told = answer.json()
+    try:
+        told = answer.json()
+    except ValueError:
+        return {}
     return told if isinstance(told, dict) else {}
 
 

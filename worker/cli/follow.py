@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from typing import Annotated
 
@@ -28,5 +27,5 @@ def follow(
     if not re.fullmatch(r"R-\d{1,15}", run):
         raise WrongInputError(f"{run!r} is no run's number; they are like R-0001")
     writable(out)
-    with Remote(service, token_of(token_file, os.environ.get("CLEARANCE_TOKEN")), patience) as remote:
+    with Remote(service, token_of(token_file), patience) as remote:
         raise typer.Exit(follow_to_the_end(remote, remote.run(run)["id"], out, as_json))

@@ -5,7 +5,6 @@ The exit code is the verdict, as of `clearance run`. Start reading at `submit`.
 
 from __future__ import annotations
 
-import os
 import uuid
 from pathlib import Path
 from typing import Annotated, Any
@@ -41,7 +40,7 @@ def submit(
     body: dict[str, Any] = {"campaign": load_text(text, str(file)).document(), "text": text, "priority": priority}
     body |= {"name": name} if name else {}
     body |= {"tags": tag} if tag else {}
-    with Remote(service, token_of(token_file, os.environ.get("CLEARANCE_TOKEN")), patience) as remote:
+    with Remote(service, token_of(token_file), patience) as remote:
         run = remote.submit(body, str(file), str(uuid.uuid4()))["id"]
         if not wait:
             typer.echo(run)

@@ -1,4 +1,4 @@
-// What the components and methods of a run meant when it was submitted, folded; what is installed otherwise now, at once.
+// What the components and methods of a run meant when it began, folded; what is installed otherwise now, at once.
 import { useQuery } from '@tanstack/react-query'
 import { lazy, Suspense, useState } from 'react'
 import { componentsQuery } from '../api/queries'
@@ -14,7 +14,7 @@ export function Components({ run, className }: { run: RunDetail; className: stri
   return (
     <Card
       title="Components"
-      note={data.digest ? 'What they meant when the run was submitted' : 'As installed now'}
+      note={data.digest ? 'What they meant when the run began' : 'As installed now'}
       className={className}
       id="components"
       right={

@@ -24,6 +24,7 @@ from campaigns.values import (
     Notes,
     Number,
     Path,
+    Reason,
     Source,
     Strict,
     Summary,
@@ -131,6 +132,16 @@ class Criterion(Strict):
     threshold: Number
 
 
+class Encounter(Strict):
+    """What a verdict otherwise asks of the encounter and the author states to be intended, each with the reason.
+
+    closest_approach: inside the horizon, neither at its start nor at its end; motion: the vehicle moves; avoidance: the
+    avoider makes a difference; influence: an uncertain parameter does.
+    """
+
+    intended: dict[Literal["closest_approach", "motion", "avoidance", "influence"], Reason] = {}
+
+
 class Objective(Part):
     """A further criterion: every evaluation has its value too, and searches for several criteria look for its front.
 
@@ -174,6 +185,7 @@ class Campaign(Strict):
     """Where given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
     confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = 0.95
+    encounter: Encounter = Encounter()
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
 
@@ -199,4 +211,8 @@ class Campaign(Strict):
 
     def document(self) -> dict[str, Any]:
         """The campaign as plain JSON values."""
-        return self.model_dump(mode="json", by_alias=True)
+        document = self.model_dump(mode="json", by_alias=True)
+        # Newer than the digests of stored runs: what is left at its default is left out.
+        if self.encounter == Encounter():
+            del document["encounter"]
+        return document

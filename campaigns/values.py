@@ -75,6 +75,7 @@ Name = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_line)
 Notes = Annotated[str, Field(max_length=20_000), AfterValidator(_text)]
 Summary = Annotated[str, Field(max_length=400), AfterValidator(_text)]
 Source = Annotated[str, Field(max_length=300), AfterValidator(_text)]
+Reason = Annotated[str, Field(min_length=1, max_length=300), AfterValidator(_line)]
 Unit = Annotated[str, Field(max_length=30), AfterValidator(_text)]
 Identifier = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=60)]
 Path = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)+$", max_length=120)]

@@ -13,13 +13,17 @@ from typing import Protocol
 import numpy as np
 
 from worker.problem import Floats, Problem
+from worker.realisations import Seeds
 from worker.search.base import Batch
 
 
 class Evaluate(Protocol):
-    """Evaluates points (m, n) of the unit cube: the batch, and the reasons by row of those that are not ok."""
+    """Evaluates points (m, n) of the unit cube: the batch, and the reasons by row of those that are not ok.
 
-    def __call__(self, points: Floats) -> tuple[Batch, dict[int, str]]: ...
+    Under the realisations that the campaign states, or each point under one of its own: seeds (m,).
+    """
+
+    def __call__(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]: ...
 
 
 def usual_threads() -> int:
@@ -36,14 +40,15 @@ class InProcess:
         self.threads = threads or usual_threads()
         self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="fly") if self.threads > 1 else None
 
-    def __call__(self, points: Floats) -> tuple[Batch, dict[int, str]]:
+    def __call__(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]:
         lanes = self.problem.loop.lanes
         if self._pool is None or len(points) <= lanes:
-            return self.problem.fly(points)
+            return self.problem.fly(points, seeds)
         blocks = -(-len(points) // lanes)
         share = -(-blocks // self.threads) * lanes
-        pieces = [points[i : i + share] for i in range(0, len(points), share)]
-        flown = list(self._pool.map(self.problem.fly, pieces))
+        rows = [slice(i, i + share) for i in range(0, len(points), share)]
+        drawn = [None if seeds is None else seeds[r] for r in rows]
+        flown = list(self._pool.map(self.problem.fly, [points[r] for r in rows], drawn))
         reasons = {i * share + row: why for i, (_, said) in enumerate(flown) for row, why in said.items()}
         costs = np.concatenate([batch.costs for batch, _ in flown])
         return Batch(costs, np.concatenate([batch.status for batch, _ in flown])), reasons

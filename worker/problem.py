@@ -6,6 +6,7 @@ Start reading at `Problem.fly`; the closed loop itself is `worker.kernels.loop`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -19,10 +20,10 @@ from campaigns.spec import Part
 from worker.catalog import catalogue, components
 from worker.distributions import Distributions, Range
 from worker.kernels import loop as closed_loop
-from worker.kernels.assemble import Loop
+from worker.kernels.assemble import LANES, Loop
 from worker.kernels.component import Criterion, NoTrim
 from worker.kernels.layout import Parts, Placed
-from worker.realisations import Realisations
+from worker.realisations import Realisations, Seeds
 from worker.search.base import EXCLUDED, FAILED, OK, Batch
 
 Floats = NDArray[np.float64]
@@ -39,13 +40,13 @@ class CampaignUnusable(ValueError):
 class Problem:
     """One campaign, ready to fly; compiled flights unless `compiled` is False."""
 
-    def __init__(self, campaign: Campaign, compiled: bool = True) -> None:
+    def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> None:
         problems = check(campaign, catalogue())
         if problems:
             raise CampaignUnusable(problems)
         self.campaign = campaign
         self.parts = _parts(campaign)
-        self.loop = Loop(self.parts, compiled=compiled)
+        self.loop = Loop(self.parts, lanes=lanes, compiled=compiled)
         self.realisations = Realisations.of(campaign.scenario.realisations, self.loop.sections)
         self.threshold = campaign.criterion.threshold
         self.nominal = self._nominal()
@@ -102,13 +103,30 @@ class Problem:
         """Every parameter of the scenario: its place in the flat vector by path."""
         return {f"{s.prefix}.{p.name}": s.first + k for s in self.loop.sections for k, p in enumerate(s.parameters)}
 
-    def fly(self, points: Floats) -> tuple[Batch, dict[int, str]]:
-        """Fly points (m, n); the batch, and the reasons by row of those that are not ok."""
-        return self.fly_vectors(self.vectors(points))
+    def fly(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]:
+        """Fly points (m, n); the batch, and the reasons by row of those that are not ok.
 
-    def fly_vectors(self, vectors: Floats, step: float | None = None) -> tuple[Batch, dict[int, str]]:
-        """Fly flat parameter vectors (m, size), by default at the campaign's step [s]."""
+        Under the campaign's realisations, or each point under the one realisation of its own: seeds (m,).
+        """
+        return self.fly_vectors(self.vectors(points), seeds=seeds)
+
+    def under(self, seed: int | None) -> Problem:
+        """The same problem under one realisation; itself for None, the realisations that the campaign states."""
+        if seed is None:
+            return self
+        one = copy(self)
+        one.realisations = self.realisations.only(seed)
+        return one
+
+    def fly_vectors(
+        self, vectors: Floats, step: float | None = None, seeds: Seeds | None = None
+    ) -> tuple[Batch, dict[int, str]]:
+        """Fly flat parameter vectors (m, size), by default at the campaign's step [s]; seeds as in `fly`."""
         step = self.step if step is None else step
+        if seeds is not None:
+            flown = self.loop.fly(self.realisations.flight(vectors, seeds), step, *self.counts(step))
+            status, reasons = self.judge(flown.status, flown.when)
+            return Batch(flown.costs, status), {i: f"with seed {seeds[i]}: {why}" for i, why in reasons.items()}
         flown = self.loop.fly(self.realisations.flights(vectors), step, *self.counts(step))
         return self.realisations.combined(flown.costs, *self.judge(flown.status, flown.when))
 

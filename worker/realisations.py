@@ -8,7 +8,7 @@ Start reading at `Realisations`.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from worker.kernels.layout import Section
 from worker.search.base import EXCLUDED, FAILED, OK, Batch
 
 Floats = NDArray[np.float64]
+Seeds = NDArray[np.int64]
 
 OWN = 2.0**24
 PLACE = 2.0**8
@@ -49,6 +50,11 @@ class Realisations:
         return cls(tuple(asked.seeds), asked.combine, tuple(places))
 
     @property
+    def random(self) -> bool:
+        """Whether any component of the scenario is random, so that a seed changes the simulation."""
+        return bool(self.places)
+
+    @property
     def several(self) -> bool:
         return len(self.seeds) > 1
 
@@ -58,13 +64,17 @@ class Realisations:
             return vectors if not self.several else np.concatenate([vectors] * len(self.seeds))
         return np.concatenate([self.flight(vectors, seed) for seed in self.seeds])
 
-    def flight(self, vectors: Floats, seed: int) -> Floats:
-        """The vectors (m, size) of one realisation."""
+    def flight(self, vectors: Floats, seed: int | Seeds) -> Floats:
+        """The vectors (m, size) of one realisation, or each of its own: seeds (m,)."""
         flown = vectors.copy()
         for number, place in enumerate(self.places):
             own = np.clip(np.floor(vectors[:, place]), 0.0, OWN - 1.0)
-            flown[:, place] = (float(seed) * PLACE + number) * OWN + own
+            flown[:, place] = (np.asarray(seed, dtype=np.float64) * PLACE + number) * OWN + own
         return flown
+
+    def only(self, seed: int) -> Realisations:
+        """The same components under one realisation alone."""
+        return replace(self, seeds=(seed,), combine="worst")
 
     def combined(self, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]) -> tuple[Batch, Any]:
         """The batch of m evaluations from their flights' costs (s m, k), status (s m,) and reasons, with its reasons.

@@ -17,9 +17,11 @@ from worker.evaluate import InProcess
 from worker.problem import CampaignUnusable, Problem
 from worker.provenance import provenance
 from worker.search.base import EXCLUDED, OK
-from worker.stages import certify, nominal, search, sensitivity, validate, verdict
+from worker.stages import certify, nominal, search, sensitivity, validate
 from worker.stages.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
 from worker.store import Conclusion, Finding, StagePlan, StageRecord, Store, Trace
+from worker.verdicts.conclude import conclude
+from worker.verdicts.evidence import Evidence
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
 
@@ -51,7 +53,7 @@ def execute(
                 context.results[position] = record.result
             else:
                 _stage(context, position, record, index)
-        conclusion = verdict.conclude(problem, _evidence(context, records), provenance(problem))
+        conclusion = conclude(problem, _evidence(context, records), provenance(problem))
         store.conclude(conclusion)
         return conclusion
     finally:
@@ -79,13 +81,15 @@ def _stage(context: Context, position: int, record: StageRecord, index: int) -> 
     store.finish(position, result, seconds, findings, traces)
 
 
-def _evidence(context: Context, records: list[StageRecord]) -> verdict.Evidence:
+def _evidence(context: Context, records: list[StageRecord]) -> Evidence:
     by_kind: dict[str, list[dict[str, Any]]] = {}
     for position, record in enumerate(records):
         by_kind.setdefault(record.plan.kind, []).append(context.results[position])
     findings = sorted(context.store.found(), key=lambda f: f.cost)
-    status = np.concatenate([c.status for _, c in all_columns(context, list(range(len(records))))])
-    return verdict.Evidence(
+    columns = [c for _, c in all_columns(context, list(range(len(records))))]
+    status = np.concatenate([c.status for c in columns])
+    costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
+    return Evidence(
         nominal=by_kind["nominal"][0],
         searches=by_kind["search"],
         certificate=next(iter(by_kind.get("certify", [])), None),
@@ -95,4 +99,6 @@ def _evidence(context: Context, records: list[StageRecord]) -> verdict.Evidence:
         evaluations=len(status),
         failed=int(np.count_nonzero((status != OK) & (status != EXCLUDED))),
         excluded=int(np.count_nonzero(status == EXCLUDED)),
+        lowest=float(costs.min()) if len(costs) else None,
+        violating=int(np.count_nonzero(costs <= context.problem.threshold)),
     )

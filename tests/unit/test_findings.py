@@ -80,9 +80,10 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
         Finding(f"F{i}", b.cost, b.cost - 0.5, {}, b.point.tolist(), ["direct"], {}, {}, [{"position": 1}])
         for i, b in enumerate(found.basins, 1)
     ]
-    direct, sample = compare(made, told)
+    direct, sample = compare(made, told, found, ["F1", "F2"])
     assert (direct["findings"], sample["findings"]) == (["F1", "F2"], [])
     assert direct["best"] == columns.costs[:, 0].min()
+    assert direct["basin"] == min(told, key=lambda f: f.cost).label
 
 
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:
@@ -113,12 +114,46 @@ def test_neighbours_lower_a_rough_worst_case() -> None:
 
     asked = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
     _, found, _ = found_by(asked, rough)
-    assert len(found.neighbours) == len(found.basins)
-    assert any(n["lower_by"] > 0.0 for n in found.neighbours)
-    for told, basin in zip(found.neighbours, found.basins, strict=True):
+    flown = [found.of(basin).neighbours for basin in found.basins]
+    assert any(n is not None and n["lower_by"] > 0.0 for n in flown)
+    for told, basin in zip(flown, found.basins, strict=True):
+        assert told is not None
         assert told["flown"] == 5000
         assert basin.cost == rough(basin.point[None, :])[0]
         assert told["lower_by"] == 0.0 or basin.cost == told["lowest"]
+
+
+def lowest_stored(made: Context) -> float:
+    stored = [made.store.evaluations(at) for at in range(4)]
+    return min(float(np.nanmin(c.costs[:, 0])) for c in stored if c is not None)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_whatever_is_evaluated_and_lower_becomes_a_finding(seed: int) -> None:
+    # Slits far narrower than any search resolves, on the axes through the worst case, where slices are evaluated.
+    random = np.random.default_rng(seed)
+    worst = np.round(random.uniform(0.1, 0.9, 2) * 40) / 40
+    along = int(random.integers(2))
+    place = worst.copy()
+    place[along] = (worst[along] + random.choice([0.2, 0.3, 0.4])) % 1.0
+
+    def slit(x: Floats) -> Floats:
+        cost = 1.0 + ((x - worst) ** 2).sum(axis=1)
+        inside = np.abs(x - place).max(axis=1) < 1e-4
+        return np.asarray(np.where(inside, 0.1 + 1e3 * np.abs(x - place).max(axis=1), cost))
+
+    asked = searching({"method": "direct", "evaluations": 200}, {"method": "genetic", "evaluations": 200})
+    made, found, driven = found_by(asked, slit)
+    assert driven.stop == "rule"
+    assert found.basins[0].cost == lowest_stored(made)
+    assert found.basins[0].cost <= 0.11, "a slice met the slit"
+
+
+def test_a_budget_that_ends_at_once_leaves_the_lowest_evaluation_as_the_finding() -> None:
+    for budget in (1, 7, 60, 400):
+        made, found, _ = found_by(searching({"method": "direct", "evaluations": 100}), two_failures, budget)
+        findings.settle(made, 2, found)
+        assert found.basins[0].cost == lowest_stored(made)
 
 
 def test_without_any_cost_there_is_no_finding() -> None:

@@ -7,90 +7,22 @@ from typing import Any
 
 import pytest
 
-from campaigns import Campaign
-from tests.unit.cases import campaign, case1
-from worker.problem import Problem
-from worker.stages.claims import bound
-from worker.stages.verdict import Evidence, conclude
-from worker.store import Conclusion, Finding
-
-NOMINAL, WORST = 0.94, 0.84
-"""[m]; the threshold is 0.5 m, and 5 % of nominal minus worst is 0.005 m."""
-
-TITLES = {
-    "direct": "DIRECT", "sqp": "SQP multistart", "monte_carlo": "Monte Carlo", "ga": "Genetic algorithm",
-    "portfolio": "Portfolio", "nsga2": "NSGA-II",
-}  # fmt: skip
-KINDS = {"sqp": "local", "monte_carlo": "random", "nsga2": "multi"}
-"""All others are global."""
-
-
-def search(method: str, cost: float | None = WORST, **changes: Any) -> dict[str, Any]:
-    """The result of one search stage."""
-    made: dict[str, Any] = {
-        "method": method,
-        "title": TITLES[method],
-        "kind": KINDS.get(method, "global"),
-        "best": None if cost is None else {"cost": cost, "margin": cost - 0.5, "parameters": {}, "index": 0},
-        "evaluations": 1000,
-        "failed": 0,
-        "excluded": 0,
-        "stop": {"kind": "budget", "text": "used its budget of 1000 evaluations"},
-        "minima": [],
-        "sample": None,
-    }
-    return made | changes
-
-
-def sample(violations: int = 0, samples: int = 1000) -> dict[str, Any]:
-    upper = bound(violations, samples, 0.95)
-    text = f"{violations} of {samples} violate"
-    return {"samples": samples, "violations": violations, "confidence": 0.95, "upper_bound": upper, "text": text}
-
-
-QUANTILE = {"share": 0.05, "bound": 0.9, "text": "at most 5 % of the flights have d_min below 0.9 m"}
-
-
-def certificate(violations: int = 0, samples: int = 3000) -> dict[str, Any]:
-    """The result of a certify stage."""
-    return {"sample": sample(violations, samples) | {"quantile": QUANTILE}, "grid": None}
-
-
-def finding(cost: float = WORST, confirmed: bool = True) -> Finding:
-    validation = {"name": "F1", "ok": confirmed}
-    return Finding(
-        label="F1", cost=cost, margin=cost - 0.5, parameters={"vehicle.m": 6.0}, point=[1.0], methods=["direct"],
-        found=[], at_bounds={"vehicle.m": "high"}, validation=validation,
-    )  # fmt: skip
-
-
-def evidence(**changes: Any) -> Evidence:
-    """Evidence by which everything is cleared, with changes."""
-    given = Evidence(
-        nominal={"cost": NOMINAL, "margin": NOMINAL - 0.5, "status": "ok", "reason": ""},
-        searches=[search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())],
-        validation={"ok": True, "text": "half the step and DOP853 agree for nominal and F1"},
-        finding=finding(),
-        evaluations=3343,
-        failed=0,
-        excluded=0,
-    )
-    return replace(given, **changes)
-
-
-def concluded(asked: Campaign | None = None, **changes: Any) -> Conclusion:
-    problem = case1() if asked is None else Problem(asked)
-    return conclude(problem, evidence(**changes), {"clearance": "test"})
-
-
-def barred(name: str, asked: Campaign | None = None, **changes: Any) -> str:
-    """The sentence of the one check that does not hold; the verdict must be inconclusive and tell it."""
-    conclusion = concluded(asked, **changes)
-    wrong = [c for c in conclusion.summary["checks"] if not c["ok"]]
-    assert [c["name"] for c in wrong] == [name]
-    assert conclusion.verdict == conclusion.summary["verdict"] == "inconclusive"
-    assert conclusion.reason.startswith(f"Nothing may be claimed: {wrong[0]['text']}. ")
-    return str(wrong[0]["text"])
+from tests.unit.cases import campaign
+from tests.unit.evidence import (
+    NOMINAL,
+    QUANTILE,
+    WORST,
+    barred,
+    certificate,
+    concluded,
+    encountered,
+    finding,
+    said_by,
+    sample,
+    search,
+    validation,
+    violation,
+)
 
 
 def test_cleared_when_everything_holds() -> None:
@@ -98,14 +30,16 @@ def test_cleared_when_everything_holds() -> None:
     assert conclusion.verdict == "cleared"
     assert all(c["ok"] for c in conclusion.summary["checks"])
     assert [c["name"] for c in conclusion.summary["checks"]] == [
-        "nominal", "search", "no violation", "agreement", "validation", "evaluations",
+        "nominal", "search", "no violation", "minimum", "agreement", "validation", "evaluations",
+        "closest approach", "motion", "avoidance", "influence", "probability",
     ]  # fmt: skip
 
 
 def test_the_sentence_states_bounds_methods_evaluations_margin_bound_and_doubt() -> None:
     said = concluded().reason
     for part in (
-        "vehicle.m 4 to 6 kg", "vehicle.J 0.04 to 0.06 kg m2", "DIRECT, SQP multistart and Monte Carlo",
+        "vehicle.m 4 to 6 kg", "vehicle.J 0.04 to 0.06 kg m2",
+        "DIRECT (1\u202f000), SQP multistart (1\u202f000) and Monte",
         "3\u202f343 evaluations", "a margin of +0.34 m", "d_min = 0.84 m", "0 of 1000 violate",
         "A search can miss a worse case", "horizon 15 s, step 0.005 s", "1 obstacle;",
     ):  # fmt: skip
@@ -125,12 +59,6 @@ def test_what_stands_with_the_verdict() -> None:
     assert summary["statistics"]["upper_bound"] == pytest.approx(0.00299, abs=1e-5)
 
 
-def violation(**changes: Any) -> dict[str, Any]:
-    worst = 0.49
-    searches = [search("direct", worst), search("sqp", worst)]
-    return {"finding": finding(worst), "searches": searches, **changes}
-
-
 def test_violated_when_a_validated_finding_violates() -> None:
     conclusion = concluded(**violation())
     assert conclusion.verdict == "violated"
@@ -144,7 +72,7 @@ def test_a_finding_on_the_threshold_violates() -> None:
 
 def test_violated_needs_validation() -> None:
     text = "half the step or DOP853 disagrees beyond tolerance for F1"
-    conclusion = concluded(**violation(finding=finding(0.49, False), validation={"ok": False, "text": text}))
+    conclusion = concluded(**violation(finding=finding(0.49, False), validation=validation(ok=False, text=text)))
     assert conclusion.verdict == "inconclusive"
     assert "violates the criterion by 0.01 m; validation did not confirm it" in conclusion.reason
     assert text in conclusion.reason
@@ -153,7 +81,7 @@ def test_violated_needs_validation() -> None:
 def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
     text = "half the step or DOP853 disagrees beyond tolerance for F1"
     milder = replace(finding(0.495), label="F2")
-    given = violation(finding=finding(0.49, False), others=[milder], validation={"ok": False, "text": text})
+    given = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
     conclusion = concluded(**given)
     assert conclusion.verdict == "violated"
     assert "Validation did not confirm it, but F2, which has 0.495 m; both were found" in conclusion.reason
@@ -167,7 +95,7 @@ def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
         {"failed": 5},
         {"searches": [search("direct", 0.49), search("ga", 0.9)]},
         {"searches": [search("monte_carlo", 0.49, sample=sample())]},
-        {"validation": {"ok": False, "text": "half the step disagrees for nominal"}},
+        {"validation": validation(ok=False, text="half the step disagrees for nominal")},
         {"nominal": {"cost": None, "margin": None, "status": "failed", "reason": "it diverged"}},
     ],
 )
@@ -217,12 +145,14 @@ def test_failed_evaluations_bar_cleared() -> None:
 def test_excluded_evaluations_do_not_but_are_told() -> None:
     conclusion = concluded(excluded=40)
     assert conclusion.verdict == "cleared"
-    assert conclusion.summary["checks"][5]["text"] == "none of 3\u202f343 evaluations failed, 40 excluded"
+    assert said_by("evaluations", conclusion) == "none of 3\u202f343 evaluations failed, 40 excluded"
+    assert "in all 3\u202f303 evaluations" in conclusion.reason
+    assert "40 more were excluded." in conclusion.reason
 
 
 def test_validation_that_disagrees() -> None:
     text = "half the step or DOP853 disagrees beyond tolerance for nominal"
-    assert barred("validation", validation={"ok": False, "text": text}) == text
+    assert barred("validation", validation=validation(ok=False, text=text)).startswith(text)
 
 
 def test_one_method_alone_is_never_enough() -> None:
@@ -276,7 +206,11 @@ def test_a_global_method_without_a_flight_is_named() -> None:
 
 
 def test_the_worst_of_the_sample_holds_against_the_global_methods() -> None:
-    searches = [search("direct", WORST + 0.05), search("sqp", WORST + 0.05), search("monte_carlo", sample=sample())]
+    searches = [
+        search("direct", WORST + 0.05),
+        search("sqp", WORST + 0.05),
+        search("monte_carlo", sample=sample()),
+    ]
     said = barred("agreement", searches=searches)
     assert said == "the worst case is 0.84 m, but DIRECT stopped 0.05 m above it"
 
@@ -289,7 +223,13 @@ def test_agreement_is_a_share_of_nominal_minus_worst() -> None:
 
 def test_a_flat_campaign_agrees_up_to_rounding() -> None:
     searches = [search("direct", NOMINAL), search("ga", NOMINAL + 1e-13)]
-    assert concluded(searches=searches, finding=finding(NOMINAL)).verdict == "cleared"
+    level = encountered(spread={"evaluations": 3343, "lowest": NOMINAL, "highest": NOMINAL + 1e-13})
+    flat = {"searches": searches, "finding": finding(NOMINAL), "validation": validation(encounter=level)}
+    assert barred("influence", **flat).startswith("no uncertain parameter changes d_min; choose parameters")
+    conclusion = concluded(campaign(encounter={"intended": {"influence": "a drill"}}), **flat)
+    assert conclusion.verdict == "cleared"
+    assert "the criterion does not vary over 3\u202f343 evaluations" in said_by("agreement", conclusion)
+    assert "No uncertain parameter changes d_min, which the author states is intended: a drill." in conclusion.reason
 
 
 def test_the_target_is_met() -> None:
@@ -316,9 +256,15 @@ def test_the_first_sample_counts_whatever_a_second_says() -> None:
     barred("target", campaign(target_probability=0.003), searches=searches)
 
 
-def test_without_a_target_the_bound_decides_nothing() -> None:
-    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(samples=2))]
-    assert concluded(searches=searches).verdict == "cleared"
+def test_without_a_target_the_bound_is_held_to_a_ceiling() -> None:
+    def drawn(samples: int) -> dict[str, Any]:
+        sampled = search("monte_carlo", 0.85, sample=sample(samples=samples))
+        return {"searches": [search("direct"), search("sqp"), sampled]}
+
+    assert concluded(**drawn(59)).verdict == "cleared"
+    said = barred("probability", **drawn(58))
+    assert said.startswith("the bound of 5.03 % on P(violation) is above the 5 % that is needed; draw more samples")
+    assert concluded(campaign(target_probability=0.9), **drawn(2)).verdict == "cleared"
 
 
 def test_the_certify_stage_speaks_instead_of_a_search() -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from campaigns import Campaign, library, load_file
 from worker.problem import Floats, Problem
 from worker.search.base import OK
-from worker.stages.validate import SHARE_OF_MARGIN
+from worker.stages.confirm import FRACTION_OF_MARGIN
 
 POINTS = 200
 SEED = 2**21
@@ -83,7 +83,7 @@ def declared(campaign: Campaign) -> float | None:
 
 def _allowed(problem: Problem, costs: Floats) -> Floats:
     tolerance = problem.campaign.stages.validate_.tolerance
-    return np.minimum(tolerance * np.abs(costs), SHARE_OF_MARGIN * np.abs(costs - problem.threshold))
+    return np.minimum(tolerance * np.abs(costs), FRACTION_OF_MARGIN * np.abs(costs - problem.threshold))
 
 
 def of_library(names: Sequence[str] = ()) -> list[Adequacy]:

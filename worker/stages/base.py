@@ -7,9 +7,9 @@ point, and replays what a resumed stage has stored already. Start reading at `dr
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,27 @@ from numpy.typing import NDArray
 from campaigns import Campaign
 from worker.evaluate import Evaluate
 from worker.problem import Floats, Problem
+from worker.realisations import Seeds
 from worker.search.base import EXCLUDED, OK, Batch, Search
 from worker.store import Columns, Store, join
 from worker.wording import count
 
+Result = TypeVar("Result")
+
 FLUSH_SECONDS = 0.2
 FLUSH_ROWS = 4096
+
+
+class Seeded(NamedTuple):
+    """A request of a stage: points (m, n), each under the noise realisation of its own seed (m,)."""
+
+    points: Floats
+    seeds: Seeds
+
+
+Request = Floats | Seeded
+Asking = Generator[Request, Batch, Result]
+"""Yields what to evaluate, receives the batch; a `Search` is one that returns a sentence and draws no seeds."""
 
 
 class Cancelled(Exception):
@@ -79,7 +94,7 @@ class Driven:
     text: str
 
 
-def drive(context: Context, position: int, search: Search, budget: int, repeats: bool = False) -> Driven:
+def drive(context: Context, position: int, search: Search | Asking[str], budget: int, repeats: bool = False) -> Driven:
     """Let a search choose points until its own rule, the budget or a cancel ends it; raises `Cancelled`."""
     driver = _Driver(context, position, budget, repeats)
     try:
@@ -111,19 +126,23 @@ class _Driver:
         self.began = self.saved = time.perf_counter()
         self.piece = 1024
 
-    def answer(self, points: Floats) -> tuple[Batch, bool]:
+    def answer(self, request: Request) -> tuple[Batch, bool]:
         """The batch for these points, and whether the budget ended before all were evaluated."""
+        points, seeds = request if isinstance(request, Seeded) else (request, None)
         if self.known is None:
-            return self._fresh(points)
-        new = [i for i, p in enumerate(points) if p.tobytes() not in self.known]
-        distinct = list({points[i].tobytes(): i for i in new}.values())
+            return self._fresh(points, seeds)
+        keys = [p.tobytes() for p in points]
+        if seeds is not None:
+            keys = [key + seed.tobytes() for key, seed in zip(keys, seeds, strict=True)]
+        distinct = list({key: i for i, key in reversed([*enumerate(keys)]) if key not in self.known}.values())
         if distinct:
-            batch, spent = self._fresh(points[distinct])
+            distinct.sort()
+            batch, spent = self._fresh(points[distinct], None if seeds is None else seeds[distinct])
             for i, cost, status in zip(distinct, batch.costs, batch.status, strict=False):
-                self.known[points[i].tobytes()] = (cost, int(status))
+                self.known[keys[i]] = (cost, int(status))
             if spent:
                 return batch, True
-        rows = [self.known[p.tobytes()] for p in points]
+        rows = [self.known[key] for key in keys]
         return Batch(np.array([r[0] for r in rows]), np.array([r[1] for r in rows], dtype=np.uint8)), False
 
     def end(self, stop: str, text: str) -> Driven:
@@ -145,7 +164,7 @@ class _Driver:
         self.saved = time.perf_counter()
         self.context.progress(self.position, self.tally)
 
-    def _fresh(self, points: Floats) -> tuple[Batch, bool]:
+    def _fresh(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, bool]:
         room = self.budget - self.tally.evaluations
         spent = len(points) >= room and len(points) > 0
         points = points[:room]
@@ -155,7 +174,8 @@ class _Driver:
         while done < len(points):
             if self.context.cancelled():
                 raise Cancelled
-            columns = self._stored(points[done:]) or self._flown(points[done : done + self.piece])
+            piece = slice(done, done + self.piece)
+            columns = self._stored(points[done:]) or self._flown(points[piece], None if seeds is None else seeds[piece])
             costs.append(columns.costs)
             status.append(columns.status)
             done += len(columns.status)
@@ -177,9 +197,10 @@ class _Driver:
         self._count(columns)
         return columns
 
-    def _flown(self, points: Floats) -> Columns:
+    def _flown(self, points: Floats, seeds: Seeds | None) -> Columns:
         began = time.perf_counter()
-        batch, reasons = self.context.evaluate(points)
+        evaluate = self.context.evaluate
+        batch, reasons = evaluate(points) if seeds is None else evaluate(points, seeds)
         spent = max(time.perf_counter() - began, 1e-6)
         self.piece = int(np.clip(len(points) * FLUSH_SECONDS / spent, 256, 65536))
         first = self.tally.evaluations

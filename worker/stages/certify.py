@@ -1,7 +1,9 @@
 """Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
 
 Its numbers come from a stream of their own, apart from every search; no point is an optimiser's. Excluded draws are
-drawn again and counted. A full grid, where asked for, claims nothing beyond its own points. Start reading at `run`.
+drawn again and counted. Where the scenario has noise, every draw simulates a realisation of its own
+(`worker.stages.seeds`), so that the probability is that of the noisy system. A full grid, where asked for, claims
+nothing beyond its own points. Start reading at `run`.
 """
 
 from __future__ import annotations
@@ -13,8 +15,9 @@ import numpy as np
 
 from campaigns.stages import Certify
 from worker.problem import Problem
-from worker.search.base import EXCLUDED, Batch, Floats, Search
-from worker.stages.base import Context, drive
+from worker.search.base import EXCLUDED, Batch, Floats
+from worker.stages import seeds
+from worker.stages.base import Asking, Context, Seeded, drive
 from worker.stages.sample import Sample
 from worker.stages.search import stream
 from worker.store import Columns
@@ -43,7 +46,8 @@ def run(context: Context, position: int) -> dict[str, Any]:
     random = stream(context.campaign.seed, STREAM)
     driven = drive(context, position, _search(problem, asked, random, drawn), MOST_DRAWS * asked.samples + grid + 1)
     assert driven.columns is not None
-    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence)
+    own = problem.realisations.random
+    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, drawn=own)
     criterion = problem.parts.criterion
     quantile = sample.quantile(asked.quantile, criterion.quantity, criterion.unit)
     told = sample.told()
@@ -53,6 +57,7 @@ def run(context: Context, position: int) -> dict[str, Any]:
     return {
         "sample": told | {"quantile": quantile, "distribution": sample.distribution()},
         "grid": _grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
+        "drawn_realisations": drawn.draws if own else 0,
         "evaluations": tally.evaluations,
         "failed": tally.failed,
         "excluded": tally.excluded,
@@ -62,11 +67,13 @@ def run(context: Context, position: int) -> dict[str, Any]:
     }
 
 
-def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn) -> Search:
+def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn) -> Asking[str]:
     most = MOST_DRAWS * asked.samples
     while drawn.flown < asked.samples and drawn.draws < most:
         draws = min(BLOCK, asked.samples - drawn.flown, most - drawn.draws)
-        batch: Batch = yield problem.quantile(random.random((draws, problem.dimension)))
+        drawn_points = problem.quantile(random.random((draws, problem.dimension)))
+        own = seeds.of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
+        batch: Batch = yield drawn_points if own is None else Seeded(drawn_points, own)
         drawn.draws += draws
         drawn.flown += int(np.count_nonzero(batch.status != EXCLUDED))
     if asked.grid is None:

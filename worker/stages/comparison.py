@@ -11,12 +11,13 @@ import numpy as np
 
 from worker.search.base import OK
 from worker.stages.base import Context, all_columns
-from worker.stages.findings import SAME_COST, scale
+from worker.stages.findings import SAME_COST, Found, scale
 from worker.store import Finding
 
 
-def compare(context: Context, findings: list[Finding]) -> list[dict[str, Any]]:
-    """A row per search stage; `to_near_best`: evaluations until within 1 % of nominal minus worst of it."""
+def compare(context: Context, findings: list[Finding], found: Found, labels: list[str]) -> list[dict[str, Any]]:
+    """A row per search stage; `to_near_best`: evaluations until within 1 % of nominal minus worst of it; `basin`: the
+    finding whose basin holds the stage's best, by the labels of the basins that were found."""
     searched = [at for at in sorted(context.results) if "method" in context.results[at]]
     worst = min((f.cost for f in findings), default=None)
     rows = []
@@ -26,6 +27,7 @@ def compare(context: Context, findings: list[Finding]) -> list[dict[str, Any]]:
             close = (columns.status == OK) & (columns.costs[:, 0] <= worst + SAME_COST * scale(context, worst))
             near = int(np.argmax(close)) + 1 if close.any() else None
         best = result["best"]
+        basin = None if best is None else found.basin_of(at, best["cost"])
         rows.append(
             {
                 "position": at,
@@ -38,6 +40,7 @@ def compare(context: Context, findings: list[Finding]) -> list[dict[str, Any]]:
                 "excluded": result["excluded"],
                 "seconds": result["seconds"],
                 "to_near_best": near,
+                "basin": None if basin is None else labels[basin],
                 "findings": [f.label for f in findings if any(found["position"] == at for found in f.found)],
                 "stop": result["stop"],
             }

@@ -1,7 +1,9 @@
 """Findings: all distinct worst cases, from the local minima of every method and the low end of all evaluations.
 
-Gathers candidates stage by stage, descends from them, merges what ends in one basin, polishes, flies neighbours (the
-objective is not smooth). The tests of what is distinct are in `worker.search.basins`. Start reading at `search`.
+Gathers candidates stage by stage, descends from them, merges what ends in one basin, polishes, evaluates neighbours
+(the objective is not smooth), slices and the boundary. Whatever is evaluated on the way and is lower than the worst
+case becomes a candidate itself, until nothing lower is stored anywhere in the run. The tests of what is distinct are in
+`worker.search.basins`. Start reading at `search`.
 """
 
 from __future__ import annotations
@@ -12,9 +14,11 @@ from typing import Any
 import numpy as np
 
 from worker.problem import Floats
-from worker.search.base import OK, Search, Space
+from worker.search.base import OK, Batch, Search, Space
 from worker.search.basins import Basin, Rules, distinct, promising
-from worker.stages.base import Context, all_columns
+from worker.search.lowest import Lowest
+from worker.stages import seeds
+from worker.stages.base import Context
 from worker.stages.boundary import after
 from worker.store import Columns
 
@@ -24,6 +28,10 @@ SAME_COST, SAME_PLACE = 0.01, 0.05
 """A method found a worst case when it came this close by itself: share of nominal minus worst, share of every range."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
+ROUNDING = 1e-6
+"""Share of nominal minus worst by which a point nearby may be lower without being a new candidate."""
+ROUNDS = 20
+"""How often lower evaluations that turn up on the way are taken in as candidates at most."""
 
 
 @dataclass(frozen=True)
@@ -36,42 +44,92 @@ class Candidate:
 
 
 @dataclass
+class Evidence:
+    """What was evaluated around one worst case: its neighbours, slices through it, the boundary of a violation."""
+
+    neighbours: dict[str, Any] | None = None
+    after: dict[str, Any] | None = None
+
+
+@dataclass
 class Found:
-    """What is known so far: candidates and basins; of each basin what its neighbours gave, slices, the boundary."""
+    """What is known so far: candidates, basins, the evidence of each basin, the lowest of all evaluations."""
 
     candidates: list[Candidate] = field(default_factory=list)
     basins: list[Basin] = field(default_factory=list)
     left_out: int = 0
-    neighbours: list[dict[str, Any]] = field(default_factory=list)
-    after: list[dict[str, Any]] = field(default_factory=list)
+    rounds: int = 0
+    seen: Lowest = field(default_factory=Lowest)
+    evidence: dict[bytes, Evidence] = field(default_factory=dict)
+
+    def of(self, basin: Basin) -> Evidence:
+        """The evidence of one worst case; empty until it is gathered."""
+        return self.evidence.setdefault(basin.point.tobytes(), Evidence())
+
+    def basin_of(self, position: int, cost: float) -> int | None:
+        """Which basin the best point of a stage, known by its cost, belongs to; None where it is in none listed."""
+        wanted = {i for i, c in enumerate(self.candidates) if c.position == position and c.cost == cost}
+        return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
 
 
 def search(context: Context, position: int, found: Found) -> Search:
-    """Ask for whatever tells the worst cases apart; `found` is up to date at every moment."""
+    """Ask for whatever distinguishes the worst cases; `found` is up to date at every moment."""
+    asking = _search(context, position, found)
+    try:
+        points = next(asking)
+        while True:
+            batch = yield points
+            found.seen.see(points, batch.ranked())
+            points = asking.send(batch)
+    except StopIteration as end:
+        return str(end.value)
+    finally:
+        asking.close()
+
+
+def settle(context: Context, position: int, found: Found) -> bool:
+    """Make the lowest stored evaluation the worst case where the budget ended too early; whether that was needed."""
+    lower = _lower(context, position, found, settled=True)
+    if lower is None:
+        return False
+    found.candidates.append(lower)
+    found.basins.insert(0, Basin(lower.point, lower.cost, [len(found.candidates) - 1]))
+    return True
+
+
+def _search(context: Context, position: int, found: Found) -> Search:
     found.candidates = gather(context, position)
+    yield from _drawn(context, position, found)
     if not found.candidates:
         return "no flight was evaluated"
-    points = np.array([c.point for c in found.candidates])
-    costs = np.array([c.cost for c in found.candidates])
-    rules = _rules(context, float(costs.min()))
-    yield from distinct(points, costs, rules, _space(context), found.basins)
-    _keep_the_worst(context, found)
-    yield from _neighbours(context, found)
-    for basin in found.basins:
-        found.after.append((yield from after(context.problem, basin.point, basin.cost)))
+    random = _space(context).random
+    yield from _told_apart(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
+    yield from _evidence(context, found, random)
+    while found.rounds < ROUNDS and (lower := _lower(context, position, found)) is not None:
+        if _same(context, found, lower):
+            continue
+        found.rounds += 1
+        found.candidates.append(lower)
+        fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
+        yield from _told_apart(context, found, [*found.basins, fresh])
+        yield from _evidence(context, found, random)
     return "polished every distinct worst case and flew its neighbours"
 
 
 def gather(context: Context, position: int) -> list[Candidate]:
-    """The candidates of all stages before this one, the lowest first."""
-    found = []
-    for at, columns in all_columns(context, list(range(position))):
+    """The candidates of all stages before this one, the lowest first; the best of every stage is among them."""
+    found: list[Candidate] = []
+    best: list[Candidate] = []
+    for at, columns in seeds.stated(context, range(position)):
         ranked = _ranked(columns)
         rows = [int(i) for i in promising(columns.points, ranked, EACH)]
-        found += [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in rows]
+        mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in rows]
+        best += mine[:1]
+        found += mine
         for minimum in context.results.get(at, {}).get("minima", []):
             found.append(Candidate(np.array(minimum["point"]), float(minimum["cost"]), at))
-    return sorted(found, key=lambda c: c.cost)[:ALL]
+    kept = sorted(found, key=lambda c: c.cost)[:ALL]
+    return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
 
 
 def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
@@ -89,13 +147,72 @@ def scale(context: Context, worst: float) -> float:
     return fall if fall > 0.0 else max(abs(worst), 1e-12)
 
 
+def _drawn(context: Context, position: int, found: Found) -> Search:
+    """Points of flights that drew their own noise, evaluated under the campaign's realisations, as candidates."""
+    for _, columns, _ in seeds.drawn(context, range(position)):
+        points = columns.points[promising(columns.points, _ranked(columns), EACH)]
+        ranked = (yield points).ranked() if len(points) else np.empty(0)
+        found.candidates += [
+            Candidate(p.copy(), float(c), position) for p, c in zip(points, ranked, strict=True) if np.isfinite(c)
+        ]
+    found.candidates.sort(key=lambda c: c.cost)
+    return "evaluated the lowest drawn points under the stated realisations"
+
+
+def _told_apart(context: Context, found: Found, starts: list[Basin]) -> Search:
+    """Descend from these starts and merge; what a start stood for, its end stands for."""
+    points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
+    basins: list[Basin] = []
+    try:
+        yield from distinct(points, costs, _rules(context, float(costs.min())), _space(context), basins)
+    finally:  # a budget's end loses none
+        found.basins = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
+        _keep_the_worst(context, found)
+    return "polished every distinct minimum"
+
+
+def _evidence(context: Context, found: Found, random: np.random.Generator) -> Search:
+    """The neighbours of every worst case that has none yet, then slices and the boundary."""
+    for basin in found.basins:
+        if found.of(basin).neighbours is None:
+            yield from _neighbours(context, found, basin, random)
+    for basin in found.basins:
+        if found.of(basin).after is None:
+            found.of(basin).after = yield from after(context.problem, basin.point, basin.cost)
+    return "flew what surrounds every worst case"
+
+
+def _same(context: Context, found: Found, lower: Candidate) -> bool:
+    """Take a point for the worst case where it is lower by rounding only and close by, so that nothing is new."""
+    worst = found.basins[0]
+    near = np.abs(worst.point - lower.point).max() <= context.campaign.stages.validate_.reach
+    if not near or worst.cost - lower.cost > ROUNDING * scale(context, worst.cost):
+        return False
+    found.evidence[lower.point.tobytes()] = found.of(worst)
+    worst.point, worst.cost = lower.point, lower.cost
+    return True
+
+
+def _lower(context: Context, position: int, found: Found, settled: bool = False) -> Candidate | None:
+    """The lowest evaluation of the whole run, where it is lower than the worst case; `settled`: this stage has ended."""
+    known = found.basins[0].cost if found.basins else np.inf
+    candidates = []
+    if found.seen.point is not None:
+        candidates.append(Candidate(found.seen.point, found.seen.cost, position))
+    for at, columns in seeds.stated(context, range(position + settled)):
+        row = int(np.argmin(_ranked(columns)))
+        candidates.append(Candidate(columns.points[row].copy(), float(_ranked(columns)[row]), at))
+    low = min(candidates, key=lambda c: c.cost, default=None)
+    return low if low is not None and low.cost < known else None
+
+
 def _ranked(columns: Columns) -> Floats:
     return np.where(columns.status == OK, columns.costs[:, 0], np.inf)
 
 
-def _rules(context: Context, lowest: float) -> Rules:
+def _rules(context: Context, worst: float) -> Rules:
     asked = context.campaign.stages.findings
-    return Rules(asked.distance, asked.barrier * scale(context, lowest), asked.at_most)
+    return Rules(asked.distance, asked.barrier * scale(context, worst), asked.at_most)
 
 
 def _space(context: Context) -> Space:
@@ -113,24 +230,23 @@ def _keep_the_worst(context: Context, found: Found) -> None:
     found.basins[:] = kept
 
 
-def _neighbours(context: Context, found: Found) -> Search:
-    """A few hundred neighbours of every worst case; the lowest of them takes its place."""
+def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Search:
+    """A few hundred neighbours of a worst case; the lowest of them takes its place."""
     asked = context.campaign.stages.validate_
     if asked.neighbours == 0:
         return "no neighbours were asked for"
-    random = _space(context).random
-    for basin in list(found.basins):
-        offsets = random.uniform(-asked.reach, asked.reach, (asked.neighbours, len(basin.point)))
-        points = np.clip(basin.point + offsets, 0.0, 1.0)
-        batch = yield points
-        ranked = batch.ranked()
-        low = int(np.argmin(ranked))
-        found.neighbours.append({
-            "flown": len(points),
-            "failed": int(np.count_nonzero(batch.status != OK)),
-            "lowest": float(ranked[low]) if np.isfinite(ranked[low]) else None,
-            "lower_by": max(0.0, basin.cost - float(ranked[low])),
-        })  # fmt: skip
-        if ranked[low] < basin.cost:
-            basin.point, basin.cost = points[low].copy(), float(ranked[low])
+    offsets = random.uniform(-asked.reach, asked.reach, (asked.neighbours, len(basin.point)))
+    points = np.clip(basin.point + offsets, 0.0, 1.0)
+    batch: Batch = yield points
+    ranked = batch.ranked()
+    low = int(np.argmin(ranked))
+    told = {
+        "flown": len(points),
+        "failed": int(np.count_nonzero(batch.status != OK)),
+        "lowest": float(ranked[low]) if np.isfinite(ranked[low]) else None,
+        "lower_by": max(0.0, basin.cost - float(ranked[low])),
+    }
+    if ranked[low] < basin.cost:
+        basin.point, basin.cost = points[low].copy(), float(ranked[low])
+    found.of(basin).neighbours = told
     return "flew every neighbour"

@@ -7,17 +7,18 @@ distributions reach beyond the bounds, that probability is added to the bounds. 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from worker.problem import Floats, Problem
+from worker.realisations import Realisations
 from worker.search import monte_carlo
 from worker.search.base import EXCLUDED, OK
 from worker.stages import claims
 from worker.stages.base import Context
 from worker.store import Columns
-from worker.wording import count, number
+from worker.wording import count, listed, number
 
 STEPS = 400
 """Values of the distribution function that a chart is given."""
@@ -31,6 +32,29 @@ POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol poin
 
 
 @dataclass(frozen=True)
+class Noise:
+    """Which realisations of the scenario's noise a statement holds for.
+
+    `kind`: none (no noise), drawn (one with every flight), stated (those that the campaign lists). `clause` says so.
+    """
+
+    kind: Literal["none", "drawn", "stated"] = "none"
+    clause: str = ""
+
+    @staticmethod
+    def given(realised: Realisations) -> Noise:
+        """Of flights that all simulate the realisations that the campaign states."""
+        if not realised.random:
+            return Noise()
+        seeds = listed([str(seed) for seed in realised.seeds])
+        which = f"the {realised.combine} of those with seeds {seeds}" if realised.several else f"that with seed {seeds}"
+        return Noise("stated", f", given one realisation of the noise ({which}) and no other")
+
+
+DRAWN = Noise("drawn", ", each with a noise realisation of its own,")
+
+
+@dataclass(frozen=True)
 class Sample:
     """Independent draws that were flown: the costs that are, sorted; how many failed; how many were excluded."""
 
@@ -41,14 +65,16 @@ class Sample:
     outside: float
     """The probability of lying beyond the bounds, or an upper bound of it."""
     confidence: float
+    noise: Noise = Noise()
 
     @staticmethod
-    def of(columns: Columns, problem: Problem, confidence: float) -> Sample:
-        """The sample that these evaluations are."""
+    def of(columns: Columns, problem: Problem, confidence: float, drawn: bool = False) -> Sample:
+        """The sample that these evaluations are; `drawn`: every one of them drew its own noise."""
         costs = np.sort(columns.costs[columns.status == OK, 0])
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
-        return Sample(costs, failed, excluded, problem.threshold, problem.distributions.outside, confidence)
+        noise = DRAWN if drawn else Noise.given(problem.realisations)
+        return Sample(costs, failed, excluded, problem.threshold, problem.distributions.outside, confidence, noise)
 
     @property
     def size(self) -> int:
@@ -71,12 +97,14 @@ class Sample:
             "outside": self.outside,
             "confidence": self.confidence,
             "upper_bound": upper,
+            "excluded_fraction": self.excluded_fraction,
+            "noise": self.noise.kind,
             "lowest": float(costs[0]) if len(costs) else None,
             "mean": float(costs.mean()) if len(costs) else None,
             "deviation": float(costs.std(ddof=1)) if len(costs) > 1 else None,
             "histogram": {"edges": edges.tolist(), "counts": counts.tolist()},
             "text": f"{self._seen()} violate the criterion{self.failures()}: P(violation) is at most "
-            f"{100 * upper:.3g} % with {100 * self.confidence:g} % confidence{self._beyond()}",
+            f"{100 * upper:.3g} % with {100 * self.confidence:g} % confidence{self._beyond()}{self._conditions()}",
         }
 
     def unclaimed(self, points: str, why: str) -> dict[str, Any]:
@@ -84,7 +112,7 @@ class Sample:
         share = f" (an estimate of {100 * self.violations / self.size:.3g} %)" if self.size else ""
         text = (
             f"{count(self.violations)} of {count(self.size)} {points} violate the criterion{self.failures()}{share}: "
-            f"{why}"
+            f"{why}{self._conditions()}"
         )
         return self.told() | {"upper_bound": None, "text": text}
 
@@ -126,8 +154,25 @@ class Sample:
             "band": claims.band(self.size, self.confidence),
         }
 
+    @property
+    def excluded_fraction(self) -> float:
+        """The fraction of all draws that were excluded."""
+        return self.excluded / max(self.size + self.excluded, 1)
+
     def _seen(self) -> str:
-        return f"{count(self.violations)} of {count(self.size)} flights drawn from the stated distributions"
+        own = self.noise.clause if self.noise.kind == "drawn" else ""
+        return f"{count(self.violations)} of {count(self.size)} flights drawn from the stated distributions{own}"
+
+    def _conditions(self) -> str:
+        """Under which condition the statement holds: the noise, and what was excluded."""
+        given = self.noise.clause if self.noise.kind == "stated" else ""
+        if not self.excluded:
+            return given
+        return (
+            f"{given}; it holds for starts above the threshold only: {count(self.excluded)} of "
+            f"{count(self.size + self.excluded)} draws ({100 * self.excluded_fraction:.3g} %) start at or below it and "
+            "were excluded"
+        )
 
     def failures(self) -> str:
         """A clause on the flights that failed, where some did."""

@@ -1,0 +1,179 @@
+"""What a verdict may not rest on: an attack each, on evidence written out by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from tests.unit.cases import campaign
+from tests.unit.evidence import (
+    NOMINAL,
+    QUANTILE,
+    WORST,
+    barred,
+    concluded,
+    encountered,
+    evidence,
+    finding,
+    said_by,
+    sample,
+    search,
+    validation,
+    violation,
+)
+from worker.problem import Problem
+from worker.verdicts.conclude import conclude
+
+STOPPED = {"kind": "budget", "text": "used its budget"}
+
+
+def test_a_stored_violation_that_no_finding_shows_bars_cleared() -> None:
+    offered = {"stored": 135, "checked": 135, "confirmed": 0, "text": "135 stored evaluations violate the criterion"}
+    conclusion = concluded(violating=135, lowest=0.3, validation=validation(violations=offered))
+    assert conclusion.verdict == "inconclusive"
+    assert said_by("no violation", conclusion) == "135 stored evaluations violate the criterion"
+    assert said_by("minimum", conclusion) == "a stored evaluation has 0.3 m, lower than every finding"
+
+
+def test_cleared_with_a_stored_violation_is_impossible_whatever_the_checks_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    from worker.verdicts import conclude as module
+
+    monkeypatch.setattr(module, "checks", lambda problem, evidence: [])
+    with pytest.raises(AssertionError, match="although a stored evaluation has"):
+        concluded(violating=1)
+
+
+def test_a_lower_evaluation_than_every_finding_bars_cleared() -> None:
+    assert barred("minimum", lowest=WORST - 1e-9).endswith("lower than every finding")
+
+
+def test_findings_that_were_not_distinguished_to_the_end_bar_cleared() -> None:
+    gathered = {"complete": False, "text": "used its budget"}
+    assert "not distinguished to the end" in barred("minimum", validation=validation(findings=gathered))
+
+
+@pytest.mark.parametrize("method", ["direct", "sqp"])
+def test_a_method_that_hardly_evaluated_anything_did_not_search(method: str) -> None:
+    least = {"direct": 50, "sqp": 6}[method]
+    others = {"direct": search("ga"), "sqp": search("direct")}
+
+    def given(evaluations: int) -> dict[str, Any]:
+        return {"searches": [others[method], search(method, evaluations=evaluations)]}
+
+    assert concluded(**given(least)).verdict == "cleared"
+    said = barred("agreement", **given(least - 1))
+    assert "only DIRECT reached" in said if method == "sqp" else f"at least {least} are needed" in said
+
+
+def test_a_local_search_that_spent_its_budget_confirms_nothing() -> None:
+    assert barred("agreement", searches=[search("direct"), search("sqp", stop=STOPPED)]).startswith("only DIRECT")
+
+
+def test_methods_that_found_nothing_below_nominal_do_not_agree() -> None:
+    searches = [search("direct", NOMINAL), search("ga", NOMINAL)]
+    spread = {"evaluations": 3343, "lowest": NOMINAL, "highest": 1.3}
+    given = validation(encounter=encountered(spread=spread))
+    said = barred("agreement", searches=searches, finding=finding(NOMINAL), validation=given)
+    assert said.startswith("no method found anything below the nominal case")
+
+
+def test_agreement_needs_the_place_as_well_as_the_cost() -> None:
+    assert concluded(basins={"sqp": "F2"}).verdict == "cleared", "mirrored worst cases agree"
+    said = barred("agreement", basins={"direct": None})
+    assert said == "the best of DIRECT lies in the basin of no listed finding"
+    assert barred("agreement", basins={"sqp": None}).startswith("only DIRECT reached")
+
+
+def test_agreement_is_capped() -> None:
+    searches = [search("direct"), search("ga", WORST + 0.03)]
+    assert "stopped 0.03 m above it" in barred("agreement", campaign(agreement=1.0), searches=searches)
+
+
+@pytest.mark.parametrize(
+    ("changes", "name", "said"),
+    [
+        ({"closest": [{"name": "F1", "time": 15.0, "at": "end"}]}, "closest approach", "at the end of the horizon"),
+        ({"closest": [{"name": "F1", "time": 0.0, "at": "start"}]}, "closest approach", "of F1 is at the start"),
+        ({"closest": [{"name": "F1", "time": None, "at": "none"}]}, "closest approach", "is known of F1"),
+        ({"moved": 0.0}, "motion", "the vehicle moves 0 m in the nominal case; place the goal"),
+        ({"moved": None}, "motion", "has no trace"),
+        ({"unseen": {"cost": NOMINAL, "reason": ""}}, "avoidance", "the avoidance makes no difference"),
+        ({"unseen": {"cost": NOMINAL + 0.1, "reason": ""}}, "avoidance", "the avoidance makes no difference"),
+        ({"unseen": {"cost": None, "reason": "a stall"}}, "avoidance", "without it the nominal case fails (a stall)"),
+    ],
+)  # fmt: skip
+def test_an_encounter_that_did_not_take_place_bars_cleared(changes: dict[str, Any], name: str, said: str) -> None:
+    given = {"validation": validation(encounter=encountered(**changes))}
+    assert said in barred(name, **given)
+    intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
+    conclusion = concluded(intended, **given)
+    assert conclusion.verdict == "cleared"
+    assert "which the author states is intended: a baseline." in conclusion.reason
+
+
+def test_an_intention_without_need_is_not_mentioned() -> None:
+    assert "intended" not in concluded(campaign(encounter={"intended": {"motion": "a baseline"}})).reason
+
+
+def test_random_evaluations_on_the_other_side_of_the_threshold_bar_cleared() -> None:
+    spot = {"checked": 200, "compared": 200, "violating": 1, "text": "1 of them violates there and not here"}
+    assert "violates there and not here" in barred("validation", validation=validation(spot_checks=spot))
+    none = {"checked": 200, "compared": 0, "violating": 0, "text": "none could be compared"}
+    assert "none could be compared" in barred("validation", validation=validation(spot_checks=none))
+
+
+def noisy(**changes: Any) -> Problem:
+    faults = [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}]
+    return Problem(campaign(scenario__faults=faults, **changes))
+
+
+def drawn(**changes: Any) -> dict[str, Any]:
+    return {"sample": sample(samples=3000, noise="drawn", **changes) | {"quantile": QUANTILE}, "grid": None}
+
+
+def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
+    stated = {"noise": "stated"}
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(**stated))]
+    conclusion = conclude(noisy(), evidence(searches=searches), {})
+    assert conclusion.verdict == "inconclusive"
+    assert "only the realisations with seeds 0 were simulated; add a certify stage" in said_by("noise", conclusion)
+    assert conclude(noisy(), evidence(certificate=drawn()), {}).verdict == "cleared"
+
+
+def test_a_target_is_not_met_by_stated_realisations() -> None:
+    searches = [search("direct"), search("sqp"), search("monte_carlo", sample=sample(noise="stated"))]
+    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), {})
+    assert "given stated noise realisations only" in said_by("target", conclusion)
+    assert conclusion.verdict == "inconclusive"
+
+
+def test_a_mean_over_realisations_never_clears() -> None:
+    mean = noisy(scenario__realisations={"seeds": [1, 2], "combine": "mean"})
+    conclusion = conclude(mean, evidence(certificate=drawn()), {})
+    assert conclusion.verdict == "inconclusive"
+    assert "combine them by worst" in said_by("noise", conclusion)
+
+
+def test_much_that_is_excluded_bars_cleared() -> None:
+    assert concluded(certificate=drawn(excluded_fraction=0.1), excluded=300).verdict == "cleared"
+    said = barred("exclusions", certificate=drawn(excluded_fraction=0.9), excluded=300)
+    assert said.startswith("90 % of the draws of the sample start at or below the threshold and were excluded")
+    assert barred("exclusions", excluded=400).startswith("12 % of the evaluations")
+
+
+def test_a_violation_is_confirmed_by_every_integration_and_by_nothing_less() -> None:
+    close = replace(finding(0.49), validation={"ok": True, "violates": False, "realisation": None})
+    assert concluded(**violation(finding=close, violating=1)).verdict == "inconclusive"
+    apart = replace(finding(0.49), validation={"ok": True, "violates": True, "realisation": None})
+    assert concluded(**violation(finding=apart, violating=1)).verdict == "violated"
+
+
+def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
+    text = "135 stored evaluations violate the criterion; all of them were simulated again, and 120 violate there too"
+    own = replace(finding(0.49), validation={"ok": True, "violates": True, "realisation": 77})
+    given = validation(violations={"stored": 135, "checked": 135, "confirmed": 120, "text": text})
+    said = concluded(**violation(finding=own, violating=135, validation=given)).reason
+    assert f" {text}." in said
+    assert "with the noise realisation of seed 77" in said

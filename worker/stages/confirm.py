@@ -1,0 +1,108 @@
+"""Confirm: simulate cases again by other means, at half the step and with the reference integrator.
+
+A case agrees when both differences are within tolerance and all three values lie on the same side of the threshold. It
+is a confirmed violation when all three violate, however far they are apart. Either way it is validated. Tolerances have
+a floor taken from the scale of the threshold, because a fraction of 0 is 0. Start reading at `cases`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from worker import integrator
+from worker.problem import Floats
+from worker.search.base import OK
+from worker.stages.base import Cancelled, Context
+
+NAME = integrator.NAME
+FRACTION_OF_MARGIN = 0.1
+FLOOR = 1e-6
+"""Fraction of the threshold's scale below which a difference counts as rounding."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is simulated again: a name, a point (n,) and, where it drew its own noise, the seed."""
+
+    name: str
+    point: Floats
+    seed: int | None = None
+
+
+def cases(context: Context, asked: Sequence[Case]) -> list[dict[str, Any]]:
+    """Every case at the campaign's step, at half of it and with the reference integrator, as plain JSON values.
+
+    Raises `Cancelled`.
+    """
+    step = context.problem.step
+    full, half = (costs(context, asked, s) for s in (step, step / 2))
+    others = reference(context, asked, [cost is not None for cost in full])
+    return [_case(context, *case) for case in zip(asked, full, half, others, strict=True)]
+
+
+def costs(context: Context, asked: Sequence[Case], step: float) -> list[float | None]:
+    """The cost of every case at this step [s]; None where it has none."""
+    problem = context.problem
+    found: list[float | None] = [None] * len(asked)
+    for own in (False, True):
+        rows = [i for i, case in enumerate(asked) if (case.seed is not None) == own]
+        if rows:
+            seeds = np.array([asked[i].seed for i in rows], dtype=np.int64) if own else None
+            batch, _ = problem.fly_vectors(problem.vectors(np.array([asked[i].point for i in rows])), step, seeds)
+            for i, cost, status in zip(rows, batch.costs[:, 0], batch.status, strict=True):
+                found[i] = float(cost) if status == OK else None
+    return found
+
+
+def reference(context: Context, asked: Sequence[Case], known: Sequence[bool]) -> list[integrator.Flight]:
+    """Every case with the reference integrator; one that has no cost at the campaign's step is left out: it may be
+    beyond any explicit integrator. Raises `Cancelled`."""
+    found = []
+    for case, has_cost in zip(asked, known, strict=True):
+        if context.cancelled():
+            raise Cancelled
+        problem = context.problem.under(case.seed)
+        vector = problem.vectors(case.point[None, :])[0]
+        found.append(integrator.fly(problem, vector) if has_cost else integrator.Flight(None, "the evaluation failed"))
+    return found
+
+
+def scale(context: Context) -> float:
+    """The size of what is compared [the criterion's unit]: the threshold or the nominal value, whichever is larger."""
+    nominal = float(context.results.get(0, {}).get("cost") or 0.0)
+    return max(abs(context.problem.threshold), abs(nominal), 1e-9)
+
+
+def _case(
+    context: Context, case: Case, cost: float | None, half: float | None, other: integrator.Flight
+) -> dict[str, Any]:
+    threshold, step = context.problem.threshold, context.problem.step
+    known = [c for c in (cost, half, other.cost) if c is not None]
+    violating = [c <= threshold for c in known]
+    allowed = None if cost is None else _allowed(context, cost)
+    differences = [None if cost is None or c is None else c - cost for c in (half, other.cost)]
+    close = allowed is not None and all(d is not None and abs(d) <= allowed for d in differences)
+    agrees, violates = close and len(set(violating)) == 1, len(known) == 3 and all(violating)
+    return {
+        "name": case.name,
+        "step": step,
+        "cost": cost,
+        "half_step": {"step": step / 2, "cost": half, "difference": differences[0]},
+        "integrator": {"name": NAME, "cost": other.cost, "difference": differences[1], "reason": other.reason},
+        "allowed": allowed,
+        "agrees": agrees,
+        "violates": violates,
+        "ok": agrees or violates,
+        "realisation": case.seed,
+        "neighbours": None,
+    }
+
+
+def _allowed(context: Context, cost: float) -> float:
+    tolerance = context.campaign.stages.validate_.tolerance
+    margin = abs(cost - context.problem.threshold)
+    return max(min(tolerance * abs(cost), FRACTION_OF_MARGIN * margin), FLOOR * scale(context))

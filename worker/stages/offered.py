@@ -1,0 +1,147 @@
+"""Violations that the run has stored, whoever asked for them, and a random choice of all its evaluations, again.
+
+No violation is left unexamined because it is no finding: up to `AT_MOST` of the violating evaluations are simulated at
+half the step and with the reference integrator, and the counts are reported. `SPOT_CHECKS` random evaluations are
+compared with the reference integrator, so that its distance is known for more than the findings. Start reading at
+`violations`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from worker.problem import Floats
+from worker.search.base import OK
+from worker.stages import seeds
+from worker.stages.base import Context, all_columns
+from worker.stages.confirm import Case, cases, reference
+from worker.wording import count, number
+
+AT_MOST = 200
+SPOT_CHECKS = 200
+STREAM = 2**22
+"""Spawn key of the choice of spot checks."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """One stored evaluation that succeeded."""
+
+    position: int
+    index: int
+    point: Floats
+    cost: float
+    seed: int | None
+
+    @property
+    def case(self) -> Case:
+        return Case(f"stage {self.position}, evaluation {self.index}", self.point, self.seed)
+
+
+class _Stored:
+    """All evaluations of some stages that have a cost, in columns; at or below a limit where one is given."""
+
+    def __init__(self, context: Context, positions: range, limit: float = np.inf) -> None:
+        self.columns = dict(all_columns(context, [*positions]))
+        self.seeds = {at: own for at, _, own in seeds.drawn(context, positions)}
+        rows = {at: np.flatnonzero((c.status == OK) & (c.costs[:, 0] <= limit)) for at, c in self.columns.items()}
+        self.position = np.concatenate([np.full(len(r), at) for at, r in rows.items()] or [np.empty(0, dtype=int)])
+        self.index = np.concatenate([*rows.values()] or [np.empty(0, dtype=int)])
+        self.cost = np.concatenate([self.columns[at].costs[r, 0] for at, r in rows.items()] or [np.empty(0)])
+
+    def __len__(self) -> int:
+        return len(self.index)
+
+    def pick(self, rows: NDArray[np.int64]) -> list[Stored]:
+        """The evaluations in these rows."""
+        found = []
+        for at, i in zip(self.position[rows].tolist(), self.index[rows].tolist(), strict=True):
+            own, columns = self.seeds.get(at), self.columns[at]
+            seed = int(own[i]) if own is not None and i < len(own) else None
+            found.append(Stored(at, i, columns.points[i], float(columns.costs[i, 0]), seed))
+        return found
+
+
+def violations(context: Context, positions: range) -> tuple[dict[str, Any], list[tuple[Stored, dict[str, Any]]]]:
+    """Every stored violation, or an even choice of them by cost, again; the counts, and those that are confirmed.
+
+    The lowest confirmed comes first.
+    """
+    found = _Stored(context, positions, context.problem.threshold)
+    lowest_first = np.argsort(found.cost, kind="stable")
+    chosen = found.pick(lowest_first[_even(len(found), AT_MOST)])
+    again = cases(context, [s.case for s in chosen])
+    confirmed = [(s, case) for s, case in zip(chosen, again, strict=True) if case["violates"]]
+    stages, counts = np.unique(found.position, return_counts=True)
+    told = {
+        "stored": len(found),
+        "by_stage": [{"position": int(at), "count": int(n)} for at, n in zip(stages, counts, strict=True)],
+        "checked": len(chosen),
+        "confirmed": len(confirmed),
+        "text": _counts(len(found), len(chosen), len(confirmed)),
+    }
+    return told, confirmed
+
+
+def spot_checks(context: Context, positions: range) -> dict[str, Any]:
+    """Random evaluations of all stages with the reference integrator: how far it was from the stored values."""
+    known = _Stored(context, positions)
+    random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(STREAM,)))
+    chosen = known.pick(np.sort(random.permutation(len(known))[:SPOT_CHECKS]))
+    flights = reference(context, [s.case for s in chosen], [True] * len(chosen))
+    pairs = [(s, f.cost) for s, f in zip(chosen, flights, strict=True) if f.cost is not None]
+    apart = np.array([abs(cost - s.cost) for s, cost in pairs])
+    threshold = context.problem.threshold
+    sides = [s for s, cost in pairs if cost <= threshold < s.cost]
+    reasons = sorted({f.reason for f in flights if f.cost is None})
+    told: dict[str, Any] = {
+        "checked": len(chosen),
+        "compared": len(pairs),
+        "largest": float(apart.max()) if len(apart) else None,
+        "median": float(np.median(apart)) if len(apart) else None,
+        "violating": len(sides),
+        "at": None,
+        "reasons": reasons[:5],
+    }
+    if len(apart):
+        furthest, other = pairs[int(apart.argmax())]
+        told["at"] = {
+            "position": furthest.position, "index": furthest.index, "cost": furthest.cost, "reference": other,
+            "parameters": context.problem.named(furthest.point), "realisation": furthest.seed,
+        }  # fmt: skip
+    return told | {"text": _apart(told, context.problem.parts.criterion.unit)}
+
+
+def _even(size: int, at_most: int) -> NDArray[np.int64]:
+    return np.unique(np.linspace(0, size - 1, min(size, at_most)).round().astype(np.int64))
+
+
+def _counts(stored: int, checked: int, confirmed: int) -> str:
+    if stored == 0:
+        return "no stored evaluation violates the criterion"
+    of = "all" if checked == stored else f"{count(checked)}, chosen evenly by cost,"
+    verb = "violates" if stored == 1 else "violate"
+    return (
+        f"{count(stored)} stored {'evaluation' if stored == 1 else 'evaluations'} {verb} the criterion; {of} of them "
+        "were simulated again at half the step and with the reference integrator, and "
+        f"{count(confirmed)} violate there too"
+    )
+
+
+def _apart(told: dict[str, Any], unit: str) -> str:
+    if not told["compared"]:
+        return "no random evaluation could be compared with the reference integrator"
+    text = (
+        f"{count(told['compared'])} random evaluations compared with the reference integrator: at most "
+        f"{number(told['largest'])} {unit} apart, half of them within {number(told['median'])} {unit}"
+    )
+    without = told["checked"] - told["compared"]
+    if without:
+        text += f"; {count(without)} more could not be simulated by it"
+    if told["violating"]:
+        text += f"; {count(told['violating'])} of them violate the criterion there and not here"
+    return text

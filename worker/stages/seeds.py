@@ -1,0 +1,59 @@
+"""Which noise realisation each evaluation simulated, where a stage draws one with every flight.
+
+A number made of the campaign's seed and the evaluation's index, so that it depends on nobody else and is never stored:
+SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014), its highest bits.
+Start reading at `of_draws`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns.spec import MAX_SEED
+from worker.realisations import Seeds
+from worker.stages.base import Context, all_columns
+from worker.store import Columns
+
+_GAMMA = 0x9E3779B97F4A7C15
+_BITS = MAX_SEED.bit_length() - 1
+assert 1 << _BITS == MAX_SEED
+
+
+def of_draws(seed: int, first: int, count: int) -> Seeds:
+    """The realisations of the draws `first`, first + 1, ... of the certify stage of a campaign with this seed."""
+    index = np.arange(first, first + count, dtype=np.uint64)
+    stream = _mixed(np.array([seed + 1], dtype=np.uint64) * np.uint64(_GAMMA))
+    mixed = _mixed(stream + (index + np.uint64(1)) * np.uint64(_GAMMA))
+    return (mixed >> np.uint64(64 - _BITS)).astype(np.int64)
+
+
+def stated(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns]]:
+    """The evaluations of these stages under the realisations that the campaign states."""
+    found = [(at, _rows(columns, _drawn(context, at), None)) for at, columns in all_columns(context, [*positions])]
+    return [(at, columns) for at, columns in found if len(columns.status)]
+
+
+def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns, Seeds]]:
+    """The evaluations of these stages that each drew a realisation of their own, with its seed."""
+    found = [(at, columns, _drawn(context, at)) for at, columns in all_columns(context, [*positions])]
+    seed = context.campaign.seed
+    return [(at, _rows(columns, 0, count), of_draws(seed, 0, count)) for at, columns, count in found if count]
+
+
+def _drawn(context: Context, position: int) -> int:
+    """How many of a stage's evaluations, the first ones, drew a realisation of their own."""
+    return int(context.results.get(position, {}).get("drawn_realisations", 0))
+
+
+def _rows(columns: Columns, first: int, last: int | None) -> Columns:
+    rows = slice(first, last)
+    return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})
+
+
+def _mixed(z: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))

@@ -1,0 +1,116 @@
+"""Agreement: did methods that searched come to the same place at the same cost?
+
+A method's best counts where it lies in the basin of a listed finding (by the findings' own test) and its cost is within
+the campaign's `agreement` of the worst; so mirrored worst cases agree. Nobody agrees without having searched: a least
+budget, an end that means something, and a best below nominal. Start reading at `agreement`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from worker.problem import Problem
+from worker.verdicts.evidence import Check, Evidence
+from worker.wording import count, listed, number
+
+AT_MOST = 0.2
+"""The largest fraction of nominal minus worst that counts as agreement, whatever a campaign asks for."""
+GLOBAL_LEAST, LOCAL_LEAST = 25, 3
+"""Evaluations per parameter below which a global or a local method has not searched."""
+FLAT = 1e-6
+"""The criterion does not vary when all evaluations lie within this fraction of its size."""
+
+Searched = dict[str, Any]
+
+
+def agreement(problem: Problem, evidence: Evidence) -> Check:
+    """Every global method against the worst case known from anywhere, and at least two methods that came to it."""
+    finding, nominal, unit = evidence.finding, evidence.nominal["cost"], problem.parts.criterion.unit
+    if finding is None or nominal is None:
+        return Check("agreement", False, "there is no worst case to agree on")
+    aiming = [s for s in evidence.searches if s["kind"] in ("global", "local")]
+    globally = [s for s in aiming if s["kind"] == "global"]
+    if not globally:
+        return Check("agreement", False, "no global method searched; add one, such as DIRECT")
+    lazy = [text for s in globally if (text := _not_searched(s, problem.dimension))]
+    if lazy:
+        return Check("agreement", False, "; ".join(lazy))
+    # What drew its own noise no method has seen.
+    worst = min([f.cost for f in evidence.findings if f.validation.get("realisation") is None], default=finding.cost)
+    limit = f"{number(worst)} {unit}"
+    within = max(allowed(problem, nominal - worst), 1e-9 * max(abs(worst), 1.0))
+    late = [text for s in globally if (text := _stopped_short(s, worst, within, unit))]
+    if late:
+        return Check("agreement", False, f"the worst case is {limit}, but {' and '.join(late)}")
+    elsewhere = [s["title"] for s in globally if _finding_of(s, evidence) is None]
+    if elsewhere:
+        return Check("agreement", False, f"the best of {listed(elsewhere)} lies in the basin of no listed finding")
+    counted = [
+        s for s in aiming
+        if not _not_searched(s, problem.dimension) and not _stopped_short(s, worst, within, unit)
+        and _finding_of(s, evidence) is not None
+    ]  # fmt: skip
+    return _agreed(counted, evidence, worst, nominal, unit)
+
+
+def allowed(problem: Problem, fall: float) -> float:
+    """How far apart costs may be that agree, of a fall from nominal to worst [the criterion's unit]."""
+    return min(problem.campaign.agreement, AT_MOST) * fall
+
+
+def varies(evidence: Evidence) -> float:
+    """By how much the criterion varies over all stored evaluations; 0 where that is rounding."""
+    spread = evidence.validation["encounter"]["spread"]
+    if spread["lowest"] is None:
+        return 0.0
+    by = float(spread["highest"] - spread["lowest"])
+    return by if by > FLAT * max(abs(spread["lowest"]), abs(spread["highest"])) else 0.0
+
+
+def _agreed(counted: Sequence[Searched], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
+    reached = {s["method"]: s["title"] for s in counted}
+    if len(reached) < 2:
+        only = listed(list(reached.values()))
+        text = f"only {only} reached the worst case; a verdict needs a second method to confirm it"
+        return Check("agreement", False, text)
+    titles = listed(list(reached.values()))
+    if not varies(evidence):
+        flown = count(evidence.validation["encounter"]["spread"]["evaluations"])
+        return Check("agreement", True, f"{titles} agree: the criterion does not vary over {flown} evaluations")
+    if not worst < nominal:
+        text = (
+            "no method found anything below the nominal case, so that they agree shows nothing; widen the bounds, or "
+            "move the nominal values away from the worst case"
+        )
+        return Check("agreement", False, text)
+    apart = max(s["best"]["cost"] - worst for s in counted)
+    places = listed(sorted({str(_finding_of(s, evidence)) for s in counted}))
+    return Check("agreement", True, f"{titles} agree on the worst case ({places}) within {number(apart)} {unit}")
+
+
+def _not_searched(search: Searched, dimension: int) -> str:
+    """Why a stage is no search, as a sentence; empty where it is one."""
+    title, spent = search["title"], search["evaluations"]
+    least = dimension * (GLOBAL_LEAST if search["kind"] == "global" else LOCAL_LEAST)
+    if spent < least:
+        return (
+            f"{title} ended after {count(spent)} evaluations; at least {count(least)} are needed to count as a search"
+        )
+    if search["kind"] == "local" and search["stop"]["kind"] != "rule":
+        return f"{title} spent its budget before it converged"
+    return ""
+
+
+def _stopped_short(search: Searched, worst: float, within: float, unit: str) -> str:
+    if search["best"] is None:
+        return f"{search['title']} found no flight"
+    by = search["best"]["cost"] - worst
+    return f"{search['title']} stopped {number(by)} {unit} above it" if by > within else ""
+
+
+def _finding_of(search: Searched, evidence: Evidence) -> str | None:
+    """The finding whose basin holds a stage's best; stages are known by their place among the searches."""
+    at = next(i for i, s in enumerate(evidence.searches) if s is search)
+    label: str | None = evidence.validation["comparison"][at]["basin"]
+    return label

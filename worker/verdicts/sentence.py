@@ -1,0 +1,109 @@
+"""The sentences of a verdict: what was found, and the scope it holds for. Start reading at `sentence`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from worker.catalog import catalogue
+from worker.problem import Problem
+from worker.verdicts import encounter
+from worker.verdicts.evidence import Check, Evidence, Verdict
+from worker.wording import count, listed, number, signed
+
+
+def sentence(
+    problem: Problem, evidence: Evidence, verdict: Verdict, checks: list[Check], statistics: dict[str, Any] | None
+) -> str:
+    """The verdict in words; every count is one of stored evaluations."""
+    criterion, finding = problem.parts.criterion, evidence.finding
+    quantity, unit = criterion.quantity, criterion.unit
+    limit = f"{number(problem.threshold)} {unit}"
+    if finding is None:
+        return f"No flight could be evaluated: {checks[0].text}."
+    worst = (
+        f"The worst case found has {quantity} = {number(finding.cost)} {unit}, "
+        f"a margin of {signed(finding.margin)} {unit}{_noise(finding.validation.get('realisation'))}."
+    )
+    how = f"{count(evidence.evaluations)} evaluations, searched by {_searched(evidence)}"
+    chance = _chance(statistics)
+    if evidence.violation is not None:
+        told = evidence.violation
+        shown = "It was validated, and found"
+        if told is not finding:
+            milder = f"{told.label}, which has {number(told.cost)} {unit}{_noise(told.validation.get('realisation'))}"
+            shown = f"Validation did not confirm it, but {milder}; both were found"
+        counts = _counts(evidence)
+        return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{counts}{chance}"
+    if verdict == "cleared":
+        excluded = f" {count(evidence.excluded)} more were excluded." if evidence.excluded else ""
+        stated = "".join(f" {text}" for text in encounter.stated(problem, checks))
+        return (
+            f"{quantity} stayed above {limit} in all {count(evidence.succeeded)} evaluations, searched by "
+            f"{_searched(evidence)}.{excluded} {worst}{chance}{stated} A search can miss a worse case."
+        )
+    why = "; ".join(c.text for c in checks if not c.ok)
+    return f"Nothing may be claimed: {why}. {worst} It comes from {how}."
+
+
+def scope(problem: Problem) -> str:
+    """What the sentence holds for: components, conditions, bounds, horizon and step."""
+    parts, scenario = problem.parts, problem.campaign.scenario
+    entries = {f"{s.prefix}.{p.name}": p.unit for s in problem.loop.sections for p in s.parameters}
+    bounds = ", ".join(
+        f"{r.path} {number(r.low)} to {number(r.high)} {entries[r.path]}".rstrip() for r in problem.ranges
+    )
+    obstacles = len(parts.obstacles)
+    return (
+        f"Scope: {parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}, "
+        f"{obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}{_conditions(problem)}; {bounds}; "
+        f"horizon {number(scenario.horizon)} s, step {number(scenario.step)} s. "
+        f"It holds for this model within these bounds; components of clearance {catalogue().version}."
+    )
+
+
+def _searched(evidence: Evidence) -> str:
+    """Every method with what it evaluated itself."""
+    spent: dict[str, int] = {}
+    for search in evidence.searches:
+        spent[search["title"]] = spent.get(search["title"], 0) + search["evaluations"]
+    return listed([f"{title} ({count(many)})" for title, many in spent.items()])
+
+
+def _chance(statistics: dict[str, Any] | None) -> str:
+    if statistics is None:
+        return ""
+    chance = f" {statistics['text']}."
+    if statistics["quantile"]:
+        said = statistics["quantile"]["text"]
+        chance += f" {said[0].upper()}{said[1:]}."
+    return chance
+
+
+def _counts(evidence: Evidence) -> str:
+    text = str(evidence.validation["violations"]["text"])
+    return f" {text[0].upper()}{text[1:]}."
+
+
+def _noise(seed: int | None) -> str:
+    return "" if seed is None else f", with the noise realisation of seed {seed}"
+
+
+def _conditions(problem: Problem) -> str:
+    """The environment and the faults in the loop, and which realisations of them the searches simulated."""
+    parts, realised = problem.parts, problem.realisations
+    titles = [e.title for e in parts.environment] + [f.fault.title for f in parts.faults]
+    text = f", with {listed(titles)}" if titles else ""
+    if not realised.random:
+        return text
+    seeds = listed([str(seed) for seed in realised.seeds])
+    if realised.several:
+        return f"{text}, {realised.combine} of {count(len(realised.seeds))} realisations (noise seeds {seeds})"
+    return f"{text}, noise seed {seeds}"
+
+
+def method_of(searches: Sequence[dict[str, Any]]) -> str | None:
+    """The method with the lowest best."""
+    found = [s for s in searches if s["best"] is not None]
+    best: str | None = min(found, key=lambda s: s["best"]["cost"])["method"] if found else None
+    return best

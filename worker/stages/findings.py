@@ -194,7 +194,7 @@ def _same(context: Context, found: Found, lower: Candidate) -> bool:
 
 
 def _lower(context: Context, position: int, found: Found, settled: bool = False) -> Candidate | None:
-    """The lowest evaluation of the whole run, where it is lower than the worst case; `settled`: this stage has ended."""
+    """The lowest evaluation of the run, where it is lower than the worst case; `settled`: this stage has ended."""
     known = found.basins[0].cost if found.basins else np.inf
     candidates = []
     if found.seen.point is not None:

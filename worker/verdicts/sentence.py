@@ -33,8 +33,8 @@ def sentence(
         if told is not finding:
             milder = f"{told.label}, which has {number(told.cost)} {unit}{_noise(told.validation.get('realisation'))}"
             shown = f"Validation did not confirm it, but {milder}; both were found"
-        counts = _counts(evidence)
-        return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{counts}{chance}"
+        rest = f"{_apart(told.validation, unit)}{_counts(evidence)}{chance}"
+        return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{rest}"
     if verdict == "cleared":
         excluded = f" {count(evidence.excluded)} more were excluded." if evidence.excluded else ""
         stated = "".join(f" {text}" for text in encounter.stated(problem, checks))
@@ -83,6 +83,18 @@ def _chance(statistics: dict[str, Any] | None) -> str:
 def _counts(evidence: Evidence) -> str:
     text = str(evidence.validation["violations"]["text"])
     return f" {text[0].upper()}{text[1:]}."
+
+
+def _apart(case: dict[str, Any], unit: str) -> str:
+    """The three values of a violation whose integrations are beyond tolerance apart; empty where they agree."""
+    if case.get("agrees", True):
+        return ""
+    values = [case["cost"], case["half_step"]["cost"], case["integrator"]["cost"]]
+    step, half, other = (number(value) for value in values)
+    return (
+        f" Every integration of it violates, but they are beyond tolerance apart: {step} {unit} at the step, {half} "
+        f"{unit} at half of it, {other} {unit} with {case['integrator']['name']}."
+    )
 
 
 def _noise(seed: int | None) -> str:

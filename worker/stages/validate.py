@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from worker import integrator
 from worker.problem import Floats
+from worker.reference import NAME, Flight, Reference
 from worker.search.base import OK
 from worker.stages import boundary, findings
 from worker.stages.base import Context, Driven, all_columns, drive
@@ -61,7 +61,7 @@ def _case(context: Context, name: str, point: Floats) -> dict[str, Any]:
     cost = _cost(context, vector, problem.step)
     half = _cost(context, vector, problem.step / 2)
     # A flight that failed may be beyond any explicit integrator: it would be flown for hours and confirm nothing.
-    other = integrator.fly(problem, vector[0]) if cost is not None else integrator.Flight(None, "the flight failed")
+    other = Reference(problem).fly(vector[0]) if cost is not None else Flight(None, "the flight failed")
     allowed = None
     if cost is not None:
         allowed = min(tolerance * abs(cost), SHARE_OF_MARGIN * abs(cost - problem.threshold))
@@ -72,7 +72,7 @@ def _case(context: Context, name: str, point: Floats) -> dict[str, Any]:
         "cost": cost,
         "half_step": {"step": problem.step / 2, "cost": half, "difference": differences[0]},
         "integrator": {
-            "name": integrator.NAME, "cost": other.cost, "difference": differences[1], "reason": other.reason,
+            "name": NAME, "cost": other.cost, "difference": differences[1], "reason": other.reason,
         },
         "allowed": allowed,
         "ok": allowed is not None and all(d is not None and abs(d) <= allowed for d in differences),
@@ -116,7 +116,7 @@ def _result(context: Context, cases: list[dict[str, Any]]) -> dict[str, Any]:
     wrong = [c["name"] for c in cases if not c["ok"]]
     tolerance = context.campaign.stages.validate_.tolerance
     if wrong:
-        text = f"half the step or {integrator.NAME} disagrees beyond tolerance for {' and '.join(wrong)}"
+        text = f"half the step or {NAME} disagrees beyond tolerance for {' and '.join(wrong)}"
     else:
-        text = f"half the step and {integrator.NAME} agree for {' and '.join(str(c['name']) for c in cases)}"
+        text = f"half the step and {NAME} agree for {' and '.join(str(c['name']) for c in cases)}"
     return {"ok": not wrong, "text": text, "tolerance": tolerance, "cases": cases}

@@ -84,7 +84,7 @@ def rebuilt(function: Function, done: dict[int, Any], make: Callable[[Function],
     return _plain(function, done, make)
 
 
-def identity(function: Function) -> int:
+def identity(function: Any) -> int:
     """What tells kernels apart in `rebuilt`, for as long as they live."""
     return id(_python(function))
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import carray
+from numba import carray  # type: ignore[attr-defined]
 
 from worker.reference.stepper import BARRED, BEGIN, LIMIT, SAMPLE, SLOPE
 

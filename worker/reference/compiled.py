@@ -31,12 +31,17 @@ BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **
 PARTS = ("initial", "blank", "guide", "closed_loop", "envelope", "cost", "barred")
 
 NUMBERS = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
-SYSTEM = types.float64(types.int64, types.float64, NUMBERS, NUMBERS, NUMBERS, NUMBERS)  # type: ignore[no-untyped-call]
+SYSTEM = types.float64(types.int64, types.float64, NUMBERS, NUMBERS, NUMBERS, NUMBERS)
 """(what, t, state, slope, channels, parameters) -> a number, as `stepper.call` says."""
 
 
 def system(loop: Loop) -> Any:
-    """A closed loop as a compiled function of C, kept on disk, as long as it is referred to; its `address`."""
+    """A closed loop as a compiled function of C, kept on disk; its `address` is good for as long as it is kept."""
+    return numba.cfunc(SYSTEM, cache=True, **STRICT)(bound(loop))
+
+
+def bound(loop: Loop) -> Function:
+    """A closed loop as a function to compile, its digest in its name."""
     library = {maths.sincos: _inlined(_sincos), maths.atan2: math.atan2, maths.log: math.log}
     done: dict[int, Any] = {identity(kernel): other for kernel, other in library.items()}
     slots = {name: rebuilt(loop.kernel(name), done, _inlined) for name in PARTS}
@@ -48,9 +53,9 @@ def system(loop: Loop) -> Any:
     slots |= {"load_y": lane_ops(last - first, 1).load}
     slots |= {f"store_{letter}": lane_ops(counts[letter], 1).store for letter in "xg"}
     slots |= {"store_y": lane_ops(last - first, 1).store}
-    bound = filled(closed.answer, slots)
-    bound.__qualname__ = f"{loop.parts.vehicle.name}_reference_{digest(bound)}"
-    return numba.cfunc(SYSTEM, cache=True, **STRICT)(bound)
+    made = filled(closed.answer, slots)
+    made.__qualname__ = f"{loop.parts.vehicle.name}_reference_{digest(made)}"
+    return made
 
 
 @cache

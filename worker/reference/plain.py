@@ -93,7 +93,9 @@ class _Plain:
             return self.closed_loop(min(t, last), tuple(y.tolist()), self.g, self.p)[0]
 
         relative, floor = tolerances
-        flown = solve_ivp(slope, (start, end), self.x, method="DOP853", rtol=relative, atol=floor, dense_output=True)
+        flown: Any = solve_ivp(
+            slope, (start, end), self.x, method="DOP853", rtol=relative, atol=floor, dense_output=True
+        )
         for t, x in zip(flown.t, flown.y.T, strict=True):
             self.judge(min(float(t), last), x.tolist())
         if not flown.success:

@@ -85,7 +85,7 @@ def estimated(h: float, rel: float, floor: float, b: Any) -> float:
         three += (b[F + 1, i] / scale) ** 2
     below = five + 0.01 * three
     # NaN stays NaN, which no step passes.
-    return abs(h) * five / math.sqrt(below * b.shape[1]) if below != 0.0 else 0.0  # type: ignore[no-any-return]
+    return abs(h) * five / math.sqrt(below * b.shape[1]) if below != 0.0 else 0.0
 
 
 def factor(error: float) -> float:
@@ -94,7 +94,7 @@ def factor(error: float) -> float:
         return GROW
     if not error < 1e300:
         return SHRINK
-    return min(GROW, max(SHRINK, SAFETY * error**-0.125))
+    return min(GROW, max(SHRINK, SAFETY * error**-0.125))  # type: ignore[no-any-return]
 
 
 def guessed(rel: float, floor: float, b: Any) -> float:

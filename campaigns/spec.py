@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import operator
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -129,6 +130,11 @@ class Criterion(Strict):
     component: Identifier = "separation"
     parameters: Values = {}
     threshold: Number
+    from_centre: Annotated[bool, Field(exclude_if=operator.not_)] = False
+    """States that distances to the obstacles' centres are meant where the threshold is within an obstacle.
+
+    Left out of the canonical form where it is not stated: campaigns that do not have it keep their digests.
+    """
 
 
 class Objective(Part):

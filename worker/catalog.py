@@ -17,7 +17,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, Role
+from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
 from worker.kernels.component import (
     Avoider,
     Component,
@@ -127,6 +127,8 @@ def _component_entry(component: Component) -> ComponentEntry:
         unit=component.unit if isinstance(component, Criterion) else "",
         worse=component.worse if isinstance(component, Criterion) else "",
         of=component.of if isinstance(component, Criterion) else "",
+        measured_to=component.measured_to if isinstance(component, Criterion) else "",
+        reach=_reach(component),
         text=inspect.getdoc(source_of(component)) or "",
     )
 
@@ -136,6 +138,12 @@ def _dimension(component: Component) -> int | None:
     if isinstance(component, Criterion):
         return next(iter(component.sample)) if len(component.sample) == 1 else None
     return component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None
+
+
+def _reach(component: Component) -> ReachEntry | None:
+    if not isinstance(component, Obstacle) or component.reach is None:
+        return None
+    return ReachEntry(of=list(component.reach.of), times=component.reach.times)
 
 
 def _parameter_entry(p: Declared) -> ParameterEntry:

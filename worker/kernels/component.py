@@ -25,6 +25,7 @@ __all__ = [
     "NoTrim",
     "Obstacle",
     "Parameter",
+    "Reach",
     "Signal",
     "Switches",
     "Trim",
@@ -169,11 +170,25 @@ class Avoider:
 
 
 @dataclass(frozen=True)
+class Reach:
+    """How far an obstacle's surface is from its centre at most: `times` the root of the sum of squares of parameters.
+
+    As data, because the checks of a campaign need it without the physics. Of a circle Reach(("radius",)), of a box
+    Reach(("length", "width"), 0.5).
+    """
+
+    of: tuple[str, ...]
+    times: float = 1.0
+
+
+@dataclass(frozen=True)
 class Obstacle:
     """An obstacle or intruder. Its kernels, o being its own state where it has one:
 
     body(t, o, q, p) -> views.Body (plane) or views.Body3 (space) as seen from q; wake(p) -> o at the start;
     move(t, o, q, v, p) -> do, q and v being the true position and velocity of the vehicle.
+
+    `reach`: the largest distance of a point inside it from the centre that `body` reports.
     """
 
     name: str
@@ -186,6 +201,7 @@ class Obstacle:
     move: Kernel | None = None
     moving: bool = False
     derived: Derived | None = None
+    reach: Reach | None = None
     role: Literal["obstacle"] = "obstacle"
 
 
@@ -248,6 +264,7 @@ class Criterion:
 
     `worse`: which end is sought. One that is worse when low may decide: its first parameter is `threshold`, its value
     must stay above it, and excluded(first, p) tells whether the first reading bars the flight.
+    `measured_to`: the point of an obstacle that its distances end at; "" where it reads no distances to obstacles.
     """
 
     name: str
@@ -261,6 +278,7 @@ class Criterion:
     worse: Literal["low", "high"] = "low"
     of: Literal["obstacles", "goal", "flight"] = "obstacles"
     over: Literal["refined", "steps", "crossing"] = "refined"
+    measured_to: Literal["", "centre", "surface"] = ""
     derived: Derived | None = None
     role: Literal["criterion"] = "criterion"
 

@@ -3,14 +3,14 @@
     c(t) = centre + (R cos phi, R sin phi, climb t),   phi = phase + speed t / R
 
 phi counts from x towards y: with z down that is clockwise seen from above. Gives way to nothing. Its radius is what an
-avoider keeps off; the criterion reads distances to its own centre.
+avoider keeps off; `separation` reads distances to its own centre.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.space import Vector, ball
 from worker.kernels.views import Body3
@@ -59,4 +59,5 @@ component = Obstacle(
     body=body,
     moving=True,
     derived=Derived(Constants, derive),
+    reach=Reach(("radius",)),
 )

@@ -67,6 +67,8 @@ class Setting:
     moving: list[bool]
     """Of each obstacle, whether it moves by itself."""
     threshold: float
+    to_surface: bool
+    """Whether the criterion's distances end at obstacles' surfaces, not at their centres."""
     quantity: str
     unit: str
     horizon: float
@@ -79,6 +81,11 @@ class Setting:
         """Decimals that show the threshold, and so every value near it, with four digits."""
         size = abs(self.threshold)
         return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
+
+    def free(self, radius: float) -> float:
+        """Radius about the centre of a round obstacle of that radius that must stay free [m]."""
+        body = self.values.get("criterion.body_radius", 0.0)
+        return radius + body + self.threshold if self.to_surface else self.threshold
 
 
 def load(reader: sa.Connection, run_id: int) -> Setting:
@@ -105,6 +112,7 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         values=values,
         moving=_moving(asked, catalogue),
         threshold=asked.criterion.threshold,
+        to_surface=criterion is not None and criterion.measured_to == "surface",
         quantity=criterion.quantity if criterion else "",
         unit=criterion.unit if criterion else "",
         horizon=asked.scenario.horizon,

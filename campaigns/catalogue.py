@@ -53,6 +53,8 @@ class ComponentEntry(Entry):
     """2 or 3 where the component lives in a plane or in space; None where it fits both."""
     frame: Literal["enu", "ned"] = "enu"
     """The axes of a vehicle's world: x east, y north, z up, or x north, y east, z down."""
+    written_in: Literal["", "enu", "ned"] = ""
+    """The axes that any other component takes for granted; empty where it is the same in all. A vehicle has `frame`."""
     moving: bool = False
     """Whether an obstacle moves by itself."""
     parameters: list[ParameterEntry]

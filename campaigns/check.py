@@ -10,7 +10,7 @@ import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from campaigns import extents, said, uncertainty
+from campaigns import extents, frames, said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.criteria import criteria
 from campaigns.problem import Problem
@@ -107,6 +107,8 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     known = parameters(campaign, catalogue)
     yield from extents.centres(campaign, catalogue, known)
+    found = ((field, catalogue.component(role, part.component)) for _, field, role, part in parts(campaign))
+    yield from frames.mismatched(campaign, catalogue, [(field, entry) for field, entry in found if entry is not None])
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:

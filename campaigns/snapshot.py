@@ -19,6 +19,7 @@ _WORDS = {
     "title": "title",
     "dimension": "dimension",
     "frame": "frame of axes",
+    "written_in": "frame of axes that it takes for granted",
     "moving": "movement by itself",
     "fits": "list of vehicles that it flies",
     "demand": "kind of demand",

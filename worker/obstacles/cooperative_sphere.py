@@ -98,4 +98,5 @@ component = Obstacle(
     move=move,
     moving=True,
     reach=Reach(("radius",)),
+    frame="ned",
 )

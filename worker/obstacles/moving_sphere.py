@@ -56,4 +56,5 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    frame="ned",
 )

@@ -1,9 +1,9 @@
-"""Sphere that goes round: its centre moves on a horizontal circle at constant speed, climbing where `climb` says so.
+"""Sphere that goes round: its centre moves on a horizontal circle at constant speed, and along z at `climb`.
 
     c(t) = centre + (R cos phi, R sin phi, climb t),   phi = phase + speed t / R
 
-phi counts from x towards y: with z down that is clockwise seen from above. Gives way to nothing. Its radius is what an
-avoider keeps off; `separation` reads distances to its own centre.
+phi counts from x towards y: with z down that is clockwise seen from above, and a positive `climb` goes down. Gives way
+to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its own centre.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
 import type { Campaign } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { numberOf, parametersOf } from './parameters'
-import { courseOf, placeOf, type Step, type Values, wayOf } from './ways'
+import { courseOf, liftOf, placeOf, type Step, type Values, wayOf } from './ways'
 
 export interface Place {
   x: number
@@ -69,7 +69,8 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
   const start = of('start')
   const from = { x: start('x') ?? 0, y: start('y') ?? 0, up: sign * (start('z') ?? 0) + 0, t: 0 }
   const goal = placeOf(of('goal'), '', sign)
-  const end = goal ?? courseOf(of('goal'), from, horizon)
+  const avoider = entry('avoider', scenario.avoider.component)
+  const end = goal ?? courseOf(of('goal'), from, horizon, liftOf(avoider?.written_in, axes.ned))
   return {
     start: axes.map(from),
     heading: axes.turned(start('psi') ?? start('theta') ?? start('heading') ?? 0),
@@ -77,7 +78,8 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
     way: end ? [axes.map(from), axes.map(end)] : [],
     bodies: (scenario.obstacles ?? []).map((part, i) => {
       const values = of(`obstacles.${i}`)
-      return bodyOf(values, wayOf(values, horizon, sign), entry('obstacle', part.component)?.moving, axes)
+      const known = entry('obstacle', part.component)
+      return bodyOf(values, wayOf(values, horizon, sign, liftOf(known?.written_in, axes.ned)), known?.moving, axes)
     }),
     axes,
     surface: entry('criterion', campaign.criterion.component)?.measured_to === 'surface',

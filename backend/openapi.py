@@ -30,6 +30,8 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
 )
+_LEFT_OUT = {"Criterion": ("from_centre",)}
+"""What answers leave out at its default."""
 _PARTIAL = frozenset(
     {
         *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
@@ -89,7 +91,8 @@ def _document(app: FastAPI) -> dict[str, Any]:
         nullable = "anyOf" in schemas[name]["properties"][key]
         schemas[name]["properties"][key] = {"anyOf": [_CAMPAIGN, {"type": "null"}]} if nullable else _CAMPAIGN
     for name in schemas.keys() - _PARTIAL:
-        schemas[name]["required"] = list(schemas[name].get("properties", {}))
+        answered = schemas[name].get("properties", {})
+        schemas[name]["required"] = [key for key in answered if key not in _LEFT_OUT.get(name, ())]
     components["schemas"] = dict(sorted(schemas.items()))
     components["securitySchemes"] = SECURITY
     found["security"] = [{name: []} for name in SECURITY]

@@ -10,7 +10,7 @@ import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from campaigns import said, uncertainty
+from campaigns import extents, frames, said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.criteria import criteria
 from campaigns.problem import Problem
@@ -22,7 +22,15 @@ SEED = "seed"
 
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
-    """Every problem of the campaign under this catalogue; an empty list means it can be run."""
+    """Every problem of the campaign under this catalogue; an empty list means it may be asked for."""
+    return [*_check(campaign, catalogue), *_meaning(campaign, catalogue)]
+
+
+def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
+    """What keeps a campaign from being simulated with these components; stored runs are shown wherever it can be.
+
+    What `check` reports besides can be simulated, but its numbers would not mean what they seem to.
+    """
     return list(_check(campaign, catalogue))
 
 
@@ -94,6 +102,13 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from uncertainty.correlated(campaign)
     yield from _searches(campaign, catalogue, known)
     yield from _certified(campaign)
+
+
+def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    known = parameters(campaign, catalogue)
+    yield from extents.centres(campaign, catalogue, known)
+    found = ((field, catalogue.component(role, part.component)) for _, field, role, part in parts(campaign))
+    yield from frames.mismatched(campaign, catalogue, [(field, entry) for field, entry in found if entry is not None])
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:

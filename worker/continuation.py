@@ -12,11 +12,11 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from campaigns import Campaign
+from campaigns import Campaign, check
 from campaigns.load import load_document
 from campaigns.plan import plan
 from campaigns.spec import MAX_EVALUATIONS, Search
-from worker.catalog import methods
+from worker.catalog import catalogue, methods
 from worker.store import Columns, MemoryStore, StagePlan, StageRecord
 from worker.wording import count, listed
 
@@ -60,7 +60,10 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     document["stages"]["search"] = [
         changed or search for changed, search in zip(raised, document["stages"]["search"], strict=True)
     ]
-    return load_document(document, "the continued campaign")
+    larger = load_document(document, "the continued campaign")
+    if problems := check(larger, catalogue()):
+        raise CannotContinue(f"a campaign like it is refused now: {'; '.join(map(str, problems))}")
+    return larger
 
 
 def _raised(search: Search, budget: Budget) -> dict[str, Any] | None:

@@ -217,6 +217,21 @@ def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> An
     return np.unique(np.concatenate([even, around[(around >= 0) & (around < count)]]))
 
 
+def _free(problem: Problem, vector: Floats, i: int) -> float | None:
+    """Radius of the disc about an obstacle's centre that must stay free [m]; None where no disc is what must."""
+    criterion, reach = problem.parts.criterion, problem.parts.obstacles[i].reach
+
+    def value(path: str) -> float:
+        return float(vector[problem.paths[path]]) if path in problem.paths else 0.0
+
+    if criterion.measured_to != "surface":
+        return value("criterion.threshold")
+    if reach is None or len(reach.of) != 1:
+        return None
+    surface = reach.times * value(f"obstacles.{i}.{reach.of[0]}")
+    return surface + value("criterion.threshold") + value("criterion.body_radius")
+
+
 def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[str, Any]:
     vector = seen.vector
 
@@ -234,6 +249,7 @@ def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[st
             "title": o.title,
             "position": [float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
             "radius": radius(i),
+            "free_radius": _free(problem, vector, i),
             "moving": o.moving,
         }
         for i, o in enumerate(problem.parts.obstacles)

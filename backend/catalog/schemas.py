@@ -53,6 +53,8 @@ class CriterionOut(Schema):
     unit: str
     worse: Literal["low", "high"]
     """Which end is sought. Stored costs are all lower when worse; values told have their own sign."""
+    measured_to: Literal["", "centre", "surface"]
+    """The point of an obstacle that its distances end at; empty where it reads none, or that is not known."""
 
 
 class Checked(Schema):

@@ -82,17 +82,19 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
 
 
 def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
+    from campaigns import CampaignError, check
+    from worker.catalog import catalogue
     from worker.cli._campaign import read_campaign
     from worker.problem import CampaignUnusable
     from worker.store import MemoryStore
 
     campaign = read_campaign(file)
+    if problems := check(campaign, catalogue()):
+        raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:
         return campaign, store, fly(campaign, store, lambda: False)
     except CampaignUnusable as error:
-        from campaigns import CampaignError
-
         raise CampaignError(str(file), error.problems) from None
 
 

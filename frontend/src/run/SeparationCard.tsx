@@ -54,9 +54,11 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   const [shown, setShown] = useShown(run.id)
   const [hidden, toggle] = useHidden()
   const { nominalTrace, findingTrace, chosen } = data
+  const { threshold, unit } = run
+  const measured = run.criteria[0]?.measured_to ?? ''
   const spec = useMemo(
-    () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), run.threshold, run.unit, shown, height),
-    [nominalTrace, findingTrace, chosen, run.threshold, run.unit, shown, height],
+    () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), { threshold, unit, measured }, shown, height),
+    [nominalTrace, findingTrace, chosen, threshold, unit, measured, shown, height],
   )
   const keys: Key[] = [
     ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),
@@ -70,7 +72,7 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   return (
     <ChartCard
       title="Separation over time"
-      note="Distance to the nearest obstacle's centre. The flight in 3D goes with the pointer"
+      note={`${ENDS[measured].note}The flight in 3D goes with the pointer`}
       className={className}
       id="separation"
       run={run.id}
@@ -87,7 +89,20 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   )
 }
 
-function specOf(all: Flown[], threshold: number | null, unit: string, shown: Shown, height: number): PlotSpec {
+/** What the criterion's distances are, by the point of an obstacle that they end at. */
+const ENDS = {
+  '': { note: '', axis: 'Value of the criterion' },
+  centre: { note: "Distance to the nearest obstacle's centre. ", axis: 'Separation from centres' },
+  surface: { note: "Distance to the nearest obstacle's surface, negative inside. ", axis: 'Separation from surfaces' },
+}
+
+interface Judged {
+  threshold: number | null
+  unit: string
+  measured: keyof typeof ENDS
+}
+
+function specOf(all: Flown[], { threshold, unit, measured }: Judged, shown: Shown, height: number): PlotSpec {
   const drawn = all.map((flown) => ({ ...flown, curve: curveOf(flown.trace, firstOf(flown.trace, 'separation')) }))
   const xs = union(drawn.map(({ curve }) => curve))
   const decimals = decimalsFor([Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))])
@@ -111,10 +126,11 @@ function specOf(all: Flown[], threshold: number | null, unit: string, shown: Sho
     x: xs,
     lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.8 })),
     points,
-    yTitle: `Separation between centres, ${unit}`,
+    yTitle: `${ENDS[measured].axis}, ${unit}`,
     xTitle: 'Time since start, s',
     xRange,
-    yRange: [0, (extent?.[1] ?? 0) * 1.04 || 1],
+    // Distances to surfaces are negative inside an obstacle.
+    yRange: [Math.min(0, (extent?.[0] ?? 0) * 1.04), (extent?.[1] ?? 0) * 1.04 || 1],
     criterion:
       threshold === null
         ? undefined

@@ -1,7 +1,7 @@
 """A finished search goes on under a larger budget: the new run replays what the old one stored and flies only the rest.
 
 A method is deterministic, so that its first evaluations under the larger budget are the stored ones, bit by bit. What
-validate flew depends on all that came before and is flown anew. What other code flew is not continued. Start at `continued`.
+flew depends on all that came before and is flown anew. What other code flew is refused. Start at `continued`.
 """
 
 from __future__ import annotations

@@ -4,11 +4,15 @@ Request  {"id", "campaign", "parameters": {path: value}, "rows"}; parameters lef
 Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
 Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in `worker.field`.
 Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...]}.
+Response {"stale": true}: nothing was simulated, since the code has changed; the process ends, another loads it.
 Run as `python -m worker.live`; it ends with its input, and so with whoever started it. Start reading at `answer`.
 """
 
 from __future__ import annotations
 
+from worker import sources  # first: it records the files before they are loaded
+
+# isort: split
 import json
 import os
 import sys
@@ -37,6 +41,9 @@ def main() -> None:
     _say(answers, {"ready": True})
     problems: OrderedDict[str, Problem] = OrderedDict()
     for line in sys.stdin.buffer:
+        if sources.stale():
+            _say(answers, {"stale": True})
+            return
         _say(answers, answer(line, problems))
 
 

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from backend.catalog.schemas import CriterionOut
 from campaigns import Catalogue
+from campaigns.flown import Flown
 from campaigns.load import LARGEST_FILE
 from campaigns.values import Notes
 
@@ -175,6 +176,8 @@ class RunDetail(RunSummary):
     """The one that decides first, then the objectives."""
     components_digest: str | None
     """Of what its components meant when it was submitted (`/runs/{run}/components`); None where it was not kept."""
+    flown: Flown | None
+    """What flew when the first stage began: code, packages, machine; None before that, and where it was not stored."""
     stages: list[StageProgress]
     summary: dict[str, Any]
     """Parts of the verdict (`scope`, `checks`), statistics, versions; see `worker.stages.verdict`."""
@@ -193,6 +196,12 @@ class RunComponents(Schema):
     """The entries that the run's campaign uses."""
     changes: list[str]
     """What this installation says otherwise now, as sentences; empty where it says the same."""
+    code: str | None
+    """Digest of the code that flew the run; None where nothing has flown, or it was not stored."""
+    code_installed: str | None
+    """Digest of the code that the newest worker has; None where none has published it."""
+    code_changes: list[str]
+    """The modules that differ between the two, where they are known."""
 
 
 class RunPage(Schema):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from campaigns import Campaign, load_file
+from campaigns.flown import Flown
 from campaigns.plan import plan
 from worker.continuation import CannotContinue
 from worker.problem import Problem
@@ -49,6 +50,14 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
         raise CannotContinue(f"{ARRAYS} in it cannot be read ({error}); run the campaign again") from None
     return campaign, MemoryStore(stages=stages, chunks={at: [columns] for at, columns in chunks.items()})
+
+
+def flown_of(folder: Path) -> Flown:
+    """What flew the run of a folder, as far as it is stored there."""
+    try:
+        return Flown.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return Flown()
 
 
 def _write_bits(path: Path, store: MemoryStore) -> None:

@@ -47,6 +47,8 @@ def run(
     database: Database = "",
 ) -> None:  # fmt: skip
     """Run a campaign here and print its verdict; the exit code is the verdict."""
+    from worker import sources as sources  # first: it records the files before they are loaded
+
     _asked_right(file, onward, budget)
     writable(out)
     fly = _flying(threads or None, quiet=as_json)
@@ -114,7 +116,7 @@ def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> d
         "findings": [vars(f) for f in store.findings],
         "digest": campaign.digest,
         "seed": campaign.seed,
-        "versions": {k: parts["provenance"][k] for k in ("clearance", "python", "packages", "cpu", "loop")},
+        "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")},
     }
 
 

@@ -10,7 +10,7 @@ import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from campaigns import said, uncertainty
+from campaigns import effort, said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.criteria import criteria
 from campaigns.problem import Problem
@@ -94,6 +94,7 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from uncertainty.correlated(campaign)
     yield from _searches(campaign, catalogue, known)
     yield from _certified(campaign)
+    yield from effort.excessive(campaign)
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:

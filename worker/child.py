@@ -35,9 +35,11 @@ def main() -> None:
     setup = json.loads(requests.readline())
     engine = connect(setup["database"])
     execute = resolve(setup["runner"])
+    from worker import memory
     from worker.catalog import catalogue
 
     document = catalogue()
+    memory.bound()
     write(engine, lambda connection: workers.publish(connection, document), PATIENCE)
     _say(answers, {"ready": True})
     serve(engine, execute, document, requests, answers)
@@ -51,6 +53,7 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (the campaign), `failed` (this attempt)."""
+    from worker import memory
     from worker.problem import CampaignUnusable
 
     try:
@@ -63,6 +66,9 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
         return {"outcome": "lost", "text": ""}
     except (CampaignUnusable, CampaignError, OtherComponents) as error:
         return {"outcome": "unusable", "text": str(error)}
+    except MemoryError:  # the next attempt would need as much
+        traceback.print_exc()
+        return {"outcome": "unusable", "text": memory.sentence()}
     except (Exception, SystemExit) as error:
         traceback.print_exc()
         what = " ".join(str(error).split())

@@ -6,6 +6,7 @@ Start reading at `check`.
 
 from __future__ import annotations
 
+import itertools
 import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -13,7 +14,7 @@ from typing import Any
 from campaigns import effort, said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.criteria import criteria
-from campaigns.problem import Problem
+from campaigns.problem import MOST, Problem
 from campaigns.spec import Campaign, Part
 from campaigns.values import MAX_EVALUATIONS
 
@@ -22,8 +23,9 @@ SEED = "seed"
 
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
-    """Every problem of the campaign under this catalogue; an empty list means it can be run."""
-    return list(_check(campaign, catalogue))
+    """The problems of the campaign under this catalogue, the first `MOST`; an empty list means it can be run."""
+    found = list(itertools.islice(_check(campaign, catalogue), MOST + 1))
+    return found if len(found) <= MOST else [*found[: MOST - 1], Problem("", "", "and more problems; mend these first")]
 
 
 def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:

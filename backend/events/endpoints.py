@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
@@ -10,10 +10,13 @@ from fastapi.responses import StreamingResponse
 
 from backend.db.engine import read
 from backend.deps import Engine
+from backend.errors import problems
 from backend.runs import service
 
 router = APIRouter(tags=["events"])
-
+STREAM: dict[int | str, dict[str, Any]] = {
+    200: {"description": "A stream of events.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
+}
 
 HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
 """No proxy holds events back; and the connection ends with the stream, or it would hold up the service's stop."""
@@ -25,7 +28,11 @@ class EventStream(StreamingResponse):
     media_type = "text/event-stream"
 
 
-@router.get("/events", response_class=EventStream, responses={200: {"description": "A stream of events."}})
+@router.get(
+    "/events",
+    response_class=EventStream,
+    responses=STREAM | problems("not-found", "purged"),
+)
 async def stream_events(
     request: Request,
     engine: Engine,

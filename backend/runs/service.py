@@ -25,7 +25,7 @@ from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.load import load_document, load_text
 from campaigns.plan import plan
 
-_ID = re.compile(r"R-(\d{1,15})")
+_ID = re.compile(r"R-([0-9]{1,15})")
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from anyio import to_thread
+from anyio import CapacityLimiter, to_thread
 from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
-from backend import errors, openapi, pages
+from backend import bodies, errors, openapi, pages
 from backend.auth import Guard
 from backend.catalog import endpoints as catalog
 from backend.db.engine import connect
 from backend.drafts import endpoints as drafts
+from backend.edge import Edge
 from backend.events import endpoints as events
 from backend.events.hub import Hub
 from backend.exports import endpoints as exports
@@ -63,6 +64,7 @@ def create(settings: Settings) -> FastAPI:
         lifespan=lifespan,
         middleware=[
             Middleware(Frame),
+            Middleware(Edge),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
             Middleware(Guard, engine=engine, cookie=settings.cookie),
         ],
@@ -75,6 +77,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
     app.state.previews = Previews()
     app.state.recordings = recordings.Recordings(engine)
+    app.state.readers = CapacityLimiter(bodies.READERS)
     app.state.viewers = Viewers(settings.max_viewers)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)

@@ -3,15 +3,36 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
+from anyio import CapacityLimiter, to_thread
 from fastapi import Request
 
 from backend.errors import RefusedError
 from campaigns import Campaign, CampaignError, Problem, load_text
+from campaigns.reading import repeated
 
+READERS = 2
+"""So many campaigns are read at a time: the largest takes seconds, and threads share one interpreter."""
+
+WAITING = 32
+
+Value = TypeVar("Value")
 JSON_TYPES = frozenset({"application/json"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
+
+
+async def apart(request: Request, read: Callable[[], Value]) -> Value:
+    """Read a body on one of the few threads for that, so that large ones leave the others to everybody else.
+
+    503 where enough are waiting.
+    """
+    readers: CapacityLimiter = request.app.state.readers
+    if readers.statistics().tasks_waiting >= WAITING:
+        detail = "other campaigns are being read and enough are waiting: try again in a few seconds"
+        raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
+    return await to_thread.run_sync(read, limiter=readers)
 
 
 def content_type(request: Request) -> str:
@@ -47,6 +68,8 @@ def document(body: bytes) -> Any:
         raise unreadable(Problem("", "", "not readable as JSON: nested too deeply")) from None
     except _RepeatedError as error:
         raise unreadable(Problem(str(error), "", "this key is given twice")) from None
+    except ValueError:  # Python reads no whole number that is longer
+        raise unreadable(Problem("", "", "not readable as JSON: a whole number of more than 4,300 digits")) from None
 
 
 def yaml_campaign(body: bytes) -> Campaign:
@@ -71,6 +94,5 @@ class _RepeatedError(ValueError):
 def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        raise _RepeatedError(next(name for name in names if names.count(name) > 1))
+        raise _RepeatedError(repeated(name for name, _ in pairs))
     return found

@@ -7,6 +7,7 @@ Start reading at `Frame`.
 from __future__ import annotations
 
 import logging
+import re
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
@@ -35,6 +36,7 @@ HEADERS = {
 }
 """Given to every answer that does not set its own."""
 
+_ANNOUNCED = re.compile(r"[0-9]{1,18}")
 _log = logging.getLogger(__name__)
 
 
@@ -70,7 +72,7 @@ class Frame:
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse by the announced length at once, and by the count of bytes where none is announced."""
         announced = Headers(scope=scope).get("content-length", "")
-        if announced.isdigit() and int(announced) > LARGEST_BODY:
+        if _ANNOUNCED.fullmatch(announced) and int(announced) > LARGEST_BODY:
             refused = RefusedError(413, "too-large", _too_large(f"{int(announced):,} bytes"))
             await respond(refused, scope["path"])(scope, receive, send)
             return

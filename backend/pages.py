@@ -66,8 +66,11 @@ def _inside(folder: Path, path: str) -> Path | None:
     if "\0" in path:
         return None
     root = folder.resolve()
-    file = (root / path).resolve()
-    return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
+    try:
+        file = (root / path).resolve()
+        return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
+    except OSError:  # a name that no file can have, such as one of more than 255 bytes
+        return None
 
 
 def wants_page(headers: Headers) -> bool:

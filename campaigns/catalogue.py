@@ -14,7 +14,7 @@ Role = Literal["vehicle", "controller", "avoider", "obstacle", "environment", "f
 
 
 class Entry(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class ParameterEntry(Entry):

@@ -6,24 +6,26 @@ Start reading at `check`.
 
 from __future__ import annotations
 
+import itertools
 import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from campaigns import extents, frames, said, uncertainty
+from campaigns import effort, extents, frames, said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.criteria import criteria
-from campaigns.problem import Problem
+from campaigns.problem import MOST, Problem
 from campaigns.spec import Campaign, Part
 from campaigns.values import MAX_EVALUATIONS
 
+LEAST_CONFIDENCE = 0.9
 SEED = "seed"
 """The parameter by which a random component is told which realisation it flies."""
 
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
-    """Every problem of the campaign under this catalogue; an empty list means it may be asked for."""
-    return [*_check(campaign, catalogue), *_meaning(campaign, catalogue)]
+    """The problems of the campaign under this catalogue, the first `MOST`; an empty list means it may be asked for."""
+    return _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
 
 
 def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
@@ -31,7 +33,12 @@ def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
 
     What `check` reports besides can be simulated, but its numbers would not mean what they seem to.
     """
-    return list(_check(campaign, catalogue))
+    return _first(_check(campaign, catalogue))
+
+
+def _first(problems: Iterator[Problem]) -> list[Problem]:
+    found = list(itertools.islice(problems, MOST + 1))
+    return found if len(found) <= MOST else [*found[: MOST - 1], Problem("", "", "and more problems; mend these first")]
 
 
 def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
@@ -105,6 +112,10 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 
 def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    yield from effort.excessive(campaign)
+    if campaign.confidence < LEAST_CONFIDENCE:
+        text = f"a statement that is wrong more than once in ten times claims nothing; at least {LEAST_CONFIDENCE:g}"
+        yield Problem("confidence", f"{campaign.confidence:g}", text)
     known = parameters(campaign, catalogue)
     yield from extents.centres(campaign, catalogue, known)
     found = ((field, catalogue.component(role, part.component)) for _, field, role, part in parts(campaign))

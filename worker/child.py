@@ -41,9 +41,11 @@ def main() -> None:
     setup = json.loads(requests.readline())
     engine = connect(setup["database"])
     execute = resolve(setup["runner"])
+    from worker import memory
     from worker.catalog import catalogue
 
     document, code = catalogue(), sources.code()
+    memory.bound()
     fresh = not sources.stale()
     if fresh:
         write(engine, lambda connection: workers.publish(connection, document, code), PATIENCE)
@@ -68,6 +70,7 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (no retry helps), `failed` (this attempt)."""
+    from worker import memory
     from worker.problem import CampaignUnusable
     from worker.stages.base import ReplayMismatch
 
@@ -81,6 +84,9 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
         return {"outcome": "lost", "text": ""}
     except (CampaignUnusable, CampaignError, OtherComponents, OtherCode, ReplayMismatch) as error:
         return {"outcome": "unusable", "text": str(error)}
+    except MemoryError:  # the next attempt would need as much
+        traceback.print_exc()
+        return {"outcome": "unusable", "text": memory.sentence()}
     except (Exception, SystemExit) as error:
         traceback.print_exc()
         what = " ".join(str(error).split())

@@ -23,6 +23,7 @@ import numpy as np
 
 from campaigns import CampaignError
 from campaigns.load import load_document
+from worker import memory
 from worker.field import MOST, UNITS, field
 from worker.problem import CampaignUnusable, Problem
 from worker.trace import fly, trace
@@ -38,6 +39,7 @@ def main() -> None:
     # The answers' stream is ours alone: whatever a component prints must not reach the service.
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
+    memory.bound()
     _say(answers, {"ready": True})
     problems: OrderedDict[str, Problem] = OrderedDict()
     for line in sys.stdin.buffer:
@@ -66,6 +68,9 @@ def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, 
         return {"id": number} | _flight(problem, values, request.get("rows", ROWS))
     except (CampaignError, CampaignUnusable) as error:
         return {"id": number, "error": str(error)}
+    except MemoryError:
+        problems.clear()
+        return {"id": number, "error": memory.sentence()}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         return {"id": number, "error": f"not a request for a flight: {type(error).__name__}: {error}"}
     except Exception as error:

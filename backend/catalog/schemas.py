@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict
-
+from backend.schema import Schema
 from campaigns.catalogue import Catalogue, ParameterEntry
-
-
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
 
 CatalogueOut = Catalogue
 
@@ -27,6 +21,8 @@ class LibraryCampaign(Schema):
 
 
 class ProblemOut(Schema):
+    """One thing wrong with a campaign: the field, what was given, and what is allowed or to do."""
+
     field: str
     given: str
     message: str

@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator
 import anyio.to_thread
 import sqlalchemy as sa
 
-from backend.events.watch import Event, Watch
+from backend.events.watch import Event, Watch, identified
 
 PERIOD = 0.25
 """Time between looks at the database [s]."""
@@ -27,15 +27,31 @@ _log = logging.getLogger(__name__)
 
 
 class _Listener:
-    def __init__(self, run_id: int | None) -> None:
-        self.run_id = run_id
+    """One stream. Its mark, the id of its events, is the time until which it was told everything.
+
+    Of several events that come together only the last has the new mark: whoever loses one of them is told again.
+    """
+
+    def __init__(self, run_id: int | None, since: float | None = None) -> None:
+        self.run_id, self.since = run_id, since
         self.greeted = False
+        self.mark = "" if since is None else _mark(since)
         self.queue: asyncio.Queue[str | None] = asyncio.Queue(BACKLOG)
 
-    def tell(self, events: list[Event]) -> None:
-        for event in events:
-            if event.name == "run" if self.run_id is None else event.run_id == self.run_id:
-                self._put(event.text())
+    def greet(self, events: list[Event], at: float) -> None:
+        """Tell everything as one piece, however much it is; without a former mark all of it has the new one."""
+        self.greeted, before, self.mark = True, self.mark or _mark(at), _mark(at)
+        told = [event.text(before) for event in events[:-1]] + [event.text(self.mark) for event in events[-1:]]
+        self._put("".join(told) or f"{identified(self.mark)}\n")
+
+    def tell(self, events: list[Event], at: float = 0.0) -> None:
+        """Tell what of the events this listener asked for."""
+        wanted = [e for e in events if (e.name == "run" if self.run_id is None else e.run_id == self.run_id)]
+        for event in wanted[:-1]:
+            self._put(event.text(self.mark))
+        for event in wanted[-1:]:
+            self.mark = _mark(at)
+            self._put(event.text(self.mark))
 
     def end(self) -> None:
         while self.queue.full():
@@ -63,9 +79,12 @@ class Hub:
         """How many streams are open."""
         return len(self._listeners)
 
-    async def listen(self, run_id: int | None) -> AsyncIterator[str]:
-        """The stream of one listener: of a run, or of all runs' summaries; ends when the service stops."""
-        listener = _Listener(run_id)
+    async def listen(self, run_id: int | None, since: float | None = None) -> AsyncIterator[str]:
+        """The stream of one listener: of a run, or of all runs' summaries; ends when the service stops.
+
+        since: the mark that a listener comes back with; it is told which runs ended meanwhile.
+        """
+        listener = _Listener(run_id, since)
         self._listeners.add(listener)
         try:
             yield RETRY
@@ -116,5 +135,14 @@ class Hub:
         listeners = list(self._listeners)
         events = await anyio.to_thread.run_sync(watch.look, {x.run_id for x in listeners if x.run_id is not None})
         for listener in listeners:
-            listener.tell(events if listener.greeted else watch.everything(listener.run_id))
-            listener.greeted = True
+            if listener.greeted:
+                listener.tell(events, watch.at)
+                continue
+            told = watch.everything(listener.run_id)
+            if listener.run_id is None and listener.since is not None:
+                told += await anyio.to_thread.run_sync(watch.ended, listener.since)
+            listener.greet(told, watch.at)
+
+
+def _mark(at: float) -> str:
+    return f"{at:.3f}"

@@ -19,7 +19,7 @@ from backend.deps import Engine
 from backend.errors import RefusedError
 from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
 from backend.scenes.control.live import FlightRefusedError, Live, LiveError
-from campaigns import Campaign, CampaignError, check
+from campaigns import Campaign, CampaignError, check, effort
 from campaigns.catalogue import ComponentEntry
 
 ROWS = 240
@@ -74,10 +74,10 @@ class Previews:
 
 
 def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
-    """The criterion of a campaign that can be run; raises `CampaignError`, or 503 before any worker came."""
+    """The criterion of a campaign that can be previewed; raises `CampaignError`, or 503 before any worker came."""
     with read(engine) as reader:
         catalogue = required(reader)
-    problems = check(campaign, catalogue)
+    problems = check(campaign, catalogue) or list(effort.unpreviewable(campaign))
     if problems:
         raise CampaignError("request", problems)
     criterion = catalogue.component("criterion", campaign.criterion.component)

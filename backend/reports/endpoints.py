@@ -10,8 +10,10 @@ from fastapi.responses import HTMLResponse
 
 from backend.db.engine import now, read
 from backend.deps import Engine
+from backend.errors import problems
 from backend.reports import pdf, service
 from backend.runs.service import number
+from backend.schema import RunName
 
 router = APIRouter(tags=["reports"])
 
@@ -24,8 +26,12 @@ _PDF: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.get("/runs/{run}/report.html", response_class=HTMLResponse, responses=_HTML)
-def get_report(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/report.html",
+    response_class=HTMLResponse,
+    responses=_HTML | problems("not-found", "other-version", "purged"),
+)
+def get_report(run: RunName, request: Request, engine: Engine) -> Response:
     """The report of a run for a safety case: one file that needs nothing else and prints to A4."""
     page = _made(request, engine, number(run))
     headers = {
@@ -35,8 +41,12 @@ def get_report(run: str, request: Request, engine: Engine) -> Response:
     return HTMLResponse(page.html, headers=headers)
 
 
-@router.get("/runs/{run}/report.pdf", response_class=Response, responses=_PDF)
-def get_report_pdf(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/report.pdf",
+    response_class=Response,
+    responses=_PDF | problems("not-found", "other-version", "purged", "no-browser", "browser-failed", "busy"),
+)
+def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Response:
     """The same as PDF, printed by the Chromium of the service's machine; 503 with what to do where it has none."""
     page = _made(request, engine, number(run))
     headers = {"Content-Disposition": f'attachment; filename="{page.file}.pdf"'}

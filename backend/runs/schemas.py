@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from backend.catalog.schemas import CriterionOut
+from backend.schema import Given, Schema
 from campaigns import Catalogue
 from campaigns.flown import Flown
 from campaigns.load import LARGEST_FILE
@@ -19,13 +20,10 @@ Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class RunSubmit(Schema):
+class RunSubmit(Given):
     """A campaign to run; the campaign's own name and tags are used where none are given."""
 
+    checked_elsewhere: ClassVar = frozenset({"campaign"})  # `campaigns.reading` names the places in it
     campaign: dict[str, Any]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
@@ -42,7 +40,7 @@ class RunSubmit(Schema):
     priority: Annotated[int, Field(ge=-10, le=10)] = 0
 
 
-class RunEdit(Schema):
+class RunEdit(Given):
     """What people write on a run; what is left out stays."""
 
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
@@ -68,7 +66,7 @@ class HistoryEntry(Schema):
     detail: dict[str, Any]
 
 
-class RunsNamed(Schema):
+class RunsNamed(Given):
     """Several runs by their names, R-0001."""
 
     runs: Annotated[list[Annotated[str, Field(max_length=20)]], Field(min_length=1, max_length=500)]
@@ -116,6 +114,8 @@ class StageProgress(Schema):
 
 
 class StageDetail(StageProgress):
+    """A stage with its result."""
+
     result: dict[str, Any] | None
 
 
@@ -205,6 +205,8 @@ class RunComponents(Schema):
 
 
 class RunPage(Schema):
+    """A page of the run list."""
+
     items: list[RunSummary]
     next_cursor: str | None
     counts: dict[str, int]

@@ -26,7 +26,7 @@ from campaigns.flown import Flown
 from campaigns.load import load_document, load_text
 from campaigns.plan import plan
 
-_ID = re.compile(r"R-(\d{1,15})")
+_ID = re.compile(r"R-([0-9]{1,15})")
 
 
 @dataclass(frozen=True)

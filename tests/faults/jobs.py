@@ -14,6 +14,8 @@ import threading
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from backend.db.records import Conclusion, StagePlan
 from campaigns import Campaign, Problem
 from tests.faults.cases import columns
@@ -110,6 +112,12 @@ def leave() -> None:
     sys.exit("enough")
 
 
+def devour() -> None:
+    """Ask for 64 GiB, which nobody touches: address space is what is bounded."""
+    held = [np.empty(2**27) for _ in range(64)]
+    print(f"took {len(held)} GiB", flush=True)
+
+
 def talk() -> None:
     """Print what could be taken for an answer, and read what could be a claim."""
     print('{"outcome": "done", "text": ""}', flush=True)
@@ -128,5 +136,6 @@ ACCIDENTS: dict[str, Any] = {
     "refuse": refuse,
     "fail": fail,
     "leave": leave,
+    "devour": devour,
     "talk": talk,
 }

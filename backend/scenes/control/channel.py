@@ -12,13 +12,14 @@ from anyio import to_thread
 from fastapi import APIRouter, Path, Query, Request
 
 from backend.auth import CurrentVisitor
-from backend.errors import RefusedError
+from backend.errors import RefusedError, problems
 from backend.runs.service import number
 from backend.scenes.address import KEY
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.schemas import ViewChange, ViewState
 from backend.scenes.setting import UnknownParameterError
 from backend.scenes.viewer import GoneError, UnknownFlightError, Viewer
+from backend.schema import LARGEST_WHOLE, RunName
 
 router = APIRouter(tags=["views"])
 
@@ -28,15 +29,16 @@ Since = Annotated[
     int | None,
     Query(
         ge=0,
+        le=LARGEST_WHOLE,
         description="A revision that is known: the answer comes once the view shows something else, at the latest "
         "after `wait`; at once where no such view is open.",
     ),
 ]
 
 
-@router.get("/runs/{run}/views/{key}")
+@router.get("/runs/{run}/views/{key}", responses=problems("not-found", "no-such-view", "busy"))
 async def get_view(
-    run: str, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
+    run: RunName, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
 ) -> ViewState:
     """What an open 3D view shows now, or as soon as it shows something new."""
     handle = Handle(visitor, number(run), key)
@@ -46,9 +48,12 @@ async def get_view(
     return await _answer(request, handle, wait, Viewer.state)
 
 
-@router.patch("/runs/{run}/views/{key}")
+@router.patch(
+    "/runs/{run}/views/{key}",
+    responses=problems("not-found", "no-such-view", "unknown-finding", "unknown-parameter", "busy"),
+)
 async def change_view(
-    run: str, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
+    run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
     """Show something else in an open 3D view: `/view/RUN/key/KEY/`. The answer says what it shows then."""
     return await _answer(request, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))

@@ -21,7 +21,7 @@ class Settings(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
     data: Path = Path("data")
-    """Folder for the database and the login link."""
+    """Folder for the database, the logs and the service's address; only its owner may read it."""
     database: str = ""
     """`sqlite:///FILE` or `postgresql://...`; empty: clearance.sqlite3 in the data folder."""
     host: str = "127.0.0.1"
@@ -31,6 +31,8 @@ class Settings(BaseModel):
     """Permits a bind beyond loopback, for use inside a container that publishes on 127.0.0.1 only."""
     public_url: str = ""
     """How a browser reaches the service, where that differs from host and port."""
+    print_link: bool = True
+    """Whether a login link is printed on standard output at start."""
     pages: Path = Path(__file__).parent.parent / "frontend" / "dist"
     """The built front end."""
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32

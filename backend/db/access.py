@@ -21,7 +21,7 @@ from backend.db.tables import LoginLink, Session, Token
 TOKEN_PREFIX = "clr_"
 """Opens every API token, so that one that leaked into a file can be found by searching."""
 
-LINK_LIFETIME = 12 * 3600.0
+LINK_LIFETIME = 15 * 60.0
 """How long an unused login link is good [s]."""
 
 SESSION_LIFETIME = 14 * 24 * 3600.0
@@ -76,10 +76,11 @@ def revoke_token(connection: sa.Connection, name: str) -> None:
 
 
 def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:
-    """The code of a fresh login link, good once and for `lifetime` [s]; codes long expired are cleared away."""
+    """The code of a fresh login link, single-use and valid for `lifetime` [s]; voids every earlier unused one."""
     code = secrets.token_urlsafe(32)
     created = engine.now(connection)
-    connection.execute(sa.delete(LoginLink).where(LoginLink.expires < created - 7 * 24 * 3600.0))
+    old = sa.or_(LoginLink.used.is_(None), LoginLink.expires < created - 7 * 24 * 3600.0)
+    connection.execute(sa.delete(LoginLink).where(old))
     values = {"hash": hashed(code), "created": created, "expires": created + lifetime}
     connection.execute(sa.insert(LoginLink).values(**values))
     return code

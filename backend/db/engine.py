@@ -18,6 +18,8 @@ from typing import Any, TypeVar
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
 
+from backend.db.private import create_private
+
 Result = TypeVar("Result")
 
 BUSY_TIMEOUT = 30.0
@@ -119,7 +121,7 @@ def migrate(url: str) -> None:
 def _sqlite(url: sa.URL) -> sa.Engine:
     if not url.database or url.database == ":memory:":
         raise ValueError("an SQLite database is a file, since several processes share it: sqlite:///path/to/file")
-    Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
+    create_private(Path(url.database).absolute())
     engine = sa.create_engine(url, connect_args={"timeout": BUSY_TIMEOUT}, json_serializer=_json)
 
     @sa.event.listens_for(engine, "connect")

@@ -8,7 +8,7 @@ import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.access import hashed, revoke_token
+from backend.db.access import create_login_code, hashed, revoke_token
 from backend.db.tables import LoginLink, Session, Token
 from tests.api.catalogue import campaign
 from tests.api.server import Service
@@ -82,6 +82,21 @@ def test_a_wrong_login_link_is_refused_and_stores_nothing(still: Service, code: 
         assert stranger.get("/login", params={"code": code}).status_code == 403
         assert stranger.get("/api/v1/health").status_code == 200
     assert still.rows() == before
+
+
+def test_a_new_login_link_voids_the_unused_ones_before_it_and_ends_no_session(service: Service) -> None:
+    with service.signed_in() as browser:
+        old, new = service.login_code(), service.login_code()
+        with service.visitor() as visitor:
+            assert [visitor.get("/login", params={"code": code}).status_code for code in (old, new)] == [403, 303]
+        assert browser.get("/api/v1/session").status_code == 200
+
+
+def test_a_login_link_lives_for_a_quarter_of_an_hour(service: Service) -> None:
+    with service.engine.begin() as connection:
+        create_login_code(connection)
+        [(created, expires)] = connection.execute(sa.select(LoginLink.created, LoginLink.expires)).all()
+    assert expires - created == 900
 
 
 def test_a_login_link_without_a_code_says_where_it_is(still: Service) -> None:

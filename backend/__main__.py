@@ -18,10 +18,11 @@ import uvicorn
 from fastapi import FastAPI
 
 from backend.app import create
+from backend.connections import bounded
 from backend.db.access import create_login_code
 from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
-from backend.frame import LARGEST_BODY
+from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 
 ADDRESS_FILE = "service-address"
@@ -71,13 +72,15 @@ def main() -> int:
 
 def server_config(app: FastAPI) -> uvicorn.Config:
     """Sockets without per-message deflate, which makes the 3D view's bulk thirteen times slower; logging left alone."""
+    settings: Settings = app.state.settings
     return uvicorn.Config(
         app,
         log_config=None,
         access_log=False,
         ws="websockets-sansio",
         ws_per_message_deflate=False,
-        ws_max_size=LARGEST_BODY,
+        ws_max_size=LARGEST,
+        http=bounded(settings.max_connections, settings.request_patience),
         server_header=False,
         timeout_graceful_shutdown=GRACE,
     )

@@ -10,6 +10,7 @@ import logging
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from backend.errors import RefusedError, broken, respond
@@ -61,6 +62,8 @@ class Frame:
 
         try:
             await self._limited(scope, receive, sent)
+        except ClientDisconnect:
+            return
         except Exception:
             _log.exception("%s %s failed", scope["method"], scope["path"])
             if started:

@@ -37,6 +37,14 @@ class Settings(BaseModel):
     """The built front end."""
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
     """How many 3D views may be open at once."""
+    max_viewers_each: Annotated[int, Field(ge=1, le=1000)] = 6
+    """How many of them one session or token may have open."""
+    max_requests_each: Annotated[int, Field(ge=1, le=100_000)] = 100
+    """How many requests, streams and 3D views one session or token may have open at once."""
+    max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
+    """How many connections may be open at once; those beyond are refused."""
+    request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
+    """How long a client may take to send a request, and to read on while an answer is sent [s]."""
 
     @model_validator(mode="after")
     def _loopback(self) -> Settings:

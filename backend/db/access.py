@@ -10,7 +10,7 @@ import hashlib
 import hmac
 import re
 import secrets
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import sqlalchemy as sa
@@ -43,6 +43,8 @@ class Visitor:
 
     user: str
     via: Literal["link", "token"]
+    key: str = field(default="", compare=False, repr=False)
+    """Tells one browser's session, or one token, from another: the hash that the tables keep."""
 
 
 def hashed(secret: str) -> str:
@@ -86,6 +88,12 @@ def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME
     return code
 
 
+def good_codes(connection: sa.Connection) -> frozenset[str]:
+    """The hashes of the login codes that would open a session now."""
+    good = (LoginLink.used.is_(None), LoginLink.expires > engine.now(connection))
+    return frozenset(connection.scalars(sa.select(LoginLink.hash).where(*good)))
+
+
 def open_session(connection: sa.Connection, code: str, user: str) -> str | None:
     """Use a login link up: the secret of a new session, or None when the code is wrong, used or expired."""
     at = engine.now(connection)
@@ -107,7 +115,7 @@ def close_session(connection: sa.Connection, secret: str) -> None:
 def by_session(connection: sa.Connection, secret: str) -> Visitor | None:
     """The visitor a session's cookie belongs to."""
     row = _found(connection, sa.select(Session.hash, Session.user, Session.expires), Session.hash, secret)
-    return Visitor(row.user, "link") if row is not None and row.expires > engine.now(connection) else None
+    return Visitor(row.user, "link", row.hash) if row is not None and row.expires > engine.now(connection) else None
 
 
 def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | None:
@@ -116,7 +124,7 @@ def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | N
     row = _found(connection, sa.select(*columns), Token.hash, secret)
     if row is None or row.revoked is not None:
         return None
-    return Visitor(row.name, "token"), engine.now(connection) - (row.last_used or 0.0) > USE_NOTED
+    return Visitor(row.name, "token", row.hash), engine.now(connection) - (row.last_used or 0.0) > USE_NOTED
 
 
 def note_use(connection: sa.Connection, name: str) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import time
+from collections.abc import AsyncGenerator, Awaitable, Callable
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
@@ -14,6 +17,9 @@ from backend.runs import service
 
 router = APIRouter(tags=["events"])
 
+
+CHECK_PERIOD = 10.0
+"""It is checked so often, and at least at every heartbeat, that the visitor may still come in [s]."""
 
 HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
 """No proxy holds events back; and the connection ends with the stream, or it would hold up the service's stop."""
@@ -39,7 +45,20 @@ async def stream_events(
     run_id = None if run is None else service.number(run)
     if run_id is not None:
         await run_in_threadpool(_require, engine, run_id)
-    return EventStream(request.app.state.hub.listen(run_id), headers=HEADERS)
+    events = request.app.state.hub.listen(run_id)
+    return EventStream(_while_admitted(events, request.state.still), headers=HEADERS)
+
+
+async def _while_admitted(events: AsyncGenerator[str], still: Callable[[], Awaitable[bool]]) -> AsyncGenerator[str]:
+    """The events until the visitor's session or token ends; a silent stream has a comment at every heartbeat."""
+    checked = time.monotonic()
+    async with contextlib.aclosing(events):
+        async for text in events:
+            if time.monotonic() - checked >= CHECK_PERIOD:
+                if not await still():
+                    return
+                checked = time.monotonic()
+            yield text
 
 
 def _require(engine: Engine, run_id: int) -> None:

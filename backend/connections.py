@@ -33,20 +33,25 @@ class BoundedProtocol(H11Protocol):
         super().__init__(*given, **named)
         self._sending: asyncio.TimerHandle | None = None
         self._reading: asyncio.TimerHandle | None = None
+        self._upgraded = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         super().connection_made(transport)
-        if len(self.connections) > self.most:
-            self._answer(503, _FULL)
-        else:
+        if len(self.connections) <= self.most or self._made_room():
             self._await_request()
+        else:
+            self._answer(503, _FULL)
 
     def data_received(self, data: bytes) -> None:
         super().data_received(data)
-        if self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
+        if self._upgraded or self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
             self._sending = _cancelled(self._sending)
         elif self._sending is None and not self.transport.is_closing():
             self._await_request()
+
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        self._upgraded = True
+        super().handle_websocket_upgrade(event)
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._sending, self._reading = _cancelled(self._sending), _cancelled(self._reading)
@@ -59,6 +64,27 @@ class BoundedProtocol(H11Protocol):
     def resume_writing(self) -> None:
         self._reading = _cancelled(self._reading)
         super().resume_writing()
+
+    @property
+    def _idle_since(self) -> float | None:
+        """Since when the service waits for a request and owes no answer; None where it does not."""
+        if self.cycle is not None and not self.cycle.response_complete:
+            return None
+        if self._sending is not None:
+            return self._sending.when() - self.patience
+        idle = self.timeout_keep_alive_task
+        return None if idle is None else idle.when() - self.timeout_keep_alive
+
+    def _made_room(self) -> bool:
+        """Close the connection that has waited longest for its request: who sends none must not keep others out."""
+        idle = [(c._idle_since, c) for c in self.connections if isinstance(c, BoundedProtocol) and c is not self]
+        waiting = [(since, c) for since, c in idle if since is not None]
+        if not waiting:
+            return False
+        _, longest = min(waiting, key=lambda one: one[0])
+        self.connections.discard(longest)
+        longest.transport.abort()
+        return True
 
     def _await_request(self) -> None:
         self._sending = self.loop.call_later(self.patience, self._too_slow)

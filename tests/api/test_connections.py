@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import time
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ from tests.api.conftest import Fresh, running
 from tests.api.server import Service, until
 from tests.api.test_access import problem
 from tests.api.test_runs import submit
+from tests.api.viewing import viewing
 
 PATIENCE = 0.4
 MOST = 6
@@ -124,20 +126,51 @@ def test_a_client_that_does_not_read_is_not_waited_for(strict: Service) -> None:
 
 
 def test_beyond_so_many_connections_there_is_a_refusal_and_one_gone_makes_room(strict: Service) -> None:
-    until(lambda: not strict.server.server_state.connections)
+    connections = strict.server.server_state.connections
+    until(lambda: not connections)
     with strict.signed_in() as client:
-        others = [opened(strict) for _ in range(MOST - 1)]
-        until(lambda: len(strict.server.server_state.connections) == MOST)
+        streams = [opened(strict) for _ in range(MOST - 1)]
+        for stream in streams:
+            stream.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: x\r\n" + cookie(strict, client) + b"\r\n")
+        until(lambda: strict.app.state.hub.listeners == MOST - 1)
+        streams.append(opened(strict))
+        streams[-1].sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: x\r\n" + cookie(strict, client) + b"\r\n")
+        until(lambda: strict.app.state.hub.listeners == MOST)
         with strict.visitor() as late:
             refused = late.get("/api/v1/health")
-        assert (refused.status_code, refused.json()["type"]) == (503, "urn:clearance:problem:busy")
-        assert refused.headers["retry-after"] == "5"
-        assert client.get("/api/v1/session").status_code == 200, "who is in stays in"
-        for one in others:
-            one.close()
-        until(lambda: len(strict.server.server_state.connections) == 1)
-        with strict.visitor() as late:
+            assert (refused.status_code, refused.json()["type"]) == (503, "urn:clearance:problem:busy")
+            assert refused.headers["retry-after"] == "5"
+            streams.pop().close()
+            until(lambda: len(connections) < MOST)
             assert late.get("/api/v1/health").status_code == 200
+        for stream in streams:
+            stream.close()
+        until(lambda: strict.app.state.hub.listeners == 0)
+
+
+def test_who_sends_nothing_keeps_nobody_out(strict: Service) -> None:
+    connections = strict.server.server_state.connections
+    until(lambda: not connections)
+    halves = [opened(strict) for _ in range(3 * MOST)]
+    for half in halves:
+        with contextlib.suppress(OSError):  # closed for a later one
+            half.sendall(b"GET /api/v1/health HTTP/1.1\r\nX-A:")
+    with strict.visitor() as client:
+        assert client.get("/api/v1/health").status_code == 200
+    assert len(connections) <= MOST
+    for half in halves:
+        half.close()
+
+
+def test_a_view_outlives_that_time(strict: Service) -> None:
+    with strict.signed_in() as client:
+        run = submit(client)
+        with viewing(strict, client, f"/view/{run}/") as view:
+            for _ in range(2):
+                with opened(strict) as connection:
+                    rest(connection)  # one that sends nothing is closed meanwhile
+            assert view.ping().wait(5)
+    until(lambda: strict.app.state.viewers.open == 0)
 
 
 def test_the_limits_are_settings() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
+import time
 
 import httpx
 import msgspec
@@ -13,7 +15,7 @@ from websockets.sync.client import ClientConnection
 
 from backend.db.access import revoke_token
 from backend.scenes.control import relay
-from backend.scenes.control.allowed import LARGEST, refusal
+from backend.scenes.control.allowed import BURST, LARGEST, RATE, Pace, refusal
 from tests.api.finished import finish
 from tests.api.server import Service, until
 from tests.api.test_access import problem
@@ -90,6 +92,18 @@ def test_of_all_messages_of_viser_only_those_are_passed_on() -> None:
     assert {name for name, why in told.items() if "is not allowed" in why} >= without_fields
 
 
+def test_whoever_sends_too_fast_waits() -> None:
+    async def sent(number: int) -> float:
+        begun = time.monotonic()
+        pace = Pace(rate=1000.0, burst=10.0)
+        for _ in range(number):
+            await pace.wait()
+        return time.monotonic() - begun
+
+    assert asyncio.run(sent(110)) >= 0.09
+    assert BURST >= 2 * RATE >= 240, "a page's own rate is not slowed"
+
+
 def closed(connection: ClientConnection) -> tuple[int, str]:
     """How the service closed the socket."""
     with contextlib.suppress(websockets.ConnectionClosed):
@@ -115,7 +129,7 @@ def test_the_socket_is_closed_with_the_reason_and_nothing_is_left(
     finish(service)
     with viewing(service, client, f"/view/{run}/") as connection:
         frames_until(connection, b"/flights/nominal/path")
-        connection.send(packed({"type": "ViewerCameraMessage", **CAMERA}))
+        connection.send(packed(GUI | {"updates": {"value": 1}}))  # of no element: passed on, and then ignored
         connection.send(message)
         found = closed(connection)
         assert found[0] == code
@@ -137,7 +151,6 @@ def test_a_revoked_token_loses_its_view(
         with service.engine.begin() as connection:
             revoke_token(connection, "ci")
         assert closed(ends) == (1008, "signed out")
-        lasts.send(packed({"type": "ViewerCameraMessage", **CAMERA}))
         assert lasts.ping().wait(5)
     until(lambda: service.app.state.viewers.open == 0)
 

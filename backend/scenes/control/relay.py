@@ -23,7 +23,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 
 from backend.scenes.control import wakeful
-from backend.scenes.control.allowed import refusal
+from backend.scenes.control.allowed import Pace, refusal
 from backend.scenes.control.viewers import Viewers
 from backend.scenes.viewer import Viewer
 
@@ -99,10 +99,12 @@ async def _carry(socket: WebSocket, back: websockets.ClientConnection, stopping:
     """Both directions, until either end closes, the visitor is refused or the service stops: how to close, and why."""
 
     async def up() -> None:
+        pace = Pace()
         while (message := await socket.receive())["type"] != "websocket.disconnect":
             given = message.get("bytes") or message.get("text") or b""
             if reason := refusal(given):
                 raise RefusedMessageError(reason)
+            await pace.wait()
             await back.send(given)
 
     async def down() -> None:

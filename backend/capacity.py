@@ -102,4 +102,5 @@ class Capacities:
         self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)
         self.recordings = Capacity("recordings are being made", 2, 6, 20.0, 5)
         self.files = Capacity("files are being written", 4, 12, 20.0, 5)
+        self.checks = Capacity("campaigns are being checked", 8, 32, 20.0, 3)
         self.views = Capacity("3D views are being changed", 8, 64, 20.0, 1)

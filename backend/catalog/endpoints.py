@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from fastapi import APIRouter, Request
-from fastapi.concurrency import run_in_threadpool
 
 from backend import bodies
 from backend.catalog import service
 from backend.catalog.schemas import Checked, LibraryCampaign
 from backend.db.engine import read
-from backend.deps import Engine, Reader
+from backend.deps import Engine, Reader, capacities
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.load import load_document
 
@@ -60,7 +59,7 @@ async def check_campaign(request: Request, engine: Engine) -> Checked:
         with read(engine) as reader:
             return service.checked(reader, given(body, yaml))
 
-    return await run_in_threadpool(work)
+    return await capacities(request).checks.run(work)
 
 
 def given(body: bytes, yaml: bool) -> Campaign | CampaignError:

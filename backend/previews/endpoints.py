@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from fastapi import APIRouter, Request
-from fastapi.concurrency import run_in_threadpool
 
 from backend import bodies
 from backend.catalog.endpoints import CHECK_BODY, given
-from backend.deps import Engine
+from backend.deps import Engine, capacities
 from backend.previews import service
 from backend.previews.schemas import Preview
 from campaigns import Campaign, CampaignError
@@ -35,6 +34,6 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
         except CampaignError as error:
             raise bodies.invalid(error) from None
 
-    campaign, criterion = await run_in_threadpool(work)
+    campaign, criterion = await capacities(request).checks.run(work)
     answer, seconds = await request.app.state.previews.fly(campaign, request.is_disconnected)
     return service.told(campaign, criterion, answer, seconds)

@@ -1,7 +1,7 @@
 """Bounds what wrong login codes cost: never a write, and beyond a rate not even a read each.
 
-A good code is accepted whatever the rate, so that nobody can be kept from signing in by wrong codes of others. Start
-reading at `Attempts`.
+A good code is accepted whatever the rate, at the latest a second after it was made: wrong codes of others keep nobody
+from signing in. Start reading at `Attempts`.
 """
 
 from __future__ import annotations
@@ -39,10 +39,12 @@ class Attempts:
         """Whether this code may open a session; a wrong one is counted."""
         at = time.monotonic()
         self._wrong, self._since = max(0.0, self._wrong - (at - self._since) / PERIOD), at
-        if not self.over or at - self._looked >= RECENT:
+        few = not self.over
+        self._wrong = min(self._wrong + 1, BURST + 1)  # until it is known to be good: many may ask at once
+        if few or at - self._looked >= RECENT:
             self._looked = at
             self._good = await self._door.ask(access.good_codes)
-        if access.hashed(code) in self._good:
-            return True
-        self._wrong = min(self._wrong + 1, BURST + 1)
-        return False
+        good = access.hashed(code) in self._good
+        if good:
+            self._wrong = max(0.0, self._wrong - 1)
+        return good

@@ -11,6 +11,7 @@ from typing import Any
 import httpx
 import pytest
 
+from backend import bodies
 from backend.capacity import Capacity
 from backend.exports import service as exports
 from backend.reports import pdf
@@ -27,13 +28,15 @@ MANY = 45
 
 
 class Asked:
-    """A GET under way; nobody reads the answer yet."""
+    """A request under way; nobody reads the answer yet."""
 
-    def __init__(self, service: Service, client: httpx.Client, path: str) -> None:
+    def __init__(
+        self, service: Service, client: httpx.Client, path: str, method: str = "GET", more: str = "", body: str = ""
+    ) -> None:
         self._socket = socket.create_connection(("127.0.0.1", service.port), timeout=20)
         cookie = f"{service.settings.cookie}={client.cookies[service.settings.cookie]}"
-        head = f"GET {path} HTTP/1.1\r\nHost: x\r\nCookie: {cookie}\r\nConnection: close\r\n\r\n"
-        self._socket.sendall(head.encode())
+        head = f"{method} {path} HTTP/1.1\r\nHost: x\r\nCookie: {cookie}\r\n{more}Connection: close\r\n\r\n"
+        self._socket.sendall((head + body).encode())
 
     def answer(self) -> tuple[int, str]:
         """The status and the headers in small letters."""
@@ -113,6 +116,22 @@ def test_long_work_is_bounded_and_the_rest_is_answered(
     assert f"retry-after: {capacity.retry}\r\n" in refused + "\r\n"
     assert "content-type: application/problem+json" in refused
     until(lambda: capacity.inside == 0)
+
+
+@pytest.mark.parametrize("path", ["/api/v1/campaigns/check", "/api/v1/campaigns/preview"])
+def test_checks_of_campaigns_are_bounded(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, go: threading.Event, path: str
+) -> None:
+    hold(monkeypatch, go, bodies, "yaml_campaign", None)
+    checks: Capacity = service.app.state.capacities.checks
+    checks.waiting = 2
+    yaml = "Content-Type: application/yaml\r\nContent-Length: 1\r\n"
+    asked = [Asked(service, client, path, "POST", yaml, "{") for _ in range(MANY)]
+    until(lambda: checks.inside == checks.at_once + 2)
+    answers_at_once(service, client)
+    assert client.get("/api/v1/runs", timeout=5.0).status_code == 200
+    go.set()
+    assert [one.answer()[0] for one in asked].count(503) == MANY - checks.at_once - 2
 
 
 def test_health_and_the_guard_answer_when_every_shared_thread_is_busy(

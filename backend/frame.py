@@ -11,6 +11,7 @@ import re
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from backend.errors import RefusedError, broken, respond
@@ -63,6 +64,8 @@ class Frame:
 
         try:
             await self._limited(scope, receive, sent)
+        except ClientDisconnect:
+            return
         except Exception:
             _log.exception("%s %s failed", scope["method"], scope["path"])
             if started:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Request
-from fastapi.concurrency import run_in_threadpool
 
 from backend import bodies
 from backend.catalog import service
 from backend.catalog.schemas import Checked, LibraryCampaign
 from backend.db.engine import read
-from backend.deps import Engine, Reader
+from backend.deps import Engine, Reader, capacities
 from backend.errors import problems
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.load import load_document
@@ -68,7 +67,7 @@ async def check_campaign(request: Request, engine: Engine) -> Checked:
         with read(engine) as reader:
             return service.checked(reader, campaign)
 
-    return await run_in_threadpool(work)
+    return await capacities(request).checks.run(work)
 
 
 def given(body: bytes, yaml: bool) -> Campaign | CampaignError:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
+import time
+from collections.abc import AsyncGenerator, Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request
@@ -20,6 +23,10 @@ STREAM: dict[int | str, dict[str, Any]] = {
 }
 
 _MARK = re.compile(r"[0-9]{1,12}\.[0-9]{3}")
+
+CHECK_PERIOD = 10.0
+"""It is checked so often, and at least at every heartbeat, that the visitor may still come in [s]."""
+
 HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
 """No proxy holds events back; and the connection ends with the stream, or it would hold up the service's stop."""
 
@@ -54,12 +61,25 @@ async def stream_events(
     run_id = None if run is None else service.number(run)
     if run_id is not None:
         await run_in_threadpool(_require, engine, run_id)
-    return EventStream(request.app.state.hub.listen(run_id, _since(last)), headers=HEADERS)
+    events = request.app.state.hub.listen(run_id, _since(last))
+    return EventStream(_while_admitted(events, request.state.still), headers=HEADERS)
 
 
 def _since(mark: str | None) -> float | None:
     """The time of a mark; None for anything else, because a browser does not come back after a refusal."""
     return float(mark) if mark is not None and _MARK.fullmatch(mark) else None
+
+
+async def _while_admitted(events: AsyncGenerator[str], still: Callable[[], Awaitable[bool]]) -> AsyncGenerator[str]:
+    """The events until the visitor's session or token ends; a silent stream has a comment at every heartbeat."""
+    checked = time.monotonic()
+    async with contextlib.aclosing(events):
+        async for text in events:
+            if time.monotonic() - checked >= CHECK_PERIOD:
+                if not await still():
+                    return
+                checked = time.monotonic()
+            yield text
 
 
 def _require(engine: Engine, run_id: int) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 
+import anyio
 import anyio.to_thread
 import sqlalchemy as sa
 
@@ -73,13 +74,14 @@ class Hub:
         self._listeners: set[_Listener] = set()
         self._poller: asyncio.Task[None] | None = None
         self._ended = False
+        self._thread = anyio.CapacityLimiter(1)  # not one of those that all requests share
 
     @property
     def listeners(self) -> int:
         """How many streams are open."""
         return len(self._listeners)
 
-    async def listen(self, run_id: int | None, since: float | None = None) -> AsyncIterator[str]:
+    async def listen(self, run_id: int | None, since: float | None = None) -> AsyncGenerator[str]:
         """The stream of one listener: of a run, or of all runs' summaries; ends when the service stops.
 
         since: the mark that a listener comes back with; it is told which runs ended meanwhile.
@@ -133,7 +135,8 @@ class Hub:
 
     async def _look(self, watch: Watch) -> None:
         listeners = list(self._listeners)
-        events = await anyio.to_thread.run_sync(watch.look, {x.run_id for x in listeners if x.run_id is not None})
+        runs = {x.run_id for x in listeners if x.run_id is not None}
+        events = await anyio.to_thread.run_sync(watch.look, runs, limiter=self._thread)
         for listener in listeners:
             if listener.greeted:
                 listener.tell(events, watch.at)

@@ -7,10 +7,11 @@ from typing import Annotated, Any, Literal
 
 import sqlalchemy as sa
 from fastapi import APIRouter, Query, Request, Response
-from fastapi.responses import StreamingResponse
+from fastapi.concurrency import run_in_threadpool
 
+from backend.capacity import BoundedStream
 from backend.db.engine import read
-from backend.deps import Engine, Reader
+from backend.deps import Engine, Reader, capacities
 from backend.errors import problems
 from backend.exports import service
 from backend.exports.naming import named
@@ -22,6 +23,9 @@ from backend.schema import FlightName, RunName
 router = APIRouter(tags=["exports"])
 Theme = Annotated[Literal["light", "dark"], Query(description="Which colours it has.")]
 _KINDS = {kind.file: kind for kind in service.FILES}
+
+STREAMED = frozenset({"run.json", "evaluations.csv"})
+"""Files that are made while they are sent: they may be large."""
 
 
 TAGGED = {
@@ -63,10 +67,10 @@ def list_exports(run: RunName, reader: Reader) -> list[ExportFile]:
     response_class=Response,
     responses=_described("run.json") | problems("not-found", "other-version", "purged"),
 )
-def export_run(run: RunName, request: Request, engine: Engine) -> Response:
+async def export_run(run: RunName, request: Request, engine: Engine) -> Response:
     """Everything that the run holds as one JSON document, streamed; `columns` are those of each stage's `rows`."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "run.json", lambda: service.run_json(engine, run_id))
+    return await _answer(request, engine, run_id, "run.json", lambda: service.run_json(engine, run_id))
 
 
 @router.get(
@@ -74,10 +78,10 @@ def export_run(run: RunName, request: Request, engine: Engine) -> Response:
     response_class=Response,
     responses=_described("evaluations.csv") | problems("not-found", "other-version", "purged"),
 )
-def export_evaluations(run: RunName, request: Request, engine: Engine) -> Response:
+async def export_evaluations(run: RunName, request: Request, engine: Engine) -> Response:
     """Every evaluation of every stage as CSV (RFC 4180), streamed; units stand in the heads of the columns."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "evaluations.csv", lambda: service.evaluations_csv(engine, run_id))
+    return await _answer(request, engine, run_id, "evaluations.csv", lambda: service.evaluations_csv(engine, run_id))
 
 
 @router.get(
@@ -85,10 +89,10 @@ def export_evaluations(run: RunName, request: Request, engine: Engine) -> Respon
     response_class=Response,
     responses=_described("findings.csv") | problems("not-found", "other-version", "purged"),
 )
-def export_findings(run: RunName, request: Request, engine: Engine) -> Response:
+async def export_findings(run: RunName, request: Request, engine: Engine) -> Response:
     """The nominal flight and every finding as CSV, a row each, with the values of all criteria."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "findings.csv", lambda: _whole(engine, run_id, service.findings_csv))
+    return await _answer(request, engine, run_id, "findings.csv", lambda: _whole(engine, run_id, service.findings_csv))
 
 
 @router.get(
@@ -96,10 +100,10 @@ def export_findings(run: RunName, request: Request, engine: Engine) -> Response:
     response_class=Response,
     responses=_described("traces.csv") | problems("not-found", "other-version", "purged"),
 )
-def export_traces(run: RunName, request: Request, engine: Engine) -> Response:
+async def export_traces(run: RunName, request: Request, engine: Engine) -> Response:
     """The stored flights as CSV, every row of them; `flight` says which one a row is of."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id, service.traces_csv))
+    return await _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id, service.traces_csv))
 
 
 @router.get(
@@ -107,7 +111,7 @@ def export_traces(run: RunName, request: Request, engine: Engine) -> Response:
     response_class=Response,
     responses=_described("traces.mat") | problems("not-found", "other-version", "purged"),
 )
-def export_mat(run: RunName, request: Request, engine: Engine) -> Response:
+async def export_mat(run: RunName, request: Request, engine: Engine) -> Response:
     """The stored flights as a MAT-file of version 5, a structure for each."""
     run_id = number(run)
 
@@ -115,7 +119,7 @@ def export_mat(run: RunName, request: Request, engine: Engine) -> Response:
         with read(engine) as reader:
             return service.traces_mat(reader, run_id)
 
-    return _answer(request, engine, run_id, "traces.mat", made)
+    return await _answer(request, engine, run_id, "traces.mat", made)
 
 
 @router.get(
@@ -123,13 +127,13 @@ def export_mat(run: RunName, request: Request, engine: Engine) -> Response:
     response_class=Response,
     responses=_RECORDING | problems("not-found", "other-version", "purged", "busy"),
 )
-def export_flight(run: RunName, flight: FlightName, request: Request, theme: Theme = "light") -> Response:
+async def export_flight(run: RunName, flight: FlightName, request: Request, theme: Theme = "light") -> Response:
     """A stored flight in 3D as one HTML file with a play bar, the nominal flight beside it; `flight` F1 or nominal.
 
     It opens offline and asks for nothing. What it says of itself stands in the page: parameters with all their digits,
     criterion, digests, versions.
     """
-    return recordings.answer(request, run, flight, dark=theme == "dark", how="attachment")
+    return await recordings.answer(request, run, flight, dark=theme == "dark", how="attachment")
 
 
 def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], Iterator[bytes]]) -> bytes:
@@ -137,19 +141,21 @@ def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], 
         return b"".join(made(reader, run_id))
 
 
-def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: Any) -> Response:
+async def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: Any) -> Response:
     """The file with its name and entity tag; 304 where the visitor has it already."""
-    with read(engine) as reader:
-        name = summary(reader, run_id).name
-        tag = service.tag(reader, run_id)
-    saved = named(request.path_params["run"], name, file)
-    headers = {"Content-Disposition": f'attachment; filename="{saved}"'}
-    if tag is not None:
-        headers |= {"ETag": tag, "Cache-Control": "private, no-cache"}
-        if tag in request.headers.get("if-none-match", ""):
-            return Response(status_code=304, headers=headers)
-    content: Iterator[bytes] | bytes = made()
+    files = capacities(request).files
+
+    def head() -> dict[str, str]:
+        with read(engine) as reader:
+            tag = service.tag(reader, run_id)
+            saved = named(request.path_params["run"], summary(reader, run_id).name, file)
+        headers = {"Content-Disposition": f'attachment; filename="{saved}"'}
+        return headers if tag is None else headers | {"ETag": tag, "Cache-Control": "private, no-cache"}
+
+    headers = await run_in_threadpool(head)
+    if "ETag" in headers and headers["ETag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
     media = _KINDS[file].media_type
-    if isinstance(content, bytes):
-        return Response(content, headers=headers, media_type=media)
-    return StreamingResponse(content, headers=headers, media_type=media)
+    if file in STREAMED:
+        return BoundedStream(files, made, headers=headers, media_type=media)
+    return Response(await files.run(made, request.is_disconnected), headers=headers, media_type=media)

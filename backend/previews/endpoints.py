@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from fastapi import APIRouter, Request
-from fastapi.concurrency import run_in_threadpool
 
 from backend import bodies
 from backend.catalog.endpoints import CHECK_BODY, given
-from backend.deps import Engine
+from backend.deps import Engine, capacities
 from backend.errors import problems
 from backend.previews import service
 from backend.previews.schemas import Preview
@@ -44,7 +43,7 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
     if isinstance(campaign, CampaignError):
         raise bodies.invalid(campaign)
     try:
-        criterion = await run_in_threadpool(service.checked, engine, campaign)
+        criterion = await capacities(request).checks.run(lambda: service.checked(engine, campaign))
     except CampaignError as error:
         raise bodies.invalid(error) from None
     answer, seconds = await request.app.state.previews.fly(campaign, request.is_disconnected)

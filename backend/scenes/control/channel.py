@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated
 
-from anyio import to_thread
 from fastapi import APIRouter, Path, Query, Request
 
 from backend.auth import CurrentVisitor
+from backend.deps import capacities
 from backend.errors import RefusedError, problems
 from backend.runs.service import number
 from backend.scenes.address import KEY
@@ -63,9 +63,10 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
     viewers: Viewers = request.app.state.viewers
     viewer = await viewers.find(handle, wait)
     if viewer is None:
-        raise _full(viewers.most) if viewers.full and not viewers.stopping.is_set() else _gone(handle)
+        full = viewers.full(handle.visitor)
+        raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
     try:
-        return await to_thread.run_sync(ask, viewer)
+        return await capacities(request).views.run(lambda: ask(viewer))
     except GoneError:
         raise _gone(handle) from None
     except UnknownFlightError as error:
@@ -74,9 +75,8 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
         raise RefusedError(422, "unknown-parameter", str(error)) from None
 
 
-def _full(most: int) -> RefusedError:
-    detail = f"{most} 3D views are open, and no more may be at a time: close one that is not needed, then try again"
-    return RefusedError(503, "busy", detail)
+def _full(why: str) -> RefusedError:
+    return RefusedError(503, "busy", f"{why}: close one that is not needed, then try again")
 
 
 def _gone(handle: Handle) -> RefusedError:

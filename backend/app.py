@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from anyio import CapacityLimiter, to_thread
+from anyio import to_thread
 from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
@@ -84,7 +84,7 @@ def create(settings: Settings) -> FastAPI:
     app.state.previews = Previews()
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.recordings = recordings.Recordings(engine, capacities.recordings)
-    app.state.readers = CapacityLimiter(bodies.READERS)
+    app.state.readers = bodies.Readers()
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)

@@ -11,7 +11,7 @@ from fastapi import Request
 
 from backend.errors import RefusedError
 from campaigns import Campaign, CampaignError, Problem, load_text
-from campaigns.reading import repeated
+from campaigns.reading import LONGEST_KEY, repeated
 
 READERS = 2
 """So many campaigns are read at a time: the largest takes seconds, and threads share one interpreter."""
@@ -23,16 +23,28 @@ JSON_TYPES = frozenset({"application/json"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
 
 
-async def apart(request: Request, read: Callable[[], Value]) -> Value:
-    """Read a body on one of the few threads for that, so that large ones leave the others to everybody else.
+class Readers:
+    """The few threads that read bodies, so that large ones leave the others to everybody else; on one event loop."""
 
-    503 where enough are waiting.
-    """
-    readers: CapacityLimiter = request.app.state.readers
-    if readers.statistics().tasks_waiting >= WAITING:
-        detail = "other campaigns are being read and enough are waiting: try again in a few seconds"
-        raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
-    return await to_thread.run_sync(read, limiter=readers)
+    def __init__(self) -> None:
+        self._turns, self.inside = CapacityLimiter(READERS), 0
+
+    async def read(self, work: Callable[[], Value]) -> Value:
+        """What `work` returns; 503 where enough are waiting."""
+        if self.inside >= READERS + WAITING:
+            detail = "other campaigns are being read and enough are waiting: try again in a few seconds"
+            raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
+        self.inside += 1
+        try:
+            return await to_thread.run_sync(work, limiter=self._turns)
+        finally:
+            self.inside -= 1
+
+
+async def apart(request: Request, work: Callable[[], Value]) -> Value:
+    """Read a body on one of the application's `Readers`."""
+    readers: Readers = request.app.state.readers
+    return await readers.read(work)
 
 
 def content_type(request: Request) -> str:
@@ -94,5 +106,5 @@ class _RepeatedError(ValueError):
 def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        raise _RepeatedError(repeated(name for name, _ in pairs))
+        raise _RepeatedError((repeated(name for name, _ in pairs) or "")[:LONGEST_KEY])
     return found

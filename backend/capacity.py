@@ -40,7 +40,7 @@ class Capacity:
         """
         async with self.turn():
             if gone is not None and await gone():
-                raise RefusedError(503, "client-gone", "the client did not wait for the answer")
+                raise RefusedError(503, "busy", "the client did not wait for the answer")
             return await self.thread(work)
 
     async def thread(self, work: Callable[[], Result]) -> Result:

@@ -11,6 +11,7 @@ import logging
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+import sqlalchemy as sa
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
@@ -82,6 +83,7 @@ KINDS = {
     "too-large": Kind(413, "The body is too large."),
     "too-long": Kind(414, "Path and query are too long."),
     "unsupported-media-type": Kind(415, "The body is neither JSON nor YAML."),
+    "too-many-requests": Kind(429, "Too many requests of this session or token, or too many login codes, at a time."),
     "bad-cursor": Kind(422, "The cursor was not given by this list in this order."),
     "idempotency-key-reused": Kind(422, "The Idempotency-Key was used for another request."),
     "invalid": Kind(422, "Nothing to change is given."),
@@ -102,7 +104,7 @@ KINDS = {
 }
 """Every type of problem there is, by the end of its URN."""
 
-RETRY = frozenset({"no-catalogue", "preview-busy", "busy"})
+RETRY = frozenset({"no-catalogue", "preview-busy", "busy", "too-many-requests"})
 """Those that are answered with Retry-After."""
 
 
@@ -185,11 +187,18 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RefusedError, _refused)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(sa.exc.TimeoutError, _waited)
 
 
 async def _refused(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RefusedError)
     return respond(error, request.url.path)
+
+
+async def _waited(request: Request, error: Exception) -> JSONResponse:
+    """No connection to the database was free for long."""
+    detail = "more requests wait for the database than it answers: try again in a few seconds"
+    return respond(RefusedError(503, "busy", detail, headers={"Retry-After": "5"}), request.url.path)
 
 
 _SAID = {

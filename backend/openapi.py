@@ -30,7 +30,7 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
 )
-_LEFT_OUT = {"Criterion": ("from_centre",)}
+_LEFT_OUT = {"Criterion": ("from_centre",), "Campaign": ("encounter",)}
 """What answers leave out at its default."""
 _PARTIAL = frozenset(
     {
@@ -107,7 +107,7 @@ def _document(app: FastAPI) -> dict[str, Any]:
 
 def _declare(operation: dict[str, Any], method: str, is_open: bool) -> None:
     """Add the types of problems that the frame, the guard and the framework answer with, whatever the route."""
-    kinds = ["bad-request", "too-long", "internal"]
+    kinds = ["bad-request", "too-long", "internal", "busy", "too-many-requests"]
     if not is_open:
         kinds.append("not-signed-in")
     if method != "get":

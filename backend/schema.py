@@ -11,6 +11,8 @@ from typing import Annotated, Any, ClassVar
 from fastapi import Path
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
+from campaigns.reading import LONGEST_KEY, Place, field
+
 LARGEST_WHOLE = 2**63 - 1
 """What a database's largest whole number holds."""
 
@@ -45,21 +47,24 @@ class Given(Schema):
 
 def _unstorable(value: Any) -> Iterator[str]:
     """What no database can hold of a value from JSON, as sentences."""
-    waiting = [("", value)]
+    waiting: list[tuple[Place, Any]] = [(None, value)]
     while waiting:
-        field, value = waiting.pop()
-        where = f"{field}: " if field else ""
-        below = f"{field}." if field else ""
+        place, value = waiting.pop()
         if isinstance(value, dict):
-            waiting += [(f"{below}{_shown(key)}", inner) for key, inner in value.items()]
-            waiting += [(f"a key in {field}" if field else "a key", key) for key in value]
+            waiting += [((place, key), inner) for key, inner in value.items()]
+            waiting += [((place, "a key"), key) for key in value]
         elif isinstance(value, list):
-            waiting += [(f"{below}{i}", inner) for i, inner in enumerate(value)]
-        elif isinstance(value, str):
-            if reason := unstorable_text(value):
-                yield f"{where}{reason}"
-        elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
-            yield f"{where}a whole number of more than 64 bits"
+            waiting += [((place, i), inner) for i, inner in enumerate(value)]
+        elif (reason := _reason(value)) is not None:
+            yield f"{field(place)[:LONGEST_KEY]}: {reason}" if place else reason
+
+
+def _reason(value: Any) -> str | None:
+    if isinstance(value, str):
+        return unstorable_text(value)
+    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        return "a whole number of more than 64 bits"
+    return None
 
 
 def unstorable_text(text: str) -> str | None:
@@ -71,7 +76,3 @@ def unstorable_text(text: str) -> str | None:
     except UnicodeEncodeError:
         return "this text holds half a surrogate pair, which is no Unicode text"
     return None
-
-
-def _shown(key: str) -> str:
-    return key[:40].encode("utf-8", "backslashreplace").decode()

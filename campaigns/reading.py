@@ -70,7 +70,7 @@ def _yaml(text: str) -> Any:
         return yaml.load(text, Loader=_Fast)
     except (_RefusedError, RecursionError):
         raise
-    except yaml.YAMLError:
+    except (yaml.YAMLError, UnicodeEncodeError):
         if len(text) > _EXPLAINED:
             raise
         return yaml.load(text, Loader=_Loader)
@@ -86,29 +86,47 @@ def repeated(names: Iterable[str]) -> str | None:
     return None
 
 
+Place = tuple[Any, str | int] | None
+"""Where a value stands: the place of what holds it, and its key; spelled out only where something is wrong."""
+
+
+def field(place: Place) -> str:
+    """A place as text, `scenario.obstacles.0`."""
+    keys: list[str] = []
+    while place is not None:
+        keys.append(str(place[1]))
+        place = place[0]
+    return ".".join(reversed(keys))
+
+
 def misshapen(document: Any) -> Iterator[Problem]:
     """Where a document is not plain JSON values of a sane depth; whatever passes is safe to walk recursively."""
-    waiting: list[tuple[str, Any, int]] = [("", document, 0)]
+    waiting: list[tuple[Place, Any, int]] = [(None, document, 0)]
     while waiting:
-        field, value, depth = waiting.pop()
+        place, value, depth = waiting.pop()
         if isinstance(value, dict | list) and depth > DEEPEST:
-            yield Problem(field[:LONGEST_KEY], "", f"nested deeper than {DEEPEST} levels")
+            yield Problem(field(place)[:LONGEST_KEY], "", f"nested deeper than {DEEPEST} levels")
             return
-        below = f"{field}." if field else ""
         if isinstance(value, dict):
             for key in value:
                 if not isinstance(key, str) or len(key) > LONGEST_KEY or not _is_unicode(key):
-                    yield Problem(field, shown(key), f"a key is Unicode text of at most {LONGEST_KEY} characters")
+                    yield Problem(
+                        field(place), shown(key), f"a key is Unicode text of at most {LONGEST_KEY} characters"
+                    )
                     return
-            waiting += [(f"{below}{key}", inner, depth + 1) for key, inner in reversed(value.items())]
+            waiting += [((place, key), inner, depth + 1) for key, inner in reversed(value.items())]
         elif isinstance(value, list):
-            waiting += [(f"{below}{i}", inner, depth + 1) for i, inner in reversed(list(enumerate(value)))]
+            waiting += [((place, i), inner, depth + 1) for i, inner in reversed(list(enumerate(value)))]
         elif isinstance(value, str) and not _is_unicode(value):
-            yield Problem(field, shown(value), "this text holds half a surrogate pair, which is no Unicode text")
+            yield Problem(field(place), shown(value), "this text holds half a surrogate pair, which is no Unicode text")
         elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
-            yield Problem(field, "", "a whole number of more than 64 bits")
+            yield Problem(field(place), "", "a whole number of more than 64 bits")
         elif value is not None and not isinstance(value, str | int | float | bool):
-            yield Problem(field, shown(value), "expected text, a number, true, false, null, a list or a mapping")
+            yield Problem(field(place), shown(value), "expected text, a number, true, false, null, a list or a mapping")
+
+
+def _brief(value: Any) -> str:
+    return repr(value[:LONGEST_KEY] if isinstance(value, str | list) else value)[:LONGEST_KEY]
 
 
 def _is_unicode(text: str) -> bool:
@@ -123,7 +141,7 @@ def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         twice = repeated(name for name, _ in pairs)
-        raise UnreadableError("", f"not readable as JSON: the key {twice!r} is given twice")
+        raise UnreadableError("", f"not readable as JSON: the key {_brief(twice)} is given twice")
     return found
 
 
@@ -144,7 +162,9 @@ class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
         if isinstance(event, yaml.AliasEvent):
             raise _RefusedError("aliases (*name) are not allowed, write the value out", event.start_mark)
         if getattr(event, "tag", None) is not None:
-            raise _RefusedError(f"tags ({event.tag}) are not allowed, write the plain value", event.start_mark)
+            raise _RefusedError(
+                f"tags ({event.tag[:LONGEST_KEY]}) are not allowed, write the plain value", event.start_mark
+            )
         self.values += 1
         if self.values > MOST_VALUES:
             raise _RefusedError(_TOO_MANY, event.start_mark)
@@ -160,9 +180,9 @@ class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=True)
             if not isinstance(key, str):
-                raise _RefusedError(f"keys are text, given {key!r}", key_node.start_mark)
+                raise _RefusedError(f"keys are text, given {_brief(key)}", key_node.start_mark)
             if key in seen:
-                raise _RefusedError(f"the key {key!r} is given twice", key_node.start_mark)
+                raise _RefusedError(f"the key {_brief(key)} is given twice", key_node.start_mark)
             seen.add(key)
         return super().construct_mapping(node, deep)
 

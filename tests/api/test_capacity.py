@@ -13,6 +13,7 @@ import pytest
 
 from backend import bodies
 from backend.capacity import Capacity
+from backend.catalog import service as catalog
 from backend.exports import service as exports
 from backend.reports import pdf
 from backend.reports import service as reports
@@ -123,15 +124,28 @@ def test_checks_of_campaigns_are_bounded(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, go: threading.Event, path: str
 ) -> None:
     hold(monkeypatch, go, bodies, "yaml_campaign", None)
-    checks: Capacity = service.app.state.capacities.checks
-    checks.waiting = 2
     yaml = "Content-Type: application/yaml\r\nContent-Length: 1\r\n"
     asked = [Asked(service, client, path, "POST", yaml, "{") for _ in range(MANY)]
-    until(lambda: checks.inside == checks.at_once + 2)
+    most = bodies.READERS + bodies.WAITING
+    until(lambda: service.app.state.readers.inside == most)
     answers_at_once(service, client)
     assert client.get("/api/v1/runs", timeout=5.0).status_code == 200
     go.set()
-    assert [one.answer()[0] for one in asked].count(503) == MANY - checks.at_once - 2
+    assert [one.answer()[0] for one in asked].count(503) == MANY - most
+
+
+def test_what_is_read_is_checked_by_a_few_at_a_time(
+    service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, go: threading.Event
+) -> None:
+    hold(monkeypatch, go, catalog, "checked", None)
+    checks: Capacity = service.app.state.capacities.checks
+    checks.waiting = 2
+    yaml = "Content-Type: application/yaml\r\nContent-Length: 1\r\n"
+    asked = [Asked(service, client, "/api/v1/campaigns/check", "POST", yaml, "{") for _ in range(20)]
+    until(lambda: checks.inside == checks.at_once + 2)
+    answers_at_once(service, client)
+    go.set()
+    assert [one.answer()[0] for one in asked].count(503) == 20 - checks.at_once - 2
 
 
 def test_health_and_the_guard_answer_when_every_shared_thread_is_busy(

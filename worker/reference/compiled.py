@@ -70,7 +70,7 @@ def _inlined(function: Function) -> Any:
     return njit(forceinline=True, **BARE)(function)
 
 
-def _library(function: Function) -> Any:
+def _library(function: Any) -> Any:
     return _inlined(function) if isinstance(function, FunctionType) else function
 
 

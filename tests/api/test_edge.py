@@ -261,7 +261,7 @@ NAMED = {
     "1,000 equal keys": ("GET", "/api/v1/runs?" + "&".join(["tag=x"] * 1000), None, 400),
     "100 equal keys": ("GET", "/api/v1/runs?" + "&".join(["tag=x"] * 100), None, 422),
     "a long query": ("GET", "/api/v1/runs?q=" + "x" * 40_000, None, 414),
-    "null in a query": ("GET", "/api/v1/runs?owner=%00", None, 400),
+    "null in a query": ("GET", "/api/v1/runs?owner=%00", None, 422),
     "half a pair in a name": ("PATCH", "/api/v1/runs/R-0001", '{"name": "\\ud800"}', 422),
     "half a pair in notes": ("PATCH", "/api/v1/runs/R-0001", '{"notes": "\\udfff"}', 422),
     "half a pair in an unknown key": ("PATCH", "/api/v1/runs/R-0001", '{"\\ud800": 1}', 422),
@@ -343,7 +343,7 @@ def test_the_document_names_the_problems_of_every_operation() -> None:
                 assert all(KINDS[kind].status == int(status) for kind in kinds)
         for parameter in operation.get("parameters", []):
             assert parameter.get("description"), (path, method, parameter["name"])
-        assert {"400", "414", "500"} <= operation["responses"].keys()
+        assert {"400", "414", "422", "500"} <= operation["responses"].keys()
         assert ("401" in operation["responses"]) == (path != "/api/v1/health")
         assert ("403" in operation["responses"]) == (method != "get")
 

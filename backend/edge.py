@@ -44,6 +44,8 @@ def _refusal(scope: Scope) -> RefusedError | None:
         return RefusedError(400, "bad-request", detail)
     if not path.startswith("/api/"):
         return None
-    if "\0" in path or b"\0" in urllib.parse.unquote_to_bytes(query):
-        return RefusedError(400, "bad-request", "an address has no null characters (%00): take them out")
+    if "\0" in path:
+        return RefusedError(404, "not-found", "there is nothing at an address with null characters (%00)")
+    if b"\0" in urllib.parse.unquote_to_bytes(query):
+        return RefusedError(422, "invalid-request", "a query has no null characters (%00): take them out")
     return None

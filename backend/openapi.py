@@ -107,22 +107,14 @@ def _document(app: FastAPI) -> dict[str, Any]:
 
 def _declare(operation: dict[str, Any], method: str, is_open: bool) -> None:
     """Add the types of problems that the frame, the guard and the framework answer with, whatever the route."""
-    kinds = ["bad-request", "too-long", "internal", "busy", "too-many-requests"]
+    kinds = ["bad-request", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
     if not is_open:
         kinds.append("not-signed-in")
     if method != "get":
         kinds += ["foreign-origin", "too-large"]
-    if "requestBody" in operation or _held(operation):
-        kinds.append("invalid-request")
     for kind in kinds:
         declare(operation["responses"], kind, str)
     operation["responses"] = dict(sorted(operation["responses"].items()))
-
-
-def _held(operation: dict[str, Any]) -> list[dict[str, Any]]:
-    """The parameters that are held against more than being text."""
-    parameters: list[dict[str, Any]] = operation.get("parameters", [])
-    return [p for p in parameters if p["schema"].keys() - {"type", "title", "description"} or p["in"] != "path"]
 
 
 def text() -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import sqlalchemy as sa
 
@@ -16,7 +17,7 @@ from worker.catalog import catalogue
 from worker.cli._results import evidence
 from worker.cli.run import summary
 from worker.stages import offered
-from worker.store import MemoryStore
+from worker.store import Conclusion, MemoryStore
 
 
 def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> list[Item]:
@@ -27,6 +28,12 @@ def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = Non
     assert follows, said + "".join(f"\n{i.name}: {i.given} / {i.recomputed}" for i in items if i.agrees is False)
     assert all(item.agrees for item in items), said
     return items
+
+
+def audited_summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
+    """What `clearance run` prints of a run, which is audited first."""
+    audited(store, campaign)
+    return summary(campaign, store, conclusion)
 
 
 def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> Record:

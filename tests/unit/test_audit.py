@@ -146,9 +146,12 @@ class Folder:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.result: Any
+        self.evidence: Any
+        self.campaign: Any
         self.result, self.evidence, self.campaign = (json.loads((path / name).read_text()) for name in self.FILES)
         with np.load(path / "evaluations.npz") as held:
-            self.arrays = {name: held[name].copy() for name in held.files}
+            self.arrays: Any = {name: held[name].copy() for name in held.files}
 
     FILES = ("result.json", "evidence.json", "campaign.json")
 
@@ -168,9 +171,9 @@ class Folder:
         held: Any = vars(self)[value]
         for key in above:
             held = held[int(key) if isinstance(held, list) else key]
-        last = int(last) if isinstance(held, list | np.ndarray) else last
-        assert held[last] != to
-        held[last] = to
+        place: Any = int(last) if isinstance(held, list | np.ndarray) else last
+        assert held[place] != to
+        held[place] = to
 
     def reword(self, old: str, new: str) -> None:
         assert old in self.result["reason"]
@@ -337,7 +340,7 @@ def test_the_command_tells_given_and_recomputed(tmp_path: Path, capsys: pytest.C
     folder.set("result/nominal/cost", 0.75)
     folder.items()
     assert invoke(["audit", str(folder.path)]) == 1
-    (row,) = [line for line in capsys.readouterr().out.splitlines() if "disagree" in line and "nominal.cost" in line]
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "disagree" in line and "│ nominal.cost" in line]
     assert "0.75" in row
     assert repr(recorded(ran("cleared")[1], ran("cleared")[0]).columns[0].costs[0, 0].item()) in row
 

@@ -18,7 +18,7 @@ from backend.db.engine import connect, default_url, migrate, write
 from backend.db.queue import Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
-from backend.db.tables import EvaluationChunk, Run
+from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
 from campaigns import Campaign
 from campaigns.load import load_document
 from tests.audited import audited, recorded
@@ -297,6 +297,10 @@ DATABASE: dict[str, tuple[Callable[[sa.Connection], Any], str]] = {
     ),
     "another verdict": (lambda c: c.execute(sa.update(Run).values(verdict="violated")), "verdict"),
     "another bound": (lambda c: c.execute(sa.update(Run).values(upper_bound=1e-9)), "run.upper_bound"),
+    "other components": (
+        lambda c: c.execute(sa.update(CatalogueSnapshot).values(document=catalogue().model_dump(mode="json"))),
+        "components",
+    ),
     "another campaign": (lambda c: _document(c, seed=2), "digests.run"),
 }
 

@@ -18,7 +18,6 @@ from worker.audit.record import MISSING, Record, UnreadableError, at
 Tree = dict[str, Any]
 AT_MOST, SPOT_CHECKS = 200, 200
 """How many stored violations, and how many random evaluations, a run simulates again."""
-CLAIMS = ("cleared", "violated")
 
 
 class Item(NamedTuple):
@@ -112,6 +111,7 @@ def _claimed(run: Recomputed, at_most: int, spot_checks: int) -> tuple[Tree, Tre
         told["run"] |= {"evaluations": run.total["stored"], "failed_evaluations": run.total["failed"]}
         told["run"] |= {"worst_method": method, "upper_bound": sample and sample["upper_bound"]}
         told["run"]["summary"] = {"verdict": told["verdict"]}
+        told["components"] = at(claims, "components stored")
     listed = {check["name"]: check["ok"] for check in claims["checks"]}
     return claims | {"sound": run.sound, "checks": listed, "sentence": said}, told
 
@@ -121,30 +121,24 @@ def _sentence(run: Recomputed, sample: Tree | None) -> tuple[Any, Tree]:
     text, said, total = run.claims["reason"], run.claims["verdict"], run.total
     text = text.replace("\u202f", "").replace("\u2212", "-").replace("), ", ") and ")
     opening = {"cleared": "stayed above", "violated": "falls to or below"}.get(said, "Nothing may")
-    shown = sample if said != "inconclusive" else None
+    opening = opening if len(run.all) else "No flight"
+    shown, limit = (None, None) if said == "inconclusive" else (sample, f"{run.threshold:.6g}")
+    excluded, violating = total["excluded"] if said == "cleared" else 0, total["violating"]
+    bound = shown and shown["upper_bound"]
     spent: dict[Any, int] = {}
     for k in run.searches:
         spent[run.method(k, "title")] = spent.get(run.method(k, "title"), 0) + run.rows[k]["evaluations"]
     rules = {
-        "opening": (
-            "(stayed above|falls to or below|^Nothing may|^No flight)",
-            opening if len(run.all) else "No flight",
-        ),
-        "threshold": (r"(?:stayed above|falls to or below) (\S+)", f"{run.threshold:.6g}" if said in CLAIMS else None),
+        "opening": ("(stayed above|falls to or below|^Nothing may|^No flight)", opening),
+        "threshold": (r"(?:stayed above|falls to or below) (\S+)", limit),
         "in all": (r"(\d+) evaluations, searched", str(total["succeeded" if said == "cleared" else "stored"])),
         "methods": (r"searched by (.+? \(\d+\))\.", " and ".join(f"{title} ({n})" for title, n in spent.items())),
         "worst": (r"worst case found has .+? = (\S+) ", f"{run.lowest or 0.0:.6g}"),
         "margin": (r"worst case found .+? a margin of (\S+) ", f"{(run.lowest or 0.0) - run.threshold:+.6g}"),
-        "excluded": (
-            r"(\d+) more were excluded",
-            str(total["excluded"]) if said == "cleared" and total["excluded"] else None,
-        ),
-        "violating": (
-            r"(\d+) stored evaluations? violates? the",
-            str(total["violating"]) if total["violating"] else None,
-        ),
+        "excluded": (r"(\d+) more were excluded", str(excluded) if excluded else None),
+        "violating": (r"(\d+) stored evaluations? violates? the", str(violating) if violating else None),
         "drawn": (r"(\d+ of \d+) flights drawn", shown and f"{shown['violations']} of {shown['samples']}"),
-        "bound": (r"P\(violation\) is at most (\S+) %", shown and _percent(shown["upper_bound"])),
+        "bound": (r"P\(violation\) is at most (\S+) %", f"{100 * bound:.3g}" if isinstance(bound, float) else bound),
     }
     if not len(run.all):
         rules = {"opening": rules["opening"]}
@@ -153,10 +147,6 @@ def _sentence(run: Recomputed, sample: Tree | None) -> tuple[Any, Tree]:
     if "evaluations" not in run.claims and not given.get("methods"):
         given = {"opening": given["opening"]}  # as earlier versions worded it
     return given, {name: value for name, (_, value) in rules.items()}
-
-
-def _percent(bound: Any) -> Any:
-    return bound if bound is MISSING else f"{100 * bound:.3g}"
 
 
 def _checks(run: Recomputed, given: Any, sample: Tree | None) -> Tree:

@@ -22,7 +22,7 @@ FLOOR = 1e-6
 def cumulative(most: int, samples: int, p: float) -> Any:
     """The logarithms of P(Binomial(samples, p) <= i) for i = 0 .. most."""
     i = np.arange(most + 1)
-    ways = np.array([math.lgamma(samples + 1) - math.lgamma(k + 1) - math.lgamma(samples - k + 1) for k in i])
+    ways = np.concatenate([[0.0], np.cumsum(np.log((samples - i[:-1]) / i[1:]))])
     return np.logaddexp.accumulate(ways + i * math.log(p) + (samples - i) * math.log1p(-p))
 
 

@@ -18,6 +18,7 @@ from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.plan import plan
+from tests.audited import audited
 from tests.unit.cases import searching
 from worker import sources
 from worker.cli import WRONG_INPUT, invoke
@@ -169,6 +170,7 @@ def data(tmp_path: Path) -> Path:
     claim = Queue(engine).claim("a worker")
     assert claim is not None
     execute(asked(), RunStore(engine, claim))
+    audited(engine)
     engine.dispose()
     return tmp_path
 
@@ -188,6 +190,7 @@ def test_a_stored_run_goes_on_as_a_new_stored_run(
     assert row[:4] == ("done", 1, "nightly", "ci")
     assert row.evaluations == sum(len(c.status) for c in new.values())
     assert row.verdict in ("cleared", "inconclusive")
+    audited(engine, run_id=2)
     stages = len(plan(asked()))
     for position in range(stages - 1):
         count = len(old[position].status)

@@ -62,9 +62,10 @@ def run(
         cites = None
     result = summary(campaign, store, conclusion) | ({"continues": cites} if cites else {})
     if out is not None:
-        from worker.cli._results import write_results
+        from worker.cli._results import write_evidence, write_results
 
         write_results(out, campaign, store, result)
+        write_evidence(out, campaign, store, conclusion)
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:

@@ -23,7 +23,6 @@ from campaigns import Campaign
 from campaigns.load import load_document
 from tests.audited import audited, recorded
 from tests.unit.cases import searching
-from worker import integrator
 from worker.audit import judge
 from worker.audit.judge import Item, audit, closing
 from worker.audit.recompute import cumulative, upper_bound
@@ -75,7 +74,6 @@ VERDICTS = {"noisy": "cleared", "excluded": "inconclusive"}
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer simulations by the reference integrator, which the audit is told."""
-    monkeypatch.setattr(integrator, "LOOKS", 200)
     monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
     monkeypatch.setattr(offered, "AT_MOST", 3)
     monkeypatch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, offered.SPOT_CHECKS))

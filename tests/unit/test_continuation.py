@@ -21,6 +21,7 @@ from campaigns.plan import plan
 from tests.audited import audited
 from tests.unit.cases import searching
 from worker import sources
+from worker.catalog import catalogue
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli._results import read_folder
 from worker.continuation import Budget, CannotContinue, carried, continued
@@ -169,7 +170,9 @@ def data(tmp_path: Path) -> Path:
         submit(connection, asked(), name="nightly", tags=["a"], owner="ci", planned=1)
     claim = Queue(engine).claim("a worker")
     assert claim is not None
-    execute(asked(), RunStore(engine, claim))
+    store = RunStore(engine, claim)
+    store.describe(asked(), catalogue())
+    execute(asked(), store)
     audited(engine)
     engine.dispose()
     return tmp_path

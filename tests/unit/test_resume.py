@@ -89,9 +89,9 @@ def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
     flown: list[int] = []
     fly = Problem.fly
 
-    def counted(problem: Problem, points: Floats) -> Any:
+    def counted(problem: Problem, points: Floats, seeds: Any = None) -> Any:
         flown.append(len(points))
-        return fly(problem, points)
+        return fly(problem, points, seeds)
 
     monkeypatch.setattr(Problem, "fly", counted)
     store = Unreliable(k)

@@ -62,7 +62,7 @@ class Recomputed:
         ok = [(c.status == 0) == np.isfinite(c.costs[:, 0]) for c in self.columns]
         self.sound = all(bool(o.all() and (c.status < 4).all()) for o, c in zip(ok, self.columns, strict=True))
         apart = (self.highest or 0.0) - (self.lowest or 0.0)
-        self.varies = apart > FLOOR * max(abs(self.highest or 0.0), abs(self.lowest or 0.0))
+        self.varies = apart > min(FLOOR, tolerance) * max(abs(self.highest or 0.0), abs(self.lowest or 0.0))
         known = parameters(self.campaign, self.components) if self.components else {}
         self.bounds: dict[str, Any] = {
             path: u.interval(known[path][1] if path in known else 0.0)
@@ -182,7 +182,7 @@ class Recomputed:
         if cost is not None:
             scale = max(abs(self.threshold), abs(self.nominal or 0.0), 1e-9)
             tolerance = self.campaign.stages.validate_.tolerance
-            allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), FLOOR * scale)
+            allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), min(FLOOR, tolerance) * scale)
         agrees = len(sides) == 1 and all(d is not None and abs(d) <= (allowed or 0.0) for d in apart)
         violates = None not in costs and sides == {True}
         told = {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}

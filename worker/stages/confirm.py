@@ -108,4 +108,5 @@ def _case(context: Context, case: Case, cost: float | None, half: float | None, 
 def _allowed(context: Context, cost: float) -> float:
     tolerance = context.campaign.stages.validate_.tolerance
     margin = abs(cost - context.problem.threshold)
-    return max(min(tolerance * abs(cost), FRACTION_OF_MARGIN * margin), FLOOR * scale(context))
+    floor = min(FLOOR, tolerance) * scale(context)  # an author may ask for less than rounding
+    return max(min(tolerance * abs(cost), FRACTION_OF_MARGIN * margin), floor)

@@ -6,6 +6,7 @@ Start reading at `checks`.
 from __future__ import annotations
 
 from worker.problem import Problem
+from worker.stages import distances
 from worker.verdicts.agreement import agreement
 from worker.verdicts.encounter import encounter
 from worker.verdicts.evidence import Check, Evidence
@@ -24,6 +25,7 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
         _validated(evidence),
         _none_failed(evidence),
         *encounter(problem, evidence),
+        *_distances(problem),
         *probability(problem, evidence),
     ]
 
@@ -81,6 +83,12 @@ def _validated(evidence: Evidence) -> Check:
     spot = validation["spot_checks"]
     ok = bool(validation["ok"]) and not spot["violating"] and (spot["compared"] > 0 or not spot["checked"])
     return Check("validation", ok, f"{validation['text']}; {spot['text']}")
+
+
+def _distances(problem: Problem) -> list[Check]:
+    """Whether a vehicle inside an obstacle may count as clear; only where it may."""
+    text = distances.overlooked(problem)
+    return [Check("distances", False, text)] if text else []
 
 
 def _none_failed(evidence: Evidence) -> Check:

@@ -7,6 +7,7 @@ from typing import Any
 
 from worker.catalog import catalogue
 from worker.problem import Problem
+from worker.stages import distances
 from worker.verdicts import encounter
 from worker.verdicts.evidence import Check, Evidence, Verdict
 from worker.wording import count, listed, number, signed
@@ -57,9 +58,14 @@ def scope(problem: Problem) -> str:
     return (
         f"Scope: {parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}, "
         f"{obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}{_conditions(problem)}; {bounds}; "
-        f"horizon {number(scenario.horizon)} s, step {number(scenario.step)} s. "
+        f"horizon {number(scenario.horizon)} s, step {number(scenario.step)} s{_measured(problem)}. "
         f"It holds for this model within these bounds; components of clearance {catalogue().version}."
     )
+
+
+def _measured(problem: Problem) -> str:
+    clause = distances.clause(problem)
+    return f"; {clause}" if clause else ""
 
 
 def _searched(evidence: Evidence) -> str:

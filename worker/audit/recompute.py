@@ -62,7 +62,7 @@ class Recomputed:
         ok = [(c.status == 0) == np.isfinite(c.costs[:, 0]) for c in self.columns]
         self.sound = all(bool(o.all() and (c.status < 4).all()) for o, c in zip(ok, self.columns, strict=True))
         apart = (self.highest or 0.0) - (self.lowest or 0.0)
-        self.varies = apart > min(FLOOR, tolerance) * max(abs(self.highest or 0.0), abs(self.lowest or 0.0))
+        self.varies = apart > FLOOR * max(abs(self.highest or 0.0), abs(self.lowest or 0.0))
         known = parameters(self.campaign, self.components) if self.components else {}
         self.bounds: dict[str, Any] = {
             path: u.interval(known[path][1] if path in known else 0.0)

@@ -145,6 +145,8 @@ class RunSummary(Schema):
     evaluations: int
     planned: int
     failed_evaluations: int
+    """Timeouts among them."""
+    excluded_evaluations: int
     created: float
     started: float | None
     finished: float | None
@@ -177,7 +179,7 @@ class RunDetail(RunSummary):
     """Of what its components meant when it was submitted (`/runs/{run}/components`); None where it was not kept."""
     stages: list[StageProgress]
     summary: dict[str, Any]
-    """Parts of the verdict (`scope`, `checks`), statistics, versions; see `worker.stages.verdict`."""
+    """Parts of the verdict (`scope`, `checks` with title and standing), statistics, versions: `worker.verdicts`."""
     rate: float | None
     """Evaluations per second of the running stage."""
     remaining: float | None

@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run test lint types bench bench-pages search-bench reproduce frontend clean distclean
+.PHONY: help install run test nightly lint types bench bench-pages search-bench reproduce frontend clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-12s %s\n", part[1], $$0}' Makefile
@@ -16,6 +16,9 @@ run: install ## start the service and one worker on ./data; Ctrl-C stops everyth
 test: install ## run every check and every test
 	@tools/chromium.sh
 	@tools/test.sh
+
+nightly: install ## run the tests that take minutes, left out of `make test`
+	@.venv/bin/pytest -m nightly
 
 lint: install ## ruff: rules and format
 	@.venv/bin/ruff check .

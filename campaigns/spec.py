@@ -185,7 +185,8 @@ class Campaign(Strict):
     """Where given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
     confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = 0.95
-    encounter: Encounter = Encounter()
+    encounter: Annotated[Encounter, Field(exclude_if=lambda given: not given.intended)] = Encounter()
+    """Left out of the canonical form where nothing is stated: campaigns that do not have it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
 
@@ -211,8 +212,4 @@ class Campaign(Strict):
 
     def document(self) -> dict[str, Any]:
         """The campaign as plain JSON values."""
-        document = self.model_dump(mode="json", by_alias=True)
-        # Newer than the digests of stored runs: what is left at its default is left out.
-        if self.encounter == Encounter():
-            del document["encounter"]
-        return document
+        return self.model_dump(mode="json", by_alias=True)

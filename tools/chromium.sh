@@ -8,4 +8,4 @@ for browser in chromium chromium-browser google-chrome; do
 done
 debian_install chromium fonts-liberation && command -v chromium >/dev/null && exit 0
 fail "the browser tests need chromium and it could not be installed here: on Debian run, as root," \
-    "apt-get install chromium; to leave these tests out: .venv/bin/pytest -m 'not e2e'"
+    "apt-get install chromium; to leave these tests out: .venv/bin/pytest -m 'not e2e and not nightly'"

@@ -24,8 +24,8 @@ def _measured(held: Held) -> str:
     entry = held.catalogue.component("criterion", asked.component) if held.catalogue else None
     if entry is None:
         return (
-            f"Criterion {asked.component}: its description is not known here, nor whether a distance is measured to the "
-            "obstacles’ centres or to their surfaces."
+            f"Criterion {asked.component}: its description is not known here, nor whether a distance is measured to "
+            "the obstacles’ centres or to their surfaces."
         )
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
     return f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
@@ -44,8 +44,8 @@ def _excluded(held: Held) -> str:
     draws = f", {words.count(drawn)} of them draws of the sample" if drawn else ""
     verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
     return (
-        f"{words.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. Nothing "
-        "is claimed of such starts, and a probability holds for the other starts only."
+        f"{words.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. "
+        "Nothing is claimed of such starts, and a probability holds for the other starts only."
     )
 
 

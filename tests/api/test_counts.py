@@ -25,7 +25,6 @@ from campaigns import Campaign
 from tests.api.conftest import Fresh, running
 from tests.api.server import Service
 from tests.unit.cases import campaign
-from worker import integrator
 from worker.catalog import catalogue
 from worker.cli._report import print_report
 from worker.cli.run import summary
@@ -98,7 +97,6 @@ def ran(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ran]
         service.publish(catalogue().model_dump(mode="json"))
         patch.setattr(offered, "SPOT_CHECKS", 2)
         patch.setattr(offered, "AT_MOST", 2)
-        patch.setattr(integrator, "LOOKS", 50)
         with service.signed_in() as client:
             sent = client.post("/api/v1/runs", json={"campaign": asked.document()})
             assert sent.status_code == 201, sent.text

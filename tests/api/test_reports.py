@@ -241,8 +241,8 @@ def test_numbers_as_in_print() -> None:
     terms = words.Terms({"d_min": "d_min", "vehicle.m": "m", "avoider.dpsi": "dpsi"}, {"m", "m/s", "kg m2"})
     set_ = words.prose("a < d_min and d_min2; vehicle.m at -0.2 m/s, 3e-06 kg m2, vehicle.mass, 2 metres.", terms)
     assert set_ == (
-        'a &lt; <i class="v">d</i><sub>min</sub> and d_min2; <i class="v" title="vehicle.m">m</i> at \u22120.2\u202fm/s, '
-        "3e\u221206\u202fkg·m², vehicle.mass, 2 metres."
+        'a &lt; <i class="v">d</i><sub>min</sub> and d_min2; <i class="v" title="vehicle.m">m</i> '
+        "at \u22120.2\u202fm/s, 3e\u221206\u202fkg·m², vehicle.mass, 2 metres."
     )
     assert plot.linear_ticks(-2, 2, 4) == [-2, -1, 0, 1, 2]
     assert words.flowed(f"{'long ' * 18}\nline\nshort\nnext") == f"{'long ' * 18} line\nshort\nnext"

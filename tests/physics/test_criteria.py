@@ -13,13 +13,13 @@ import pytest
 
 from campaigns import Campaign, check, library, load_file
 from campaigns.load import load_document
-from worker import integrator
 from worker.catalog import catalogue, components
 from worker.kernels.assemble import Loop
 from worker.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
 from worker.kernels.layout import Parts
 from worker.kernels.maths import sincos
 from worker.problem import Problem
+from worker.reference import Reference
 from worker.search.base import FAILED, OK
 from worker.trace import trace
 
@@ -284,7 +284,7 @@ class TestTogether:
     def test_the_other_integrator_confirms_the_one_that_decides(self) -> None:
         problem = Problem(several(*THREE, horizon=6.0))
         vector = problem.vectors(POINTS[:1])[0]
-        found = integrator.fly(problem, vector)
+        found = Reference(problem).fly(vector)
         assert found.cost == pytest.approx(problem.fly_vectors(vector[None])[0].costs[0, 0], abs=1e-6)
 
     def test_a_failed_flight_has_none_of_them(self) -> None:

@@ -11,11 +11,11 @@ from scipy.optimize import minimize
 
 from campaigns import library, load_file
 from tests.physics.scenes import cost
-from worker import integrator
 from worker.avoiders import orca
 from worker.kernels.bind import plain
 from worker.kernels.views import Body
 from worker.problem import Problem
+from worker.reference import Reference
 
 CORNER = {
     "vehicle.m": 34.0, "vehicle.B_e": 0.48, "vehicle.delta_u": 0.9, "vehicle.delta_w": 0.1, "vehicle.I_e": 3.8,
@@ -128,6 +128,6 @@ class TestCase2:
         found = cost(self.PROBLEM, values)
         assert found == pytest.approx(d_min, abs=1e-4)
         assert cost(self.PROBLEM, values, self.PROBLEM.step / 2) == pytest.approx(found, abs=3e-6)
-        other = integrator.fly(self.PROBLEM, self.PROBLEM.vector(values))
+        other = Reference(self.PROBLEM).fly(self.PROBLEM.vector(values))
         assert not other.reason
         assert other.cost == pytest.approx(found, abs=3e-6)

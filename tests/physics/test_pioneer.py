@@ -15,7 +15,7 @@ import pytest
 from campaigns import library, load_file
 from tests.bench.reference_pioneer import Reference
 from tests.physics.scenes import changed, cost, flight, uncompiled
-from worker import integrator
+from worker import reference
 from worker.kernels.bind import plain
 from worker.problem import Problem
 from worker.search.base import FAILED
@@ -120,14 +120,14 @@ class TestIntegrator:
     @pytest.mark.parametrize("values", [{}, CORNER])
     def test_agrees_with_dop853_where_nothing_switches(self, values: dict[str, float]) -> None:
         given = {k: v for k, v in values.items() if k in ALONE.paths}
-        other = integrator.fly(ALONE, ALONE.vector(given))
+        other = reference.Reference(ALONE).fly(ALONE.vector(given))
         assert not other.reason
         assert other.cost == pytest.approx(cost(ALONE, given), abs=1e-6)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 5e-4), (CORNER, 3e-3)])
     def test_and_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
         # The flight slides along v_RO = 0, where the force jumps: no integrator has an order there.
-        other = integrator.fly(PROBLEM, PROBLEM.vector(values))
+        other = reference.Reference(PROBLEM).fly(PROBLEM.vector(values))
         assert "switches to and fro" in other.reason
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 

@@ -19,10 +19,10 @@ from hypothesis import strategies as st
 
 from campaigns import Campaign, CampaignError, check, library, load_file
 from campaigns.load import load_document
-from worker import integrator
 from worker.catalog import catalogue, components
 from worker.kernels.component import Environment, Fault
 from worker.problem import Problem
+from worker.reference import Reference
 from worker.runner import execute
 from worker.search.base import EXCLUDED, FAILED, OK
 from worker.store import MemoryStore
@@ -121,7 +121,7 @@ class TestShown:
         vector = problem.nominal
         found = problem.fly_vectors(vector[None])[0].costs[0, 0]
         assert problem.fly_vectors(vector[None], problem.step / 2)[0].costs[0, 0] == pytest.approx(found, abs=2e-6)
-        assert integrator.fly(problem, vector).cost == pytest.approx(found, abs=2e-6)
+        assert Reference(problem).fly(vector).cost == pytest.approx(found, abs=2e-6)
 
     def test_a_run_says_what_its_verdict_holds_for(self) -> None:
         store = MemoryStore()

@@ -17,7 +17,7 @@ from campaigns import library, load_file
 from tests.bench import vectorised
 from tests.bench.reference_uav import Reference
 from tests.physics.scenes import changed, cost, uncompiled
-from worker import integrator
+from worker import reference
 from worker.problem import Floats, Problem
 from worker.search.base import OK
 
@@ -204,7 +204,7 @@ class TestFormulations:
     def test_agrees_with_dop853(self, name: str) -> None:
         made = Problem(changed(load_file(library()[name]), horizon=28.0))
         fine = float(made.fly_vectors(made.nominal[None], made.step / 8)[0].costs[0, 0])
-        assert integrator.fly(made, made.nominal).cost == pytest.approx(fine, abs=1e-5)
+        assert reference.Reference(made).fly(made.nominal).cost == pytest.approx(fine, abs=1e-5)
         assert cost(made) == pytest.approx(fine, abs=2e-3)
 
     @pytest.mark.skipif(not vectorised.supported(), reason="reads machine code of x86-64")

@@ -18,7 +18,6 @@ import pytest
 
 from campaigns import Campaign, load_file
 from tests.unit.cases import campaign, document, searching
-from worker import integrator
 from worker.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 from worker.problem import Problem
 
@@ -31,12 +30,6 @@ SAMPLE = {"method": "monte_carlo", "evaluations": 100}
 
 SHORT = {"scenario__horizon": 4.0}
 """[s]; the closest approach comes at 3.1 s."""
-
-
-@pytest.fixture(autouse=True)
-def few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The other integrator's dense output is read less often, where its accuracy does not matter."""
-    monkeypatch.setattr(integrator, "LOOKS", 200)
 
 
 @pytest.fixture

@@ -17,7 +17,6 @@ from backend.db.store import RunStore
 from campaigns import Campaign
 from campaigns.plan import plan
 from tests.unit.cases import searching
-from worker import integrator
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli._results import read_folder
 from worker.continuation import Budget, CannotContinue, carried, continued
@@ -34,12 +33,6 @@ SEARCHES = (
     {"method": "monte_carlo", "evaluations": 100},
     {"method": "genetic", "evaluations": 120},
 )
-
-
-@pytest.fixture(autouse=True)
-def few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The other integrator's dense output is read less often, where its accuracy does not matter."""
-    monkeypatch.setattr(integrator, "LOOKS", 200)
 
 
 @pytest.fixture
@@ -71,9 +64,7 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("first")
     file = folder / "asked.json"
     file.write_text(json.dumps(asked().document()), encoding="utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(integrator, "LOOKS", 200)
-        assert invoke(["run", str(file), "--out", str(folder / "out")]) in (0, 2)
+    assert invoke(["run", str(file), "--out", str(folder / "out")]) in (0, 2)
     return folder / "out"
 
 

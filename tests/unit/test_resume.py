@@ -10,7 +10,6 @@ import pytest
 
 from campaigns import Campaign
 from tests.unit.cases import searching
-from worker import integrator
 from worker.evaluate import InProcess
 from worker.problem import Problem
 from worker.runner import Cancelled, Tally, execute
@@ -25,12 +24,6 @@ SEARCHES = (
 )
 QUICK = searching(*SEARCHES, scenario__horizon=1.0)
 """One second of flight: a run takes no time."""
-
-
-@pytest.fixture(autouse=True)
-def few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The other integrator's dense output is read less often: these tests are not about its accuracy."""
-    monkeypatch.setattr(integrator, "LOOKS", 200)
 
 
 class Interrupted(Exception):
@@ -80,9 +73,7 @@ def run(asked: Campaign, threads: int = 1) -> Any:
 
 @pytest.fixture(scope="module")
 def whole() -> Any:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(integrator, "LOOKS", 200)
-        return run(QUICK)
+    return run(QUICK)
 
 
 def test_the_result_does_not_depend_on_the_threads(whole: Any) -> None:

@@ -9,7 +9,6 @@ import pytest
 from campaigns import Campaign
 from tests.unit.cases import campaign
 from tests.unit.test_resume import Interrupted, Unreliable, outcome
-from worker import integrator
 from worker.runner import execute
 from worker.stages import base
 from worker.store import MemoryStore, join
@@ -40,8 +39,7 @@ ASKED: Campaign = campaign(
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The other integrator's dense output is read less often; evaluations are stored a few at a time."""
-    monkeypatch.setattr(integrator, "LOOKS", 200)
+    """Evaluations are stored a few at a time."""
     monkeypatch.setattr(base, "FLUSH_ROWS", 7)
 
 
@@ -51,10 +49,8 @@ def run(store: MemoryStore, threads: int) -> Any:
 
 @pytest.fixture(scope="module")
 def alone() -> tuple[Any, int]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(integrator, "LOOKS", 200)
-        store = MemoryStore()
-        found = run(store, 1)
+    store = MemoryStore()
+    found = run(store, 1)
     return found, sum(len(c.status) for chunks in store.chunks.values() for c in chunks)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from campaigns import Campaign
 from tests.unit.cases import campaign, case1, searching
-from worker import integrator
+from worker.reference import Reference
 from worker.runner import execute
 from worker.stages.search import stream
 from worker.store import Conclusion, MemoryStore
@@ -20,12 +20,6 @@ SEARCHES = (
     {"method": "sqp", "evaluations": 300, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]},
     {"method": "monte_carlo", "evaluations": 300},
 )
-
-
-@pytest.fixture
-def few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The other integrator's dense output is read less often, where its accuracy does not matter."""
-    monkeypatch.setattr(integrator, "LOOKS", 200)
 
 
 @cache
@@ -70,7 +64,6 @@ def test_sensitivity_against_the_published_curves() -> None:
     assert mass["status"] == ["ok"] * 5
 
 
-@pytest.mark.usefixtures("few_looks")
 def test_sensitivity_over_a_region_that_is_excluded() -> None:
     uncertain = {"start.x": {"low": 0.0, "high": 4.0}, "start.y": {"low": -1.0, "high": 8.0}}
     store, conclusion = run(
@@ -127,7 +120,6 @@ def test_the_sample_of_a_random_search() -> None:
     assert "P(violation) is at most 0.994 % with 95 % confidence" in drawn["text"]
 
 
-@pytest.mark.usefixtures("few_looks")
 def test_excluded_flights_are_no_samples_and_violations_are_counted() -> None:
     uncertain = {"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}}
     changes = {"scenario__start": {"x": 3.0, "y": 3.0}, "scenario__horizon": 1.0, "criterion__threshold": 0.6}
@@ -146,7 +138,6 @@ def test_excluded_flights_are_no_samples_and_violations_are_counted() -> None:
     assert drawn["violations"] == int((flown <= 0.6).sum())
 
 
-@pytest.mark.usefixtures("few_looks")
 def test_failed_flights_count_as_violations() -> None:
     uncertain = {"vehicle.J": {"low": 0.001, "high": 0.06}}
     store, conclusion = run(
@@ -210,7 +201,6 @@ def test_the_finding_is_the_lowest_of_everything() -> None:
     assert store.traces["F1"].meta["cost"] == found.cost
 
 
-@pytest.mark.usefixtures("few_looks")
 def test_what_only_polishing_found_names_no_method() -> None:
     # One evaluation at the centre of the box, far from the worst corner.
     store, _ = run(searching({"method": "direct", "evaluations": 1}, stages__sensitivity=None, scenario__horizon=4.0))
@@ -243,7 +233,6 @@ def test_the_methods_side_by_side() -> None:
     assert columns.costs[near - 1, 0] <= limit + 1e-7 < columns.costs[: near - 1, 0].min()
 
 
-@pytest.mark.usefixtures("few_looks")
 def test_validation_catches_a_step_that_is_too_long() -> None:
     # 10 ms is beyond the stable step at J = 0.03; the flight survives on its envelope but is wrong.
     changes = {
@@ -258,7 +247,7 @@ def test_validation_catches_a_step_that_is_too_long() -> None:
 
 def test_the_other_integrator_says_why_it_could_not_fly() -> None:
     problem = case1()
-    flight = integrator.fly(problem, problem.vector({"vehicle.J": 1e-300}))
+    flight = Reference(problem).fly(problem.vector({"vehicle.J": 1e-300}))
     assert flight.cost is None
     assert "DOP853" in flight.reason
 

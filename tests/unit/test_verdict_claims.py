@@ -170,6 +170,16 @@ def test_a_violation_is_confirmed_by_every_integration_and_by_nothing_less() -> 
     assert concluded(**violation(finding=apart, violating=1)).verdict == "violated"
 
 
+def test_a_violation_whose_integrations_are_apart_says_how_far() -> None:
+    case = {
+        "ok": True, "violates": True, "agrees": False, "realisation": None, "cost": 0.31,
+        "half_step": {"cost": 0.48}, "integrator": {"cost": 0.49, "name": "DOP853"},
+    }  # fmt: skip
+    apart = replace(finding(0.31), validation=case)
+    said = concluded(**violation(finding=apart, violating=1)).reason
+    assert "apart: 0.31 m at the step, 0.48 m at half of it, 0.49 m with DOP853." in said
+
+
 def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
     text = "135 stored evaluations violate the criterion; all of them were simulated again, and 120 violate there too"
     own = replace(finding(0.49), validation={"ok": True, "violates": True, "realisation": 77})

@@ -118,6 +118,10 @@ class Loop:
             self._plain[name, library] = plain(self._glue[name], LIBRARY if library else None)
         return self._plain[name, library]  # type: ignore[no-any-return]
 
+    def kernel(self, name: str) -> Any:
+        """The same part as a kernel, for other compiled code."""
+        return self._glue[name]
+
     @property
     def digest(self) -> str:
         """Identifies the loop: everything that its flights depend on but the parameters, the step and the machine."""

@@ -50,10 +50,10 @@ def _unfilled(template: Function) -> Any:
     return kernel(filled(template, {}))
 
 
-def compile_loop(bound: Function, name: str) -> Any:
+def compile_loop(bound: Function, name: str, flags: Mapping[str, Any] = FLAGS) -> Any:
     """A filled template as a compiled function, kept on disk under its digest; it releases the GIL."""
     bound.__qualname__ = f"{name}_{digest(bound)}"
-    return numba.njit(cache=True, nogil=True, **FLAGS)(bound)
+    return numba.njit(cache=True, nogil=True, **flags)(bound)
 
 
 def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:
@@ -73,7 +73,20 @@ def plain(function: Function, instead: Mapping[Any, Any] | None = None) -> Any:
 
     `instead` names functions to call in place of kernels.
     """
-    return _plain(function, {id(_python(kernel)): other for kernel, other in (instead or {}).items()})
+    return _plain(function, {identity(kernel): other for kernel, other in (instead or {}).items()})
+
+
+def rebuilt(function: Function, done: dict[int, Any], make: Callable[[Function], Any]) -> Any:
+    """The same function as `make` makes it of plain Python, and every kernel it reaches too.
+
+    `done` holds what was made already, by `identity` of the kernel; one that is given there is called in its place.
+    """
+    return _plain(function, done, make)
+
+
+def identity(function: Any) -> int:
+    """What tells kernels apart in `rebuilt`, for as long as they live."""
+    return id(_python(function))
 
 
 def digest(function: Function) -> str:
@@ -87,7 +100,7 @@ def _python(function: Any) -> types.FunctionType:
     return function.py_func if isinstance(function, Dispatcher) else function  # type: ignore[no-any-return]
 
 
-def _plain(function: Any, done: dict[int, Any]) -> Any:
+def _plain(function: Any, done: dict[int, Any], make: Callable[[Function], Any] = lambda copy: copy) -> Any:
     source = _python(function)
     if id(source) in done:
         return done[id(source)]
@@ -99,8 +112,9 @@ def _plain(function: Any, done: dict[int, Any]) -> Any:
     for name in source.__code__.co_names:
         value = scope.get(name)
         if isinstance(value, (Dispatcher, types.FunctionType)):
-            scope[name] = _plain(value, done)
-    return copy
+            scope[name] = _plain(value, done, make)
+    done[id(source)] = make(copy)
+    return done[id(source)]
 
 
 def _ours(function: types.FunctionType) -> bool:

@@ -13,12 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from worker import integrator
 from worker.problem import Floats
+from worker.reference import NAME, Flight, Reference
 from worker.search.base import OK
 from worker.stages.base import Cancelled, Context
 
-NAME = integrator.NAME
 FRACTION_OF_MARGIN = 0.1
 FLOOR = 1e-6
 """Fraction of the threshold's scale below which a difference counts as rounding."""
@@ -58,16 +57,22 @@ def costs(context: Context, asked: Sequence[Case], step: float) -> list[float | 
     return found
 
 
-def reference(context: Context, asked: Sequence[Case], known: Sequence[bool]) -> list[integrator.Flight]:
+def reference(context: Context, asked: Sequence[Case], known: Sequence[bool]) -> list[Flight]:
     """Every case with the reference integrator; one that has no cost at the campaign's step is left out: it may be
     beyond any explicit integrator. Raises `Cancelled`."""
-    found = []
-    for case, has_cost in zip(asked, known, strict=True):
-        if context.cancelled():
+    found = [Flight(None, "the evaluation failed")] * len(asked)
+    by_seed: dict[int | None, list[int]] = {}
+    for i, (case, has_cost) in enumerate(zip(asked, known, strict=True)):
+        if has_cost:
+            by_seed.setdefault(case.seed, []).append(i)
+    for seed, rows in by_seed.items():
+        problem = context.problem.under(seed)
+        vectors = problem.vectors(np.array([asked[i].point for i in rows]))
+        flights = Reference(problem).fly_all(vectors, context.cancelled)
+        if len(flights) < len(rows):
             raise Cancelled
-        problem = context.problem.under(case.seed)
-        vector = problem.vectors(case.point[None, :])[0]
-        found.append(integrator.fly(problem, vector) if has_cost else integrator.Flight(None, "the evaluation failed"))
+        for i, flight in zip(rows, flights, strict=True):
+            found[i] = flight
     return found
 
 
@@ -77,9 +82,7 @@ def scale(context: Context) -> float:
     return max(abs(context.problem.threshold), abs(nominal), 1e-9)
 
 
-def _case(
-    context: Context, case: Case, cost: float | None, half: float | None, other: integrator.Flight
-) -> dict[str, Any]:
+def _case(context: Context, case: Case, cost: float | None, half: float | None, other: Flight) -> dict[str, Any]:
     threshold, step = context.problem.threshold, context.problem.step
     known = [c for c in (cost, half, other.cost) if c is not None]
     violating = [c <= threshold for c in known]

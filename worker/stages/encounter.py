@@ -62,7 +62,8 @@ def _unseen(context: Context, nominal: Trace) -> dict[str, Any]:
     """The nominal case with an avoider that sees nothing, one simulation in plain Python: its cost, and the largest
     distance between the two paths at one instant [m]."""
     blind = Problem(unseen(context.campaign), compiled=False, lanes=1)
-    flight = trace(blind, "unseen", {})
+    # Of several realisations the one that the nominal trace shows: the worst, whose cost is the evaluation's.
+    flight = trace(blind.under(nominal.meta.get("realisation", {}).get("seed")), "unseen", {})
     rows = min(len(flight.data), len(nominal.data))
     apart = np.linalg.norm(flight.data[:rows, 1:4] - nominal.data[:rows, 1:4], axis=1)
     return {

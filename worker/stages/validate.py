@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from worker.reference import NAME
 from worker.search.base import OK
 from worker.stages import boundary, findings, offered, seeds
 from worker.stages.base import Context, Driven, all_columns, drive
 from worker.stages.comparison import compare
-from worker.stages.confirm import NAME, Case, cases
+from worker.stages.confirm import Case, cases
 from worker.stages.encounter import encounter
 from worker.store import Finding, Trace
 from worker.trace import trace

@@ -95,7 +95,8 @@ def _not_searched(search: Searched, dimension: int) -> str:
     least = dimension * (GLOBAL_LEAST if search["kind"] == "global" else LOCAL_LEAST)
     if spent < least:
         return (
-            f"{title} ended after {count(spent)} evaluations; at least {count(least)} are needed to count as a search"
+            f"{title} ended after {count(spent)} {'evaluation' if spent == 1 else 'evaluations'}; at least "
+            f"{count(least)} are needed to count as a search"
         )
     if search["kind"] == "local" and search["stop"]["kind"] != "rule":
         return f"{title} spent its budget before it converged"

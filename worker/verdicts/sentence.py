@@ -33,8 +33,8 @@ def sentence(
         if told is not finding:
             milder = f"{told.label}, which has {number(told.cost)} {unit}{_noise(told.validation.get('realisation'))}"
             shown = f"Validation did not confirm it, but {milder}; both were found"
-        counts = _counts(evidence)
-        return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{lost}{counts}{chance}"
+        rest = f"{lost}{_apart(told.validation, unit)}{_counts(evidence)}{chance}"
+        return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{rest}"
     if verdict == "cleared":
         excluded = f" {count(evidence.excluded)} more were excluded." if evidence.excluded else ""
         stated = "".join(f" {text}" for text in encounter.stated(problem, checks))
@@ -91,6 +91,18 @@ def _without_value(evidence: Evidence) -> str:
     excluded = f"{count(evidence.excluded)} {'was' if evidence.excluded == 1 else 'were'} excluded"
     parts = [part for part in (failed, excluded if evidence.excluded else "") if part]
     return f" Of these, {' and '.join(parts)}." if parts else ""
+
+
+def _apart(case: dict[str, Any], unit: str) -> str:
+    """The three values of a violation whose integrations are beyond tolerance apart; empty where they agree."""
+    if case.get("agrees", True):
+        return ""
+    values = [case["cost"], case["half_step"]["cost"], case["integrator"]["cost"]]
+    step, half, other = (number(value) for value in values)
+    return (
+        f" Every integration of it violates, but they are beyond tolerance apart: {step} {unit} at the step, {half} "
+        f"{unit} at half of it, {other} {unit} with {case['integrator']['name']}."
+    )
 
 
 def _noise(seed: int | None) -> str:

@@ -1,0 +1,122 @@
+"""Flights under the compiled reference integrator, held against SciPy's DOP853 in plain Python.
+
+Where the loop switches nowhere, or at instants that are known, the two agree within SMOOTH of d_min: both keep 1e-10 a
+step. Where it slides along a switch neither has an order: from there on both keep 1e-4 a step and agree within SLIDING.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns import library, load_file
+from tests.physics.scenes import changed
+from tests.unit.cases import campaign
+from worker.problem import Problem
+from worker.reference import Flight, Reference, compiled, flight
+from worker.search.base import OK
+
+SMOOTH, SLIDING = 1e-8, 1e-3
+
+# Together: both dimensions, guidance continuous and sampled, with memory, noise that jumps, an obstacle with states.
+SOME = {
+    "unicycle_noise": 4.0,
+    "unicycle_actuator_loss": 4.0,
+    "uav_aca": 3.0,
+}
+
+
+def agree(problem: Problem, vector: Any) -> None:
+    ours, theirs = Reference(problem).fly(vector), Reference(problem, compiled=False).fly(vector)
+    if theirs.cost is None or ours.cost is None:
+        assert ours == theirs
+        return
+    sliding = bool(ours.reason or theirs.reason)
+    assert bool(ours.reason) == bool(theirs.reason)
+    assert ours.cost == pytest.approx(theirs.cost, rel=SLIDING if sliding else SMOOTH)
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_compiled_and_plain_agree(name: str) -> None:
+    problem = Problem(changed(load_file(library()[name]), horizon=SOME[name]))
+    agree(problem, problem.nominal)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", library())
+def test_compiled_and_plain_agree_on_the_library(name: str) -> None:
+    """Every campaign, whole flights: the nominal one and a few at random."""
+    problem = Problem(load_file(library()[name]))
+    points = np.random.default_rng(1).random((3, problem.dimension))
+    for vector in [problem.nominal, *problem.vectors(points)]:
+        agree(problem, vector)
+
+
+@pytest.fixture(scope="module")
+def case1() -> Problem:
+    return Problem(campaign(scenario__horizon=4.0))
+
+
+def test_compiled_and_interpreted_give_the_same_bits(case1: Problem) -> None:
+    """The integrator in Python over the compiled loop, and compiled: nothing is reordered, fused or assumed away."""
+    system = compiled.system(case1.loop)
+    numbers = ctypes.POINTER(ctypes.c_double)
+
+    def called(what: int, t: float, *rows: Any) -> float:
+        return float(system.ctypes(what, t, *(row.ctypes.data_as(numbers) for row in rows)))
+
+    here, there = Reference(case1), Reference(case1)
+    there.__dict__["_system"] = SimpleNamespace(address=called), flight.fly
+    assert there.fly(case1.nominal) == here.fly(case1.nominal)
+
+
+def test_it_is_found_on_disk_by_a_digest_of_the_loop(case1: Problem) -> None:
+    first, again = (compiled.system(case1.loop) for _ in range(2))
+    assert again.cache_hits == 1
+    assert compiled.bound(case1.loop).__qualname__ == compiled.bound(Problem(case1.campaign).loop).__qualname__
+    other = Problem(campaign(scenario__guidance={"period": 0.1}))
+    assert compiled.bound(other.loop).__qualname__ != compiled.bound(case1.loop).__qualname__
+    assert first.address != again.address
+
+
+def test_many_flights_are_those_flown_one_by_one(case1: Problem) -> None:
+    reference = Reference(case1)
+    vectors = case1.vectors(np.random.default_rng(2).random((5, case1.dimension)))
+    assert reference.fly_all(vectors) == [reference.fly(vector) for vector in vectors]
+    batch, _ = case1.fly_vectors(vectors)
+    assert (batch.status == OK).all()
+    assert [f.cost for f in reference.fly_all(vectors)] == pytest.approx(batch.costs[:, 0], abs=2e-6)
+    assert reference.fly_all(vectors[:0]) == []
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cancelled_it_stops_with_what_there_is(case1: Problem, monkeypatch: pytest.MonkeyPatch, threads: int) -> None:
+    monkeypatch.setenv("CLEARANCE_THREADS", str(threads))
+    asked: list[None] = []
+
+    def cancelled() -> bool:
+        asked.append(None)
+        return len(asked) > 2
+
+    reference, vectors = Reference(case1), np.repeat(case1.nominal[None], 9, axis=0)
+    flown = reference.fly_all(vectors, cancelled)
+    assert flown == [reference.fly(case1.nominal)] * (2 * threads)
+
+
+class TestWhatCannotBeFlown:
+    @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
+    def test_an_excluded_start_is_excluded_here_too(self, case1: Problem, by: bool) -> None:
+        vector = case1.vector({"criterion.threshold": 100.0})
+        _, reasons = case1.fly_vectors(vector[None])
+        assert Reference(case1, compiled=by).fly(vector) == Flight(None, f"DOP853: {reasons[0]}")
+
+    @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
+    @pytest.mark.parametrize("value", [1e-300, 0.0, np.nan, np.inf, -1.0])
+    def test_wrong_parameters_end_with_a_sentence(self, case1: Problem, by: bool, value: float) -> None:
+        found = Reference(case1, compiled=by).fly(case1.vector({"vehicle.J": value}))
+        assert found.cost is None
+        assert found.reason.startswith("DOP853")

@@ -1,0 +1,135 @@
+"""Flights of a problem under the reference integrator: the value of the deciding criterion, or why there is none.
+
+Start reading at `Reference.fly`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from worker.evaluate import usual_threads
+from worker.kernels.assemble import Loop
+from worker.problem import Floats, Problem
+from worker.reference import flight, plain
+from worker.reference.instants import Stretches, Timetable
+from worker.reference.stepper import CHANNEL_ROWS, ROWS
+
+NAME = "DOP853"
+
+_SYSTEMS: WeakKeyDictionary[Loop, Any] = WeakKeyDictionary()
+"""Compiled systems and the integrator, for as long as the loops live that they were made of."""
+
+
+@dataclass(frozen=True)
+class Flight:
+    """The criterion's value, or None with the reason why there is none; `reason` also tells of a coarse tolerance."""
+
+    cost: float | None
+    reason: str = ""
+
+
+class Reference:
+    """One problem, ready to be flown; compiled at its first flight, or in plain Python by SciPy's DOP853.
+
+    Threads may fly at the same time.
+    """
+
+    def __init__(self, problem: Problem, compiled: bool = True) -> None:
+        self.problem = problem
+        self.compiled = compiled
+        self.timetable = Timetable(problem)
+
+    def fly(self, vector: Floats) -> Flight:
+        """Fly one flat parameter vector (size,); the minimum over time comes from the dense output.
+
+        Of several realisations the one that counts, where the worst does: it is that flight which is to be confirmed.
+        """
+        problem, realised = self.problem, self.problem.realisations
+        if problem.parts.criterion.over == "crossing":
+            return Flight(None, f"{NAME} does not look for crossings, which {problem.parts.criterion.title} reads")
+        seeds = realised.seeds
+        if realised.several and realised.combine == "worst":
+            flown = problem.loop.fly(realised.flights(vector[None, :]), problem.step, *problem.counts(problem.step))
+            seeds = (seeds[realised.worst(flown.costs, problem.judge(flown.status, flown.when)[0])],)
+        flights = [self._realised(realised.flight(vector[None, :], seed)[0]) for seed in seeds]
+        for flight_, seed in zip(flights, seeds, strict=True):
+            if flight_.cost is None:
+                return Flight(None, f"with seed {seed}: {flight_.reason}" if realised.several else flight_.reason)
+        coarse = next((f.reason for f in flights if f.reason), "")
+        return Flight(float(np.mean([f.cost for f in flights if f.cost is not None])), coarse)
+
+    def fly_all(self, vectors: Floats, cancelled: Callable[[], bool] = lambda: False) -> list[Flight]:
+        """Fly vectors (m, size) on the usual threads. Once cancelled, the flights until then: fewer than m."""
+        threads = min(usual_threads(), len(vectors)) if self.compiled else 1
+        flown: list[Flight] = []
+        if threads > 1:
+            _ = self._system  # compiled by one thread, before the others need it
+            with ThreadPoolExecutor(threads, thread_name_prefix="reference") as pool:
+                while len(flown) < len(vectors) and not cancelled():
+                    flown += pool.map(self.fly, vectors[len(flown) : len(flown) + threads])
+            return flown
+        for vector in vectors:
+            if cancelled():
+                break
+            flown.append(self.fly(vector))
+        return flown
+
+    @cached_property
+    def _system(self) -> Any:
+        from worker.reference import compiled
+
+        loop = self.problem.loop
+        if loop not in _SYSTEMS:
+            _SYSTEMS[loop] = compiled.system(loop), compiled.integrator()
+        return _SYSTEMS[loop]
+
+    def _realised(self, vector: Floats) -> Flight:
+        loop, found = self.problem.loop, np.zeros(6)
+        if not np.isfinite(vector).all():
+            return Flight(None, f"{NAME} could not fly it: a parameter is not a finite number")
+        try:
+            p = loop.extend(vector)
+            stretches = self.timetable.of(p)
+        except (ArithmeticError, ValueError) as error:
+            return Flight(None, f"{NAME} could not fly it: {error}")
+        if self.compiled:
+            self._fly(p, stretches, found)
+        else:
+            plain.fly(self.problem, p, stretches, found)
+        return self._judged(found)
+
+    def _fly(self, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
+        loop = self.problem.loop
+        system, fly = self._system
+        first, last = loop.channels.of["criterion"]
+        states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
+        given = np.array((*p, *(0.0,) * loop.n_held))
+        where = stretches.instants, stretches.asks, stretches.before, stretches.patience
+        fly(system.address, *where, states, channels, given, np.zeros(4), found)
+
+    def _judged(self, found: Floats) -> Flight:
+        """What `flight.fly` found, in words."""
+        cost, code, when, since, why, noticed = (float(v) for v in found)
+        if code < flight.OK:
+            return Flight(None, f"{NAME} could not fly it: {_stuck(code, when)}")
+        if code != flight.OK:
+            _, reasons = self.problem.judge(np.array([code]), np.array([when]))
+            return Flight(None, f"{NAME}: {reasons[0]}")
+        if not np.isfinite(cost):
+            return Flight(None, f"{NAME}: {self.problem.parts.criterion.quantity} is not a finite number")
+        if why == flight.OK:
+            return Flight(cost)
+        return Flight(cost, f"at a tolerance of {flight.COARSE:g} from t = {since:.6g} s on: {_stuck(why, noticed)}")
+
+
+def _stuck(code: float, when: float) -> str:
+    if code == flight.STUCK:
+        return f"the loop switches to and fro without end from t = {when:.6g} s"
+    return f"at t = {when:.6g} s it needs a step shorter than the spacing of numbers"

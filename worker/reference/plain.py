@@ -1,0 +1,162 @@
+"""The reference flight in plain Python, under SciPy's DOP853: what the compiled one is held against.
+
+It shares with it the components' plain functions, the stretches, the tolerances and the meaning of what is found, and
+nothing else. Start reading at `fly`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from worker.problem import Floats, Problem
+from worker.reference.flight import (
+    ABSOLUTE,
+    COARSE,
+    EXCLUDED,
+    FARTHEST,
+    HEADWAY,
+    LARGEST,
+    NOT_FINITE,
+    OK,
+    OUTSIDE,
+    RELATIVE,
+    SHORT,
+    STUCK,
+)
+from worker.reference.instants import Stretches
+from worker.reference.reading import LOOKS
+
+
+class _Ended(Exception):
+    """A stretch ended before its end: the status and the time [s]."""
+
+    def __init__(self, code: float, when: float) -> None:
+        self.code, self.when = code, when
+
+
+class _Headway:
+    """Counts calls of the right-hand side and looks whether time passes."""
+
+    def __init__(self, horizon: float, patience: int) -> None:
+        self.least, self.patience, self.calls, self.mark = HEADWAY * horizon, patience, 0, 0.0
+
+    def restart(self, t: float) -> None:
+        self.calls, self.mark = 0, t
+
+    def watch(self, t: float) -> None:
+        self.calls += 1
+        if self.calls % self.patience == 0:
+            if t - self.mark < self.least:
+                raise _Ended(STUCK, t)
+            self.mark = t
+
+
+class _Plain:
+    """One flight: its functions and the state it has reached."""
+
+    def __init__(self, problem: Problem, p: tuple[float, ...], stretches: Stretches) -> None:
+        part = problem.loop.part
+        self.p, self.stretches = p, stretches
+        self.guide, self.closed_loop = part("guide", library=True), part("closed_loop", library=True)
+        self.envelope = part("envelope", library=True)
+        self.deciding = slice(*problem.loop.channels.of["criterion"])
+        self.horizon = float(stretches.instants[-1])
+        self.headway = _Headway(self.horizon, stretches.patience)
+        self.g = part("blank", library=True)(p)
+        self.x = part("initial", library=True)(p)
+        self.lowest = np.full(problem.loop.channels.total, np.inf)
+
+    def seen(self, t: float, x: Any) -> Any:
+        return self.closed_loop(t, tuple(x), self.g, self.p)[1]
+
+    def judge(self, t: float, x: Any) -> None:
+        """_Ended where the state or the channels have diverged, or the state is outside the envelope."""
+        around = np.abs(self.seen(t, x)[self.deciding]).sum()
+        if not (np.abs(x).sum() < LARGEST and around < FARTHEST):
+            raise _Ended(NOT_FINITE, t)
+        limit = self.envelope(tuple(x), self.p)
+        if limit > 0.0:
+            raise _Ended(OUTSIDE - 1.0 + limit, t)
+
+    def stretch(self, start: float, end: float, tolerances: tuple[float, float]) -> None:
+        """Fly one stretch, and read its channels."""
+        from scipy.integrate import solve_ivp  # a campaign's process must start fast
+
+        last = end - self.stretches.before * (end - start)
+
+        def slope(t: float, y: Floats) -> Any:
+            self.headway.watch(t)
+            return self.closed_loop(min(t, last), tuple(y.tolist()), self.g, self.p)[0]
+
+        relative, floor = tolerances
+        flown: Any = solve_ivp(
+            slope, (start, end), self.x, method="DOP853", rtol=relative, atol=floor, dense_output=True
+        )
+        for t, x in zip(flown.t, flown.y.T, strict=True):
+            self.judge(min(float(t), last), x.tolist())
+        if not flown.success:
+            raise _Ended(SHORT, float(flown.t[-1]))
+        looks = max(8, round(LOOKS * (end - start) / self.horizon))
+
+        def read(t: float) -> Any:
+            return self.seen(min(t, last), flown.sol(t).tolist())[self.deciding]
+
+        found = _lowest(read, np.linspace(start, end, looks + 1))
+        self.lowest[self.deciding] = np.minimum(self.lowest[self.deciding], found)
+        self.x = tuple(flown.y[:, -1].tolist())
+
+
+def fly(problem: Problem, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
+    """Fly one extended vector of parameters; out: found (6,) as of `flight.fly`."""
+    found[1], found[2] = OK, 0.0
+    try:
+        with np.errstate(all="ignore"):
+            flown = _Plain(problem, p, stretches)
+            _fly(problem, flown, found)
+            found[0] = problem.loop.part("cost", library=True)(tuple(flown.lowest.tolist()), p)
+    except _Ended as ended:
+        found[1], found[2] = ended.code, ended.when
+    except (ArithmeticError, ValueError):
+        # Python refuses what the compiled form carries on with as infinity or NaN.
+        found[1] = NOT_FINITE
+
+
+def _fly(problem: Problem, flown: _Plain, found: Floats) -> None:
+    tolerances = RELATIVE, ABSOLUTE
+    for (start, end), asks in zip(
+        pairwise(flown.stretches.instants.tolist()), flown.stretches.asks.tolist(), strict=True
+    ):
+        if asks:
+            flown.g = flown.guide(start, flown.x, flown.g, flown.p)
+        if start == 0.0:
+            flown.judge(start, flown.x)
+            if problem.loop.part("barred", library=True)(flown.seen(start, flown.x), flown.p):
+                raise _Ended(EXCLUDED, start)
+        found[2] = start
+        try:
+            flown.stretch(start, end, tolerances)
+        except _Ended as ended:
+            if ended.code > OK or tolerances[0] == COARSE:
+                raise
+            tolerances = COARSE, COARSE
+            found[3], found[4], found[5] = start, ended.code, ended.when
+            flown.headway.restart(start)
+            flown.stretch(start, end, tolerances)
+    found[2] = flown.horizon
+
+
+def _lowest(read: Callable[[float], Any], looks: Floats) -> Floats:
+    """The lowest value of every channel over one stretch of dense output."""
+    from scipy.optimize import minimize_scalar
+
+    seen = np.array([read(t) for t in looks])
+    lowest = seen.min(axis=0)
+    for k, i in enumerate(seen.argmin(axis=0)):
+        low, high = looks[max(i - 1, 0)], looks[min(i + 1, len(looks) - 1)]
+        best = minimize_scalar(lambda t, k=k: read(t)[k], bounds=(low, high), method="bounded", options={"xatol": 1e-9})
+        lowest[k] = min(lowest[k], best.fun)
+    return np.asarray(lowest)

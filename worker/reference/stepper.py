@@ -1,0 +1,133 @@
+"""One step of DOP853 over a table of rows of states: its slopes, its error, its dense output.
+
+Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.4 to II.6 and II.10. The rows
+of b (ROWS, n): X the state at the step's start, NEW the one at its end, WORK the state at a stage, K the slopes, F the
+dense output. Plain functions, which `compiled` compiles once for all systems. Start reading at `stages`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from worker.reference.coefficients import ALL, E3, E5, STAGES, A, C, D
+
+X, NEW, WORK, DUMP, SAVED, K = 0, 1, 2, 3, 4, 5
+F = K + ALL
+ROWS = F + 7
+"""Rows of b (ROWS, n)."""
+
+SEEN, OLD, END, LEFT, MID, RIGHT, LOW, KEPT, RATE = range(9)
+CHANNEL_ROWS = 9
+"""Rows of y (CHANNEL_ROWS, m): SEEN the channels at the last slope; the others belong to `reading`."""
+
+SLOPE, BEGIN, SAMPLE, BARRED, LIMIT, COST = range(6)
+"""What a system is asked: see `call`."""
+
+SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
+"""A step's successor is shorter than the error allows, and neither much shorter nor much longer than the step."""
+
+
+def call(system: Any, what: int, t: float, b: Any, at: int, to: int, y: Any, p: Any) -> float:
+    """Ask the system, a function of (what, t, x, dx, channels, p); compiled, its address.
+
+    SLOPE: from the state x the slope dx and the channels; BEGIN: the state x at the start; SAMPLE: a guidance sample,
+    kept in p; BARRED: whether the channels bar the flight; LIMIT: the number of the limit that x exceeds, else 0;
+    COST: of the channels.
+    """
+    return system(what, t, b[at], b[to], y[SEEN], p)  # type: ignore[no-any-return]
+
+
+def stages(
+    t: float, h: float, first: int, beyond: int, until: float, rel: float, floor: float, system: Any, b: Any, y: Any,
+    p: Any,
+) -> float:  # fmt: skip
+    """Slopes `first` up to but not including `beyond` of a step from t; returns the step's error, below 1 if it holds.
+
+    The thirteenth slope, at the new state, is taken only if it holds. No slope is taken later than `until`. `rel`,
+    `floor`: relative and absolute tolerance.
+    """
+    n = b.shape[1]
+    error = 0.0
+    for s in range(first, beyond):
+        added(A[s], s, b, WORK)
+        for i in range(n):
+            b[WORK, i] = b[X, i] + h * b[WORK, i]
+        if s == STAGES:
+            error = estimated(h, rel, floor, b)
+            if not error < 1.0:
+                return error
+            for i in range(n):
+                b[NEW, i] = b[WORK, i]
+        call(system, SLOPE, min(t + C[s] * h, until), b, WORK, K + s, y, p)
+    return error
+
+
+def added(weights: Any, slopes: int, b: Any, to: int) -> None:
+    """So many slopes, weighed and added; one after another over whole rows, which is several states at a time."""
+    for i in range(b.shape[1]):
+        b[to, i] = 0.0
+    for j in range(slopes):
+        weight = weights[j]
+        if weight != 0.0:
+            for i in range(b.shape[1]):
+                b[to, i] += weight * b[K + j, i]
+
+
+def estimated(h: float, rel: float, floor: float, b: Any) -> float:
+    """The error of a step to the state at WORK, over the tolerance: both embedded solutions as one (section II.10)."""
+    added(E5, STAGES, b, F)
+    added(E3, STAGES, b, F + 1)
+    five = three = 0.0
+    for i in range(b.shape[1]):
+        scale = floor + rel * max(abs(b[X, i]), abs(b[WORK, i]))
+        five += (b[F, i] / scale) ** 2
+        three += (b[F + 1, i] / scale) ** 2
+    below = five + 0.01 * three
+    # NaN stays NaN, which no step passes.
+    return abs(h) * five / math.sqrt(below * b.shape[1]) if below != 0.0 else 0.0
+
+
+def factor(error: float) -> float:
+    """By which factor the next step may be longer than the one of this error."""
+    if error == 0.0:
+        return GROW
+    if not error < 1e300:
+        return SHRINK
+    return min(GROW, max(SHRINK, SAFETY * error**-0.125))  # type: ignore[no-any-return]
+
+
+def guessed(rel: float, floor: float, b: Any) -> float:
+    """A first step: one in which an Euler step changes the state by a hundredth (section II.4); from the slope at K."""
+    size = speed = 0.0
+    for i in range(b.shape[1]):
+        scale = floor + rel * abs(b[X, i])
+        size += (b[X, i] / scale) ** 2
+        speed += (b[K, i] / scale) ** 2
+    if size < 1e-10 or speed < 1e-10:
+        return 1e-6
+    return max(0.01 * math.sqrt(size / speed), 1e-15)
+
+
+def bend(h: float, b: Any) -> None:
+    """The dense output of a step all of whose slopes are known."""
+    for i in range(b.shape[1]):
+        change = b[NEW, i] - b[X, i]
+        old, new = b[K, i], b[K + STAGES, i]
+        b[F, i] = change
+        b[F + 1, i] = h * old - change
+        b[F + 2, i] = 2.0 * change - h * (new + old)
+    for r in range(3, 7):
+        added(D[r - 3], ALL, b, F + r)
+        for i in range(b.shape[1]):
+            b[F + r, i] *= h
+
+
+def between(share: float, b: Any) -> None:
+    """The state at this share of the step, at WORK."""
+    rest = 1.0 - share
+    for i in range(b.shape[1]):
+        y = (b[F + 6, i] * share + b[F + 5, i]) * rest
+        y = ((y + b[F + 4, i]) * share + b[F + 3, i]) * rest
+        y = ((y + b[F + 2, i]) * share + b[F + 1, i]) * rest
+        b[WORK, i] = b[X, i] + (y + b[F, i]) * share

@@ -66,6 +66,10 @@ SECURITY = {
 }
 
 
+_LEFT_OUT = {("Campaign", "encounter")}
+"""What a document does not have where nothing is stated."""
+
+
 def install(app: FastAPI) -> None:
     """Have the application answer with the complete document."""
 
@@ -89,7 +93,8 @@ def _document(app: FastAPI) -> dict[str, Any]:
         nullable = "anyOf" in schemas[name]["properties"][key]
         schemas[name]["properties"][key] = {"anyOf": [_CAMPAIGN, {"type": "null"}]} if nullable else _CAMPAIGN
     for name in schemas.keys() - _PARTIAL:
-        schemas[name]["required"] = list(schemas[name].get("properties", {}))
+        properties = schemas[name].get("properties", {})
+        schemas[name]["required"] = [key for key in properties if (name, key) not in _LEFT_OUT]
     components["schemas"] = dict(sorted(schemas.items()))
     components["securitySchemes"] = SECURITY
     found["security"] = [{name: []} for name in SECURITY]

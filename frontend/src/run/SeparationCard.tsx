@@ -9,8 +9,8 @@ import type { TraceData } from '../client'
 import { decimalsFor, fixed, plain } from '../format/numbers'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { calledOf } from './chosen'
-import type { RunData } from './data'
-import { closestOf, curveOf, extentOf, firstOf, spanOf, TIME } from './flown'
+import { measuredOf, type RunData } from './data'
+import { closestOf, curveOf, extentOf, firstOf, noiseOf, spanOf, TIME } from './flown'
 import { useAddress } from './useAddress'
 
 export interface Flown {
@@ -58,6 +58,7 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
     () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), run.threshold, run.unit, shown, height),
     [nominalTrace, findingTrace, chosen, run.threshold, run.unit, shown, height],
   )
+  const noises = flownOf(data).flatMap(({ label, trace }) => (noiseOf(trace) ? [`${label}: ${noiseOf(trace)}`] : []))
   const keys: Key[] = [
     ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),
     { key: 'criterion', label: 'Criterion', colour: '--c-crit', dashed: true, fixed: true },
@@ -70,7 +71,7 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   return (
     <ChartCard
       title="Separation over time"
-      note="Distance to the nearest obstacle's centre. The flight in 3D goes with the pointer"
+      note={[measuredOf(data), ...noises, 'The flight in 3D goes with the pointer'].join('. ')}
       className={className}
       id="separation"
       run={run.id}
@@ -111,7 +112,7 @@ function specOf(all: Flown[], threshold: number | null, unit: string, shown: Sho
     x: xs,
     lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.8 })),
     points,
-    yTitle: `Separation between centres, ${unit}`,
+    yTitle: `Separation, ${unit}`,
     xTitle: 'Time since start, s',
     xRange,
     yRange: [0, (extent?.[1] ?? 0) * 1.04 || 1],

@@ -1,5 +1,7 @@
 """`python -m backend`: migrates the database, prints a login link, serves until told to stop.
 
+The link goes to standard output only, never into a file; `clearance serve`, whose log that would be, prints its own.
+
 Start reading at `main`.
 """
 
@@ -7,24 +9,27 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import os
 import signal
 import socket
 import sys
-from pathlib import Path
 
 import sqlalchemy as sa
 import uvicorn
 from fastapi import FastAPI
 
 from backend.app import create
+from backend.connections import bounded
 from backend.db.access import create_login_code
 from backend.db.engine import migrate
-from backend.frame import LARGEST_BODY
+from backend.db.private import keep_private, write_private
+from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 
-LINK_FILE = "login-link"
-"""In the data folder, readable by its owner only: the newest login link, for whoever started the service."""
+ADDRESS_FILE = "service-address"
+"""In the data folder: where a browser reaches the service, for `clearance login-link`."""
+
+OLD_LINK_FILE = "login-link"
+"""Held a login link, in earlier versions; removed at start."""
 
 GRACE = 1
 """How long answers under way may take when the service stops [s]."""
@@ -50,7 +55,7 @@ def main() -> int:
         logging.getLogger(chatty).setLevel(logging.WARNING)
     try:
         settings = Settings.load()
-        settings.data.mkdir(parents=True, exist_ok=True)
+        keep_private(settings.data, settings.database_url)
         migrate(settings.database_url)
         listening = _listen(settings)
     except (ValueError, OSError, sa.exc.SQLAlchemyError) as error:
@@ -67,13 +72,15 @@ def main() -> int:
 
 def server_config(app: FastAPI) -> uvicorn.Config:
     """Sockets without per-message deflate, which makes the 3D view's bulk thirteen times slower; logging left alone."""
+    settings: Settings = app.state.settings
     return uvicorn.Config(
         app,
         log_config=None,
         access_log=False,
         ws="websockets-sansio",
         ws_per_message_deflate=False,
-        ws_max_size=LARGEST_BODY,
+        ws_max_size=LARGEST,
+        http=bounded(settings.max_connections, settings.request_patience),
         server_header=False,
         timeout_graceful_shutdown=GRACE,
     )
@@ -99,19 +106,14 @@ def _listen(settings: Settings) -> socket.socket:
 
 
 def _announce(app: FastAPI, settings: Settings, port: int) -> None:
+    url = settings.url(port)
+    (settings.data / OLD_LINK_FILE).unlink(missing_ok=True)
+    write_private(settings.data / ADDRESS_FILE, url + "\n")
+    if not settings.print_link:
+        return
     with app.state.engine.begin() as connection:
         code = create_login_code(connection)
-    link = f"{settings.url(port)}/login?code={code}"
-    _write_private(settings.data / LINK_FILE, link + "\n")
-    print(f"Open {link}", flush=True)
-
-
-def _write_private(path: Path, text: str) -> None:
-    """Whole or not at all, and never readable by others."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as file:
-        file.write(text)
-    draft.replace(path)
+    print(f"Open {url}/login?code={code}", flush=True)
 
 
 if __name__ == "__main__":

@@ -10,15 +10,19 @@ from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
-from backend import errors, openapi, pages
+from backend import bodies, errors, openapi, pages
 from backend.auth import Guard
+from backend.capacity import Capacities
 from backend.catalog import endpoints as catalog
 from backend.db.engine import connect
+from backend.door import Door
 from backend.drafts import endpoints as drafts
+from backend.edge import Edge
 from backend.events import endpoints as events
 from backend.events.hub import Hub
 from backend.exports import endpoints as exports
 from backend.frame import Frame
+from backend.heads import Heads
 from backend.health import endpoints as health
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
@@ -31,6 +35,7 @@ from backend.scenes.control.live import Live
 from backend.scenes.control.viewers import Viewers
 from backend.scenes.recordings import pages as recordings
 from backend.sessions import endpoints as sessions
+from backend.sessions.attempts import Attempts
 from backend.settings import Settings
 from backend.signoffs import endpoints as signoffs
 from campaigns.version import VERSION
@@ -46,7 +51,7 @@ UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-d
 def create(settings: Settings) -> FastAPI:
     """The application over the settings' database, whose tables must be there (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
-    hub, live = Hub(engine), Live()
+    hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -55,6 +60,7 @@ def create(settings: Settings) -> FastAPI:
         await to_thread.run_sync(live.close)
         await to_thread.run_sync(app.state.previews.stop)
         engine.dispose()
+        door.close()
 
     app = FastAPI(
         title="Clearance",
@@ -63,8 +69,10 @@ def create(settings: Settings) -> FastAPI:
         lifespan=lifespan,
         middleware=[
             Middleware(Frame),
+            Middleware(Edge),
+            Middleware(Heads),
             Middleware(GZipMiddleware, compresslevel=PACKED, exclude_content_types=UNPACKED),
-            Middleware(Guard, engine=engine, cookie=settings.cookie),
+            Middleware(Guard, door=door, most=settings.max_requests_each),
         ],
         openapi_url=f"{API}/openapi.json",
         docs_url=None,
@@ -74,8 +82,10 @@ def create(settings: Settings) -> FastAPI:
     )
     app.state.settings, app.state.engine, app.state.hub, app.state.live = settings, engine, hub, live
     app.state.previews = Previews()
-    app.state.recordings = recordings.Recordings(engine)
-    app.state.viewers = Viewers(settings.max_viewers)
+    app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
+    app.state.recordings = recordings.Recordings(engine, capacities.recordings)
+    app.state.readers = bodies.Readers()
+    app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
     features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events, views)

@@ -7,19 +7,18 @@ from our own pages (RFC 6454, Origin). Start reading at `Guard`.
 from __future__ import annotations
 
 import urllib.parse
+from collections import Counter
+from functools import partial
 from typing import Annotated
 
-import anyio.to_thread
-import sqlalchemy as sa
 from fastapi import Depends, Request
 from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from backend import pages
-from backend.db import access
 from backend.db.access import Visitor
-from backend.db.engine import read
+from backend.door import Door
 from backend.errors import RefusedError, respond
 
 OPEN = frozenset({"/api/v1/health", "/login", "/favicon.ico", "/favicon.svg"})
@@ -30,19 +29,23 @@ SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 class Guard:
     """Lets known visitors through, as `request.state.visitor`; refuses everyone else."""
 
-    def __init__(self, app: ASGIApp, engine: sa.Engine, cookie: str) -> None:
-        self.app, self.engine, self.cookie = app, engine, cookie
+    def __init__(self, app: ASGIApp, door: Door, most: int) -> None:
+        """most: requests and sockets that one session or token may have open at a time."""
+        self.app, self.door, self.most = app, door, most
+        self._open: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket") or _is_open(scope["path"]):
             await self.app(scope, receive, send)
             return
         connection = HTTPConnection(scope)
-        visitor = await anyio.to_thread.run_sync(self._visitor, connection)
-        refused = _refusal(scope, connection.headers, visitor)
-        if refused is None:
-            scope.setdefault("state", {})["visitor"] = visitor
-            await self.app(scope, receive, send)
+        visitor = await self.door.visitor(connection)
+        refused = _refusal(scope, connection.headers, visitor) or self._too_many(visitor)
+        if refused is None and visitor is not None:
+            scope.setdefault("state", {}).update(visitor=visitor, still=partial(self.door.still, connection))
+            await self._let_in(visitor, scope, receive, send)
+        elif refused is None:
+            raise AssertionError("without a visitor there is a refusal")
         elif scope["type"] == "websocket":
             await receive()  # the handshake; closing before accepting it answers 403
             await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
@@ -51,26 +54,20 @@ class Guard:
         else:
             await respond(refused, scope["path"])(scope, receive, send)
 
-    def _visitor(self, connection: HTTPConnection) -> Visitor | None:
-        scheme, _, token = connection.headers.get("authorization", "").partition(" ")
-        if scheme:
-            return self._by_token(token.strip()) if scheme.lower() == "bearer" else None
-        cookie = connection.cookies.get(self.cookie)
-        if not cookie:
-            return None
-        with read(self.engine) as reader:
-            return access.by_session(reader, cookie)
+    async def _let_in(self, visitor: Visitor, scope: Scope, receive: Receive, send: Send) -> None:
+        self._open[visitor.key] += 1
+        try:
+            await self.app(scope, receive, send)
+        finally:
+            self._open[visitor.key] -= 1
+            if not self._open[visitor.key]:
+                del self._open[visitor.key]
 
-    def _by_token(self, token: str) -> Visitor | None:
-        with read(self.engine) as reader:
-            found = access.by_token(reader, token)
-        if found is None:
+    def _too_many(self, visitor: Visitor | None) -> RefusedError | None:
+        if visitor is None or self._open[visitor.key] < self.most:
             return None
-        visitor, note = found
-        if note:
-            with self.engine.begin() as writer:
-                access.note_use(writer, visitor.user)
-        return visitor
+        detail = f"{self.most} requests of this session or token are open, and no more may be at a time"
+        return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": "1"})
 
 
 def _is_open(path: str) -> bool:
@@ -104,8 +101,8 @@ def _from_our_pages(headers: Headers, required: bool) -> bool:
     return bool(origin) and urllib.parse.urlsplit(origin).netloc == headers.get("host", "")
 
 
-def visitor(request: Request) -> Visitor:
-    """The visitor that the guard let through."""
+async def visitor(request: Request) -> Visitor:
+    """The visitor that the guard let through. A coroutine, since a function would wait for a thread."""
     found = request.state.visitor
     assert isinstance(found, Visitor)
     return found

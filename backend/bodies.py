@@ -3,15 +3,48 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
+from anyio import CapacityLimiter, to_thread
 from fastapi import Request
 
 from backend.errors import RefusedError
 from campaigns import Campaign, CampaignError, Problem, load_text
+from campaigns.reading import LONGEST_KEY, repeated
 
+READERS = 2
+"""So many campaigns are read at a time: the largest takes seconds, and threads share one interpreter."""
+
+WAITING = 32
+
+Value = TypeVar("Value")
 JSON_TYPES = frozenset({"application/json"})
 YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
+
+
+class Readers:
+    """The few threads that read bodies, so that large ones leave the others to everybody else; on one event loop."""
+
+    def __init__(self) -> None:
+        self._turns, self.inside = CapacityLimiter(READERS), 0
+
+    async def read(self, work: Callable[[], Value]) -> Value:
+        """What `work` returns; 503 where enough are waiting."""
+        if self.inside >= READERS + WAITING:
+            detail = "other campaigns are being read and enough are waiting: try again in a few seconds"
+            raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
+        self.inside += 1
+        try:
+            return await to_thread.run_sync(work, limiter=self._turns)
+        finally:
+            self.inside -= 1
+
+
+async def apart(request: Request, work: Callable[[], Value]) -> Value:
+    """Read a body on one of the application's `Readers`."""
+    readers: Readers = request.app.state.readers
+    return await readers.read(work)
 
 
 def content_type(request: Request) -> str:
@@ -47,6 +80,8 @@ def document(body: bytes) -> Any:
         raise unreadable(Problem("", "", "not readable as JSON: nested too deeply")) from None
     except _RepeatedError as error:
         raise unreadable(Problem(str(error), "", "this key is given twice")) from None
+    except ValueError:  # Python reads no whole number that is longer
+        raise unreadable(Problem("", "", "not readable as JSON: a whole number of more than 4,300 digits")) from None
 
 
 def yaml_campaign(body: bytes) -> Campaign:
@@ -71,6 +106,5 @@ class _RepeatedError(ValueError):
 def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        names = [name for name, _ in pairs]
-        raise _RepeatedError(next(name for name in names if names.count(name) > 1))
+        raise _RepeatedError((repeated(name for name, _ in pairs) or "")[:LONGEST_KEY])
     return found

@@ -8,21 +8,31 @@ from typing import Annotated
 import sqlalchemy as sa
 from fastapi import Depends, Request
 
+from backend.capacity import Capacities
 from backend.db.engine import read
 
 
-def engine(request: Request) -> sa.Engine:
-    """The service's engine; `with engine.begin()` writes."""
+async def engine(request: Request) -> sa.Engine:
+    """The service's engine; `with engine.begin()` writes. A coroutine, since a function would wait for a thread."""
     found = request.app.state.engine
     assert isinstance(found, sa.Engine)
     return found
 
 
-def reader(request: Request) -> Iterator[sa.Connection]:
+Engine = Annotated[sa.Engine, Depends(engine)]
+
+
+def reader(engine: Engine) -> Iterator[sa.Connection]:
     """One snapshot of the database for the whole request."""
-    with read(engine(request)) as connection:
+    with read(engine) as connection:
         yield connection
 
 
+def capacities(request: Request) -> Capacities:
+    """The bounds on long work."""
+    found = request.app.state.capacities
+    assert isinstance(found, Capacities)
+    return found
+
+
 Reader = Annotated[sa.Connection, Depends(reader)]
-Engine = Annotated[sa.Engine, Depends(engine)]

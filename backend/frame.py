@@ -7,9 +7,11 @@ Start reading at `Frame`.
 from __future__ import annotations
 
 import logging
+import re
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from backend.errors import RefusedError, broken, respond
@@ -35,6 +37,7 @@ HEADERS = {
 }
 """Given to every answer that does not set its own."""
 
+_ANNOUNCED = re.compile(r"[0-9]{1,18}")
 _log = logging.getLogger(__name__)
 
 
@@ -61,6 +64,8 @@ class Frame:
 
         try:
             await self._limited(scope, receive, sent)
+        except ClientDisconnect:
+            return
         except Exception:
             _log.exception("%s %s failed", scope["method"], scope["path"])
             if started:
@@ -70,7 +75,7 @@ class Frame:
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse by the announced length at once, and by the count of bytes where none is announced."""
         announced = Headers(scope=scope).get("content-length", "")
-        if announced.isdigit() and int(announced) > LARGEST_BODY:
+        if _ANNOUNCED.fullmatch(announced) and int(announced) > LARGEST_BODY:
             refused = RefusedError(413, "too-large", _too_large(f"{int(announced):,} bytes"))
             await respond(refused, scope["path"])(scope, receive, send)
             return

@@ -17,7 +17,7 @@ from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
-from backend.errors import ProblemDocument
+from backend.errors import ProblemDocument, declare
 from backend.events.schemas import NewImprovements
 from backend.runs.schemas import RunSubmit
 from campaigns import Campaign
@@ -30,6 +30,8 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (Campaign, "serialization"),
     (RunSubmit, "validation"),
 )
+_LEFT_OUT = {"Criterion": ("from_centre",), "Campaign": ("encounter",)}
+"""What answers leave out at its default."""
 _PARTIAL = frozenset(
     {
         *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
@@ -39,6 +41,7 @@ _PARTIAL = frozenset(
 """All others are answers, and answers have every field."""
 _CAMPAIGN_BODY = {
     "type": "object",
+    "description": "A campaign to be checked or previewed.",
     "required": ["campaign"],
     "properties": {
         "campaign": {"type": "object", "additionalProperties": True, "description": "A campaign's document."}
@@ -60,14 +63,11 @@ TAGS = [
     {"name": "views", "description": "The 3D views that this visitor has open"},
     {"name": "events", "description": "Progress as it happens"},
 ]
+HEALTH = "/api/v1/health"
 SECURITY = {
     "session": {"type": "apiKey", "in": "cookie", "name": "clearance_PORT", "description": "Set by the login link."},
     "token": {"type": "http", "scheme": "bearer", "description": "From `clearance token create NAME`."},
 }
-
-
-_LEFT_OUT = {("Campaign", "encounter")}
-"""What a document does not have where nothing is stated."""
 
 
 def install(app: FastAPI) -> None:
@@ -93,13 +93,28 @@ def _document(app: FastAPI) -> dict[str, Any]:
         nullable = "anyOf" in schemas[name]["properties"][key]
         schemas[name]["properties"][key] = {"anyOf": [_CAMPAIGN, {"type": "null"}]} if nullable else _CAMPAIGN
     for name in schemas.keys() - _PARTIAL:
-        properties = schemas[name].get("properties", {})
-        schemas[name]["required"] = [key for key in properties if (name, key) not in _LEFT_OUT]
+        answered = schemas[name].get("properties", {})
+        schemas[name]["required"] = [key for key in answered if key not in _LEFT_OUT.get(name, ())]
+    for path, operations in found["paths"].items():
+        for method, operation in operations.items():
+            _declare(operation, method, is_open=path == HEALTH)
     components["schemas"] = dict(sorted(schemas.items()))
     components["securitySchemes"] = SECURITY
     found["security"] = [{name: []} for name in SECURITY]
-    found["paths"]["/api/v1/health"]["get"]["security"] = []
+    found["paths"][HEALTH]["get"]["security"] = []
     return found
+
+
+def _declare(operation: dict[str, Any], method: str, is_open: bool) -> None:
+    """Add the types of problems that the frame, the guard and the framework answer with, whatever the route."""
+    kinds = ["bad-request", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
+    if not is_open:
+        kinds.append("not-signed-in")
+    if method != "get":
+        kinds += ["foreign-origin", "too-large"]
+    for kind in kinds:
+        declare(operation["responses"], kind, str)
+    operation["responses"] = dict(sorted(operation["responses"].items()))
 
 
 def text() -> str:

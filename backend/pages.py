@@ -66,8 +66,11 @@ def _inside(folder: Path, path: str) -> Path | None:
     if "\0" in path:
         return None
     root = folder.resolve()
-    file = (root / path).resolve()
-    return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
+    try:
+        file = (root / path).resolve()
+        return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
+    except OSError:  # a name that no file can have, such as one of more than 255 bytes
+        return None
 
 
 def wants_page(headers: Headers) -> bool:
@@ -90,6 +93,7 @@ def sign_in(status: int, why: str = "Sign in to Clearance") -> HTMLResponse:
     body = (
         "<p>Open the login link that the service printed when it started: look at the output of "
         "<code>clearance serve</code> or <code>make run</code>, or at the container's log.</p>"
-        "<p>Each link is good once. For a new one run <code>clearance login-link</code>.</p>"
+        "<p>Each link can be used once, within 15 minutes, and only until a newer one is made. "
+        "For a new one run <code>clearance login-link</code>.</p>"
     )
     return plain(why, body, status)

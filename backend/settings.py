@@ -21,7 +21,7 @@ class Settings(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
     data: Path = Path("data")
-    """Folder for the database and the login link."""
+    """Folder for the database, the logs and the service's address; only its owner may read it."""
     database: str = ""
     """`sqlite:///FILE` or `postgresql://...`; empty: clearance.sqlite3 in the data folder."""
     host: str = "127.0.0.1"
@@ -31,10 +31,20 @@ class Settings(BaseModel):
     """Permits a bind beyond loopback, for use inside a container that publishes on 127.0.0.1 only."""
     public_url: str = ""
     """How a browser reaches the service, where that differs from host and port."""
+    print_link: bool = True
+    """Whether a login link is printed on standard output at start."""
     pages: Path = Path(__file__).parent.parent / "frontend" / "dist"
     """The built front end."""
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
     """How many 3D views may be open at once."""
+    max_viewers_each: Annotated[int, Field(ge=1, le=1000)] = 6
+    """How many of them one session or token may have open."""
+    max_requests_each: Annotated[int, Field(ge=1, le=100_000)] = 100
+    """How many requests, streams and 3D views one session or token may have open at once."""
+    max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
+    """How many connections may be open at once; those beyond are refused."""
+    request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
+    """How long a client may take to send a request, and to read on while an answer is sent [s]."""
 
     @model_validator(mode="after")
     def _loopback(self) -> Settings:

@@ -14,7 +14,7 @@ Role = Literal["vehicle", "controller", "avoider", "obstacle", "environment", "f
 
 
 class Entry(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
 
 class ParameterEntry(Entry):
@@ -30,6 +30,19 @@ class ParameterEntry(Entry):
     text: str
 
 
+class ReachEntry(Entry):
+    """How far an obstacle's surface is from its centre at most.
+
+    `times` the root of the sum of squares of the parameters that it is `of`.
+    """
+
+    of: list[str]
+    times: float
+
+    def __str__(self) -> str:
+        return f"{self.times:g} times {' and '.join(self.of)}"
+
+
 class ComponentEntry(Entry):
     """A component as a campaign names it. `starts` are the start states of a vehicle."""
 
@@ -40,6 +53,8 @@ class ComponentEntry(Entry):
     """2 or 3 where the component lives in a plane or in space; None where it fits both."""
     frame: Literal["enu", "ned"] = "enu"
     """The axes of a vehicle's world: x east, y north, z up, or x north, y east, z down."""
+    written_in: Literal["", "enu", "ned"] = ""
+    """The axes that any other component takes for granted; empty where it is the same in all. A vehicle has `frame`."""
     moving: bool = False
     """Whether an obstacle moves by itself."""
     parameters: list[ParameterEntry]
@@ -64,6 +79,10 @@ class ComponentEntry(Entry):
     """Which end of a criterion is sought; what is worse when low may decide."""
     of: Literal["", "obstacles", "goal", "flight"] = ""
     """What a criterion reads; one of the goal needs a goal that is a place."""
+    measured_to: Literal["", "centre", "surface"] = ""
+    """The point of an obstacle that a criterion's distances end at; empty where it reads none."""
+    reach: ReachEntry | None = None
+    """How far a point inside an obstacle can be from its centre; None where the obstacle does not declare it."""
     text: str
     """Equations, symbols and source, as the component's own file states them."""
 

@@ -6,24 +6,39 @@ Start reading at `check`.
 
 from __future__ import annotations
 
+import itertools
 import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from campaigns import said, uncertainty
+from campaigns import effort, extents, frames, said, uncertainty
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
 from campaigns.criteria import criteria
-from campaigns.problem import Problem
+from campaigns.problem import MOST, Problem
 from campaigns.spec import Campaign, Part
 from campaigns.values import MAX_EVALUATIONS
 
+LEAST_CONFIDENCE = 0.9
 SEED = "seed"
 """The parameter by which a random component is told which realisation it flies."""
 
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
-    """Every problem of the campaign under this catalogue; an empty list means it can be run."""
-    return list(_check(campaign, catalogue))
+    """The problems of the campaign under this catalogue, the first `MOST`; an empty list means it may be asked for."""
+    return _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
+
+
+def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
+    """What keeps a campaign from being simulated with these components; stored runs are shown wherever it can be.
+
+    What `check` reports besides can be simulated, but its numbers would not mean what they seem to.
+    """
+    return _first(_check(campaign, catalogue))
+
+
+def _first(problems: Iterator[Problem]) -> list[Problem]:
+    found = list(itertools.islice(problems, MOST + 1))
+    return found if len(found) <= MOST else [*found[: MOST - 1], Problem("", "", "and more problems; mend these first")]
 
 
 def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
@@ -94,6 +109,17 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from uncertainty.correlated(campaign)
     yield from _searches(campaign, catalogue, known)
     yield from _certified(campaign)
+
+
+def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    yield from effort.excessive(campaign)
+    if campaign.confidence < LEAST_CONFIDENCE:
+        text = f"a statement that is wrong more than once in ten times claims nothing; at least {LEAST_CONFIDENCE:g}"
+        yield Problem("confidence", f"{campaign.confidence:g}", text)
+    known = parameters(campaign, catalogue)
+    yield from extents.centres(campaign, catalogue, known)
+    found = ((field, catalogue.component(role, part.component)) for _, field, role, part in parts(campaign))
+    yield from frames.mismatched(campaign, catalogue, [(field, entry) for field, entry in found if entry is not None])
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:

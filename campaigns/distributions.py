@@ -13,6 +13,8 @@ from campaigns.values import AS_NUMBER, Number, Path, PlusMinus, Strict, Unit, a
 
 
 class Uniform(Strict):
+    """Every value within the bounds is equally likely."""
+
     kind: Literal["uniform"] = "uniform"
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from campaigns.problem import CampaignError, Problem, shown
+from campaigns.problem import MOST, CampaignError, Problem, shown
 from campaigns.reading import UnreadableError, misshapen, parse
 from campaigns.spec import Campaign
 
@@ -65,7 +65,8 @@ def load_document(document: Any, source: str = "campaign") -> Campaign:
     try:
         return Campaign.model_validate(document)
     except ValidationError as error:
-        raise CampaignError(source, [_problem(e) for e in error.errors(include_url=False)]) from None
+        found = error.errors(include_url=False, include_context=False)
+        raise CampaignError(source, [_problem(e) for e in found[:MOST]], len(found)) from None
 
 
 def library() -> dict[str, Path]:

@@ -13,6 +13,11 @@ from typing import Any
 MOST = 50
 """Problems told of one campaign; more help nobody."""
 
+LONGEST = 120
+"""Characters of a given value that are told."""
+
+_WRITER = json.JSONEncoder(default=str, ensure_ascii=False)
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -30,19 +35,25 @@ class Problem:
 class CampaignError(ValueError):
     """The campaign cannot be used; `problems` lists why, `source` says which file or request it came from."""
 
-    def __init__(self, source: str, problems: Sequence[Problem]) -> None:
+    def __init__(self, source: str, problems: Sequence[Problem], found: int | None = None) -> None:
+        """`found` is how many there are where only the first are given."""
         self.source = source
         self.problems = list(problems[:MOST])
-        if len(problems) > MOST:
-            self.problems.append(Problem("", "", f"and {len(problems) - MOST} more problems"))
+        more = (len(problems) if found is None else found) - len(self.problems)
+        if more > 0:
+            self.problems.append(Problem("", "", f"and {more} more problems"))
         super().__init__(f"{source}: " + "; ".join(map(str, self.problems)))
 
 
 def shown(value: Any) -> str:
-    """A given value in at most 120 characters."""
+    """A given value in at most 120 characters; of a large one only the beginning is written out."""
+    text = ""
     try:
-        text = json.dumps(value, default=str, ensure_ascii=False)
+        for piece in _WRITER.iterencode(value):
+            text += piece
+            if len(text) > LONGEST:
+                break
     except (TypeError, ValueError, RecursionError):
         text = type(value).__name__
     text = text.encode("utf-8", "backslashreplace").decode()
-    return text if len(text) <= 120 else text[:117] + "..."
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."

@@ -19,6 +19,7 @@ _WORDS = {
     "title": "title",
     "dimension": "dimension",
     "frame": "frame of axes",
+    "written_in": "frame of axes that it takes for granted",
     "moving": "movement by itself",
     "fits": "list of vehicles that it flies",
     "demand": "kind of demand",
@@ -29,6 +30,8 @@ _WORDS = {
     "quantity": "quantity",
     "worse": "end that is sought",
     "of": "object that it reads",
+    "measured_to": "point that distances end at",
+    "reach": "reach",
     "kind": "kind",
     "source": "source",
     "how": "way to search, in short",
@@ -139,7 +142,8 @@ def _fields(
     """Plain fields; of the long text only that it is another one."""
     for field in type(then).model_fields:
         was, is_ = getattr(then, field), getattr(now, field)
-        if field in but or was == is_:
+        # What the catalogue of then did not record yet says nothing of a change.
+        if field in but or was == is_ or field not in then.model_fields_set:
             continue
         if field == "text":
             yield f"the text of {called} (equations, source) is another one here"

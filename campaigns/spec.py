@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import operator
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -124,12 +125,22 @@ def _is_whole(ratio: float) -> bool:
     return ratio >= 0.5 and abs(ratio - round(ratio)) <= 1e-6 * ratio
 
 
+def _no_default(schema: dict[str, Any]) -> None:
+    """What is left out at its default is not filled in by those who read the JSON Schema either."""
+    schema.pop("default", None)
+
+
 class Criterion(Strict):
     """The flight is clear when the criterion's value stays above `threshold`."""
 
     component: Identifier = "separation"
     parameters: Values = {}
     threshold: Number
+    from_centre: Annotated[bool, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = False
+    """States that distances to the obstacles' centres are meant where the threshold is within an obstacle.
+
+    Left out of the canonical form where it is not stated: campaigns that do not have it keep their digests.
+    """
 
 
 class Encounter(Strict):

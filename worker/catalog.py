@@ -13,11 +13,11 @@ from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import entry_points, version
 from types import ModuleType
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import TypeAdapter
 
-from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, Role
+from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
 from worker.kernels.component import (
     Avoider,
     Component,
@@ -114,6 +114,7 @@ def _component_entry(component: Component) -> ComponentEntry:
         title=component.title,
         dimension=_dimension(component),
         frame=component.frame if isinstance(component, Vehicle) else "enu",
+        written_in=_written_in(component),
         moving=isinstance(component, Obstacle) and component.moving,
         parameters=[_parameter_entry(p) for p in parameters],
         starts=[_parameter_entry(p) for p in declared(component.start)] if isinstance(component, Vehicle) else [],
@@ -127,6 +128,8 @@ def _component_entry(component: Component) -> ComponentEntry:
         unit=component.unit if isinstance(component, Criterion) else "",
         worse=component.worse if isinstance(component, Criterion) else "",
         of=component.of if isinstance(component, Criterion) else "",
+        measured_to=component.measured_to if isinstance(component, Criterion) else "",
+        reach=_reach(component),
         text=inspect.getdoc(source_of(component)) or "",
     )
 
@@ -136,6 +139,16 @@ def _dimension(component: Component) -> int | None:
     if isinstance(component, Criterion):
         return next(iter(component.sample)) if len(component.sample) == 1 else None
     return component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None
+
+
+def _written_in(component: Component) -> Literal["", "enu", "ned"]:
+    return "" if isinstance(component, Vehicle | Controller) else component.frame or ""
+
+
+def _reach(component: Component) -> ReachEntry | None:
+    if not isinstance(component, Obstacle) or component.reach is None:
+        return None
+    return ReachEntry(of=list(component.reach.of), times=component.reach.times)
 
 
 def _parameter_entry(p: Declared) -> ParameterEntry:

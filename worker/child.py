@@ -14,12 +14,15 @@ import traceback
 from collections.abc import Callable
 from typing import Any, TextIO
 
+from worker import sources  # first: it records the files before they are loaded
+
+# isort: split
 import sqlalchemy as sa
 
 from backend.db import workers
 from backend.db.engine import connect, write
 from backend.db.queue import Claim, LostLease
-from backend.db.store import PATIENCE, OtherComponents, RunStore
+from backend.db.store import PATIENCE, OtherCode, OtherComponents, RunStore
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.load import load_document
 from worker.store import Store
@@ -30,28 +33,46 @@ RUNNER = "worker.runner:execute"
 
 
 def main() -> None:
-    """Read database and runner from the input, publish the catalogue, then work on claims until the input ends."""
+    """Read database and runner from the input, publish the catalogue, then work on claims until the input ends.
+
+    Where the code changed while it was loaded, nothing is published: the supervisor starts another child.
+    """
     requests, answers = _private_streams()
     setup = json.loads(requests.readline())
     engine = connect(setup["database"])
     execute = resolve(setup["runner"])
+    from worker import memory
     from worker.catalog import catalogue
 
-    document = catalogue()
-    write(engine, lambda connection: workers.publish(connection, document), PATIENCE)
-    _say(answers, {"ready": True})
+    document, code = catalogue(), sources.code()
+    memory.bound()
+    fresh = not sources.stale()
+    if fresh:
+        write(engine, lambda connection: workers.publish(connection, document, code), PATIENCE)
+    _say(answers, {"ready": True, "fresh": fresh})
     serve(engine, execute, document, requests, answers)
 
 
 def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO) -> None:
-    """Work on one claim after the other; how each ended is an answer, never an exception."""
+    """Work on one claim after the other; how each ended is an answer, never an exception.
+
+    `{"fresh": true}` asks whether the loaded code is that of the files. A claim is not begun with other code.
+    """
     for line in requests:
-        _say(answers, perform(execute, engine, components, Claim(**json.loads(line))))
+        request = json.loads(line)
+        if "fresh" in request:
+            _say(answers, {"fresh": not sources.stale()})
+        elif sources.stale():
+            _say(answers, {"outcome": "stale", "text": ""})
+        else:
+            _say(answers, perform(execute, engine, components, Claim(**request)))
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
-    """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (the campaign), `failed` (this attempt)."""
+    """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (no retry helps), `failed` (this attempt)."""
+    from worker import memory
     from worker.problem import CampaignUnusable
+    from worker.stages.base import ReplayMismatch
 
     try:
         campaign = load_document(claim.document, f"run {claim.run_id}")
@@ -61,8 +82,11 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
             return {"outcome": "failed", "text": "the runner ended without a verdict"}
     except LostLease:
         return {"outcome": "lost", "text": ""}
-    except (CampaignUnusable, CampaignError, OtherComponents) as error:
+    except (CampaignUnusable, CampaignError, OtherComponents, OtherCode, ReplayMismatch) as error:
         return {"outcome": "unusable", "text": str(error)}
+    except MemoryError:  # the next attempt would need as much
+        traceback.print_exc()
+        return {"outcome": "unusable", "text": memory.sentence()}
     except (Exception, SystemExit) as error:
         traceback.print_exc()
         what = " ".join(str(error).split())

@@ -1,7 +1,7 @@
 """A finished search goes on under a larger budget: the new run replays what the old one stored and flies only the rest.
 
 A method is deterministic, so that its first evaluations under the larger budget are the stored ones, bit by bit. What
-validate flew depends on all that came before and is flown anew. Start reading at `continued`.
+flew depends on all that came before and is flown anew. What other code flew is refused. Start at `continued`.
 """
 
 from __future__ import annotations
@@ -12,11 +12,15 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from campaigns import Campaign
+from campaigns import Campaign, check
+from campaigns.flown import Flown, differences, differing, other_code
 from campaigns.load import load_document
 from campaigns.plan import plan
 from campaigns.spec import MAX_EVALUATIONS, Search
-from worker.catalog import methods
+from worker import sources
+from worker.catalog import catalogue, methods
+from worker.problem import Problem
+from worker.provenance import flown
 from worker.store import Columns, MemoryStore, StagePlan, StageRecord
 from worker.wording import count, listed
 
@@ -60,7 +64,10 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     document["stages"]["search"] = [
         changed or search for changed, search in zip(raised, document["stages"]["search"], strict=True)
     ]
-    return load_document(document, "the continued campaign")
+    larger = load_document(document, "the continued campaign")
+    if problems := check(larger, catalogue()):
+        raise CannotContinue(f"a campaign like it is refused now: {'; '.join(map(str, problems))}")
+    return larger
 
 
 def _raised(search: Search, budget: Budget) -> dict[str, Any] | None:
@@ -91,6 +98,17 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
         raise CannotContinue("its stages were planned by another version of Clearance; run the campaign again")
     found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind != "validate"}
     return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
+
+
+def refuse_other_code(new: Campaign, then: Flown, modules: dict[str, str] | None = None) -> None:
+    """Raises `CannotContinue` where a run was flown by code or packages that may fly otherwise here.
+
+    `modules` are the digests of its modules, where they are stored. What was not stored is not compared.
+    """
+    here, code = flown(Problem(new)), sources.code()
+    others = differences(then, here, differing(modules, code.modules) if modules else None)
+    if others:
+        raise CannotContinue(other_code("it", others))
 
 
 def preloaded(new: Campaign, evaluations: dict[int, Columns]) -> MemoryStore:

@@ -4,11 +4,15 @@ Request  {"id", "campaign", "parameters": {path: value}, "rows"}; parameters lef
 Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
 Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in `worker.field`.
 Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...]}.
+Response {"stale": true}: nothing was simulated, since the code has changed; the process ends, another loads it.
 Run as `python -m worker.live`; it ends with its input, and so with whoever started it. Start reading at `answer`.
 """
 
 from __future__ import annotations
 
+from worker import sources  # first: it records the files before they are loaded
+
+# isort: split
 import json
 import os
 import sys
@@ -19,6 +23,7 @@ import numpy as np
 
 from campaigns import CampaignError
 from campaigns.load import load_document
+from worker import memory
 from worker.field import MOST, UNITS, field
 from worker.problem import CampaignUnusable, Problem
 from worker.trace import fly, trace
@@ -34,9 +39,13 @@ def main() -> None:
     # The answers' stream is ours alone: whatever a component prints must not reach the service.
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
+    memory.bound()
     _say(answers, {"ready": True})
     problems: OrderedDict[str, Problem] = OrderedDict()
     for line in sys.stdin.buffer:
+        if sources.stale():
+            _say(answers, {"stale": True})
+            return
         _say(answers, answer(line, problems))
 
 
@@ -59,6 +68,9 @@ def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, 
         return {"id": number} | _flight(problem, values, request.get("rows", ROWS))
     except (CampaignError, CampaignUnusable) as error:
         return {"id": number, "error": str(error)}
+    except MemoryError:
+        problems.clear()
+        return {"id": number, "error": memory.sentence()}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         return {"id": number, "error": f"not a request for a flight: {type(error).__name__}: {error}"}
     except Exception as error:

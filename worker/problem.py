@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns import Campaign, check
+from campaigns import Campaign
 from campaigns.catalogue import Role
+from campaigns.check import flyable
 from campaigns.load import Problem as Wrong
 from campaigns.spec import Part
 from worker.catalog import catalogue, components
@@ -41,7 +42,7 @@ class Problem:
     """One campaign, ready to fly; compiled flights unless `compiled` is False."""
 
     def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> None:
-        problems = check(campaign, catalogue())
+        problems = flyable(campaign, catalogue())
         if problems:
             raise CampaignUnusable(problems)
         self.campaign = campaign

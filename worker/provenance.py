@@ -1,4 +1,7 @@
-"""What must be stored with a number so that it can be repeated: versions, machine, settings of the flight."""
+"""What must be stored with a number so that it can be repeated: code, versions, machine, settings of the flight.
+
+Stored as the first stage of a run begins; a run that other code began is refused. Start reading at `begin`.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +13,20 @@ from typing import Any
 from llvmlite import binding
 from numba.core.codegen import get_host_cpu_features
 
+from campaigns.flown import Flown
+from worker import sources
 from worker.problem import Problem
+from worker.store import Store
 
-PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt")
+
+def begin(store: Store, problem: Problem) -> None:
+    """Store what is about to fly; raises `backend.db.store.OtherCode` where other code has flown already."""
+    store.flies(flown(problem), sources.code())
+
+
+def flown(problem: Problem) -> Flown:
+    """What flies a problem in this process."""
+    return Flown.of(provenance(problem))
 
 
 def provenance(problem: Problem) -> dict[str, Any]:
@@ -20,7 +34,8 @@ def provenance(problem: Problem) -> dict[str, Any]:
     return {
         "clearance": version("clearance"),
         "python": platform.python_version(),
-        "packages": {name: version(name) for name in PACKAGES},
+        "code": sources.code().digest,
+        "packages": dict(sources.LOADED.packages),
         "system": f"{platform.system()} {platform.machine()}",
         "cpu": _processor(),
         "lanes": problem.loop.lanes,

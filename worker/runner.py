@@ -15,7 +15,7 @@ from campaigns import Campaign
 from campaigns.plan import plan
 from worker.evaluate import InProcess
 from worker.problem import CampaignUnusable, Problem
-from worker.provenance import provenance
+from worker.provenance import begin, provenance
 from worker.search.base import EXCLUDED, OK
 from worker.stages import certify, nominal, search, sensitivity, validate
 from worker.stages.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
@@ -36,11 +36,12 @@ def execute(
     """Run or resume a campaign to its verdict.
 
     Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
-    `ReplayMismatch` when a resumed stage is not what it was.
+    `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage is not what it was.
     """
     problem = Problem(campaign)
     problem.loop.warm()
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
+    begin(store, problem)
     evaluate = InProcess(problem, threads)
     context = Context(campaign, problem, evaluate, store, cancelled, progress)
     try:

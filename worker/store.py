@@ -22,6 +22,7 @@ from backend.db.records import (
     Trace,
     join,
 )
+from campaigns.flown import Code, Flown
 
 __all__ = [
     "Columns",
@@ -43,6 +44,9 @@ class Store(Protocol):
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         """Write the plan of a new run; return every stage as it stands (a resumed run finds its earlier state)."""
+
+    def flies(self, flown: Flown, code: Code) -> None:
+        """Store what flies as the first stage begins; raises `OtherCode` where other code has flown already."""
 
     def begin(self, position: int) -> None:
         """Mark a stage running."""
@@ -79,11 +83,15 @@ class MemoryStore:
     findings: list[Finding] = field(default_factory=list)
     traces: dict[str, Trace] = field(default_factory=dict)
     conclusion: Conclusion | None = None
+    flown: Flown | None = None
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         if not self.stages:
             self.stages = [StageRecord(plan) for plan in stages]
         return list(self.stages)
+
+    def flies(self, flown: Flown, code: Code) -> None:
+        self.flown = flown
 
     def begin(self, position: int) -> None:
         stage = self.stages[position]

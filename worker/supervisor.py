@@ -32,6 +32,9 @@ WATCH = 0.25
 GRACE = 2.0
 """How long a child whose run has ended may take to say so before it is killed [s]."""
 
+ANSWER = 10.0
+"""How long an idle child may take to say whether its code is that of the files [s]."""
+
 START = 300.0
 """How long a child may take to start [s]."""
 
@@ -147,6 +150,7 @@ class Supervisor:
             "unusable": lambda: queue.fail(claim, ending.text),
             "cancelled": lambda: queue.cancelled(claim),
             "stopped": lambda: queue.give_back(claim),
+            "stale": lambda: queue.give_back(claim),
         }
         if ending.outcome not in settle:
             return
@@ -165,17 +169,20 @@ class Supervisor:
             self._wakeup.wait(0.2)
 
     def _ready_child(self) -> Child | None:
-        """The child, started where there is none; None when it did not come up (it is tried again)."""
-        if self.child is not None and self.child.alive():
+        """The child, started where there is none or the code has changed; None when it did not come up (it is tried
+        again).
+        """
+        if self.child is not None and self.child.alive() and self._is_fresh(self.child):
             return self.child
         self._drop_child()
         child = self.child = Child({"database": self.url, "runner": self.runner}, self._wakeup)
         deadline = time.monotonic() + START
         try:
             while self._wakeup.signal is None and time.monotonic() < deadline:
-                if child.receive(WATCH) is not None:
+                answer = child.receive(WATCH)
+                if answer is not None:
                     self._failures = 0
-                    return child
+                    return child if answer["fresh"] else None
                 self._beat_idle()
             how = f"did not start within {START:g} s"
         except ChildEndedError as ended:
@@ -188,6 +195,21 @@ class Supervisor:
             log.error("the worker process %s before it was ready; it is started again", how)
             self._wakeup.wait(0.5 * 2**self._failures)
         return None
+
+    def _is_fresh(self, child: Child) -> bool:
+        """Whether the code that the child loaded is still that of the files, as it says itself: it knows which."""
+        deadline = time.monotonic() + ANSWER
+        try:
+            child.send({"fresh": True})
+            while self._wakeup.signal is None and time.monotonic() < deadline:
+                answer = child.receive(WATCH)
+                if answer is not None:
+                    if not answer["fresh"]:
+                        log.info("the code has changed: another process loads it")
+                    return bool(answer["fresh"])
+        except ChildEndedError as ended:
+            log.error("the worker process %s while it was idle; it is started again", ended)
+        return self._wakeup.signal is not None
 
     def _drop_child(self) -> None:
         if self.child is not None:

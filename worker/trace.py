@@ -73,11 +73,12 @@ class Flown:
 def fly(problem: Problem, values: Mapping[str, float]) -> Flown:
     """Fly one case; values: parameters by path, what is left out is nominal. Raises KeyError for an unknown path."""
     vectors = problem.realisations.flights(problem.vector(values)[None, :])
-    flown = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=len(vectors))
+    several = len(vectors) > 1
+    flown = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=0 if several else 1)
     codes, said = problem.judge(flown.status, flown.when)
     batch, reasons = problem.realisations.combined(flown.costs, codes, said)
     shown = problem.realisations.worst(flown.costs, codes)
-    states = flown.trace[shown]
+    states = flown.trace[0] if not several else _again(problem, vectors[shown])
     flying = np.isfinite(states).all(axis=1)
     states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
     if codes[shown] == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
@@ -91,6 +92,16 @@ def fly(problem: Problem, values: Mapping[str, float]) -> Flown:
         realisation=shown,
         own_cost=float(flown.costs[shown, 0]),
     )
+
+
+def _again(problem: Problem, vector: Floats) -> Floats:
+    """The states of one realisation, flown once more by itself: traces of all of them would take all the memory.
+
+    A flight's bits depend on its vector alone, so it is the flight whose cost was counted.
+    """
+    flown = problem.loop.fly(vector[None, :], problem.step, *problem.counts(problem.step), traced=1)
+    states: Floats = flown.trace[0]
+    return states
 
 
 def _realisation(problem: Problem, shown: int, cost: float) -> dict[str, Any]:
@@ -217,6 +228,21 @@ def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> An
     return np.unique(np.concatenate([even, around[(around >= 0) & (around < count)]]))
 
 
+def _free(problem: Problem, vector: Floats, i: int) -> float | None:
+    """Radius of the disc about an obstacle's centre that must stay free [m]; None where no disc is what must."""
+    criterion, reach = problem.parts.criterion, problem.parts.obstacles[i].reach
+
+    def value(path: str) -> float:
+        return float(vector[problem.paths[path]]) if path in problem.paths else 0.0
+
+    if criterion.measured_to != "surface":
+        return value("criterion.threshold")
+    if reach is None or len(reach.of) != 1:
+        return None
+    surface = reach.times * value(f"obstacles.{i}.{reach.of[0]}")
+    return surface + value("criterion.threshold") + value("criterion.body_radius")
+
+
 def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[str, Any]:
     vector = seen.vector
 
@@ -234,6 +260,7 @@ def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[st
             "title": o.title,
             "position": [float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
             "radius": radius(i),
+            "free_radius": _free(problem, vector, i),
             "moving": o.moving,
         }
         for i, o in enumerate(problem.parts.obstacles)

@@ -7,10 +7,13 @@ Start reading at `criteria`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from backend.catalog.schemas import CriterionOut
 from campaigns import Catalogue
+
+EARLIER: dict[str, Literal["centre"]] = {"separation": "centre"}
+"""What snapshots from before a criterion declared it do not say."""
 
 
 def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[CriterionOut]:
@@ -27,6 +30,7 @@ def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[C
                 quantity=entry.quantity if entry else "",
                 unit=entry.unit if entry else "",
                 worse="high" if entry and entry.worse == "high" else "low",
+                measured_to=(entry.measured_to if entry else "") or EARLIER.get(component, ""),
             )
         )
     return found

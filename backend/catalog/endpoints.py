@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
-from fastapi.concurrency import run_in_threadpool
+from fastapi import APIRouter, Path, Request
 
 from backend import bodies
 from backend.catalog import service
 from backend.catalog.schemas import Checked, LibraryCampaign
 from backend.db.engine import read
-from backend.deps import Engine, Reader
+from backend.deps import Engine, Reader, capacities
+from backend.errors import problems
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.load import load_document
 
 router = APIRouter(tags=["catalog"])
+LibraryName = Annotated[str, Path(description="The identifier of a shipped campaign, such as `unicycle_static`.")]
 
 CHECK_BODY = {
     "required": True,
@@ -26,7 +27,7 @@ CHECK_BODY = {
 }
 
 
-@router.get("/components")
+@router.get("/components", responses=problems("no-catalogue"))
 def list_components(reader: Reader) -> Catalogue:
     """Components and methods with their parameters, units, limits and texts."""
     return service.required(reader)
@@ -44,23 +45,29 @@ def campaign_schema() -> dict[str, Any]:
     return Campaign.model_json_schema()
 
 
-@router.get("/campaigns/{name}")
-def get_campaign(name: str, reader: Reader) -> LibraryCampaign:
+@router.get("/campaigns/{name}", responses=problems("not-found"))
+def get_campaign(name: LibraryName, reader: Reader) -> LibraryCampaign:
     """One of the shipped campaigns."""
     return service.library_campaign(reader, name)
 
 
-@router.post("/campaigns/check", openapi_extra={"requestBody": CHECK_BODY})
+@router.post(
+    "/campaigns/check",
+    openapi_extra={"requestBody": CHECK_BODY},
+    responses=problems("unsupported-media-type", "unreadable", "no-catalogue", "busy"),
+)
 async def check_campaign(request: Request, engine: Engine) -> Checked:
     """What a campaign means and what is wrong with it, as `{"campaign": ...}` or as YAML; stores nothing."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
 
+    campaign = await bodies.apart(request, lambda: given(body, yaml))
+
     def work() -> Checked:
         with read(engine) as reader:
-            return service.checked(reader, given(body, yaml))
+            return service.checked(reader, campaign)
 
-    return await run_in_threadpool(work)
+    return await capacities(request).checks.run(work)
 
 
 def given(body: bytes, yaml: bool) -> Campaign | CampaignError:

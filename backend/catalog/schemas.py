@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict
-
+from backend.schema import Schema
 from campaigns.catalogue import Catalogue, ParameterEntry
-
-
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
 
 CatalogueOut = Catalogue
 
@@ -27,6 +21,8 @@ class LibraryCampaign(Schema):
 
 
 class ProblemOut(Schema):
+    """One thing wrong with a campaign: the field, what was given, and what is allowed or to do."""
+
     field: str
     given: str
     message: str
@@ -53,6 +49,8 @@ class CriterionOut(Schema):
     unit: str
     worse: Literal["low", "high"]
     """Which end is sought. Stored costs are all lower when worse; values told have their own sign."""
+    measured_to: Literal["", "centre", "surface"]
+    """The point of an obstacle that its distances end at; empty where it reads none, or that is not known."""
 
 
 class Checked(Schema):

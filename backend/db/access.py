@@ -10,7 +10,7 @@ import hashlib
 import hmac
 import re
 import secrets
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import sqlalchemy as sa
@@ -21,7 +21,7 @@ from backend.db.tables import LoginLink, Session, Token
 TOKEN_PREFIX = "clr_"
 """Opens every API token, so that one that leaked into a file can be found by searching."""
 
-LINK_LIFETIME = 12 * 3600.0
+LINK_LIFETIME = 15 * 60.0
 """How long an unused login link is good [s]."""
 
 SESSION_LIFETIME = 14 * 24 * 3600.0
@@ -43,6 +43,8 @@ class Visitor:
 
     user: str
     via: Literal["link", "token"]
+    key: str = field(default="", compare=False, repr=False)
+    """Tells one browser's session, or one token, from another: the hash that the tables keep."""
 
 
 def hashed(secret: str) -> str:
@@ -76,13 +78,20 @@ def revoke_token(connection: sa.Connection, name: str) -> None:
 
 
 def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:
-    """The code of a fresh login link, good once and for `lifetime` [s]; codes long expired are cleared away."""
+    """The code of a fresh login link, single-use and valid for `lifetime` [s]; voids every earlier unused one."""
     code = secrets.token_urlsafe(32)
     created = engine.now(connection)
-    connection.execute(sa.delete(LoginLink).where(LoginLink.expires < created - 7 * 24 * 3600.0))
+    old = sa.or_(LoginLink.used.is_(None), LoginLink.expires < created - 7 * 24 * 3600.0)
+    connection.execute(sa.delete(LoginLink).where(old))
     values = {"hash": hashed(code), "created": created, "expires": created + lifetime}
     connection.execute(sa.insert(LoginLink).values(**values))
     return code
+
+
+def good_codes(connection: sa.Connection) -> frozenset[str]:
+    """The hashes of the login codes that would open a session now."""
+    good = (LoginLink.used.is_(None), LoginLink.expires > engine.now(connection))
+    return frozenset(connection.scalars(sa.select(LoginLink.hash).where(*good)))
 
 
 def open_session(connection: sa.Connection, code: str, user: str) -> str | None:
@@ -106,7 +115,7 @@ def close_session(connection: sa.Connection, secret: str) -> None:
 def by_session(connection: sa.Connection, secret: str) -> Visitor | None:
     """The visitor a session's cookie belongs to."""
     row = _found(connection, sa.select(Session.hash, Session.user, Session.expires), Session.hash, secret)
-    return Visitor(row.user, "link") if row is not None and row.expires > engine.now(connection) else None
+    return Visitor(row.user, "link", row.hash) if row is not None and row.expires > engine.now(connection) else None
 
 
 def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | None:
@@ -115,7 +124,7 @@ def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | N
     row = _found(connection, sa.select(*columns), Token.hash, secret)
     if row is None or row.revoked is not None:
         return None
-    return Visitor(row.name, "token"), engine.now(connection) - (row.last_used or 0.0) > USE_NOTED
+    return Visitor(row.name, "token", row.hash), engine.now(connection) - (row.last_used or 0.0) > USE_NOTED
 
 
 def note_use(connection: sa.Connection, name: str) -> None:

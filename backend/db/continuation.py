@@ -21,6 +21,7 @@ from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.catalogue import Catalogue
+from campaigns.flown import Flown
 from campaigns.spec import Campaign
 
 ENDED = ("done", "failed", "cancelled")
@@ -31,6 +32,12 @@ def state(connection: sa.Connection, run_id: int) -> tuple[str, dict[str, Any]] 
     of = sa.select(Run.state, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     row = connection.execute(of.where(Run.id == run_id)).first()
     return None if row is None else (row.state, row.document)
+
+
+def flown(connection: sa.Connection, run_id: int) -> Flown:
+    """What flew a run; of one from before this was stored, what its verdict was stored with, which may be nothing."""
+    row = connection.execute(sa.select(Run.flown, Run.summary).where(Run.id == run_id)).one()
+    return Flown.of(row.flown or (row.summary or {}).get("provenance"))
 
 
 def is_removed(connection: sa.Connection, run_id: int) -> bool:
@@ -75,11 +82,12 @@ def begin(
     worker: str,
     lease: float,
     catalogue: Catalogue | None = None,
+    flown: Flown | None = None,
 ) -> Claim:
     """Create the run that continues run `old` under the campaign, with these evaluations in its stages, and hold it.
 
-    It has the old run's name, tags and owner, and keeps of the catalogue what its components mean. In the caller's
-    transaction.
+    It has the old run's name, tags and owner, and keeps of the catalogue what its components mean. `flown` is what
+    flew these evaluations; None where that was not stored. In the caller's transaction.
     """
     kept = (Run.name, Run.tags, Run.owner, Run.priority, Run.best_so_far)
     cited = connection.execute(sa.select(*kept).where(Run.id == old)).one()
@@ -96,12 +104,13 @@ def begin(
             connection.execute(sa.insert(EvaluationChunk).values(**chunk, **blobs(columns)))
     at = now(connection)
     held = {"state": "running", "worker": worker, "fence": 1, "attempts": 1, "started": at, "lease_until": at + lease}
-    flown = {
+    carried_over = {
         "evaluations": sum(len(c.status) for c in carried.values()),
         "failed_evaluations": sum(_failed(c) for c in carried.values()),
         "best_so_far": cited.best_so_far,
+        "flown": None if flown is None else flown.model_dump(mode="json"),
     }
-    connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **flown))
+    connection.execute(sa.update(Run).where(Run.id == run_id).values(continues=old, **held, **carried_over))
     attempts = connection.execute(sa.select(Run.max_attempts).where(Run.id == run_id)).scalar_one()
     return Claim(run_id, 1, 1, attempts, worker, campaign.document())
 

@@ -18,6 +18,8 @@ from typing import Any, TypeVar
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
 
+from backend.db.private import create_private
+
 Result = TypeVar("Result")
 
 BUSY_TIMEOUT = 30.0
@@ -29,10 +31,11 @@ _MIGRATION_LOCK = 0x636C6561
 """The key of PostgreSQL's advisory lock that one migrating process holds."""
 
 
-def connect(url: str) -> sa.Engine:
+def connect(url: str, busy_timeout: float = BUSY_TIMEOUT) -> sa.Engine:
     """An engine for `sqlite:///path` or `postgresql://...`; a missing folder of an SQLite file is made.
 
-    Every transaction of SQLite is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for another database.
+    busy_timeout: how long a writer waits for another one, on PostgreSQL where it is not the default [s]. Every
+    transaction of SQLite is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for another database.
     """
     try:
         parsed = sa.make_url(url)
@@ -40,9 +43,15 @@ def connect(url: str) -> sa.Engine:
         raise ValueError("the database is given as sqlite:///FILE or postgresql://..., not as this text") from None
     backend = parsed.get_backend_name()
     if backend == "sqlite":
-        return _sqlite(parsed)
+        return _sqlite(parsed, busy_timeout)
     if backend in ("postgresql", "postgres"):
-        return sa.create_engine(parsed.set(drivername="postgresql+psycopg"), pool_pre_ping=True, json_serializer=_json)
+        limits = "" if busy_timeout == BUSY_TIMEOUT else f"-c lock_timeout={busy_timeout * 1000:.0f}"
+        return sa.create_engine(
+            parsed.set(drivername="postgresql+psycopg"),
+            pool_pre_ping=True,
+            json_serializer=_json,
+            connect_args={"options": limits} if limits else {},
+        )
     raise ValueError(f"the database {parsed.render_as_string()!r} is not one of sqlite:///FILE and postgresql://...")
 
 
@@ -116,16 +125,16 @@ def migrate(url: str) -> None:
         engine.dispose()
 
 
-def _sqlite(url: sa.URL) -> sa.Engine:
+def _sqlite(url: sa.URL, busy_timeout: float) -> sa.Engine:
     if not url.database or url.database == ":memory:":
         raise ValueError("an SQLite database is a file, since several processes share it: sqlite:///path/to/file")
-    Path(url.database).absolute().parent.mkdir(parents=True, exist_ok=True)
-    engine = sa.create_engine(url, connect_args={"timeout": BUSY_TIMEOUT}, json_serializer=_json)
+    create_private(Path(url.database).absolute())
+    engine = sa.create_engine(url, connect_args={"timeout": busy_timeout}, json_serializer=_json)
 
     @sa.event.listens_for(engine, "connect")
     def _connected(connection: sqlite3.Connection, _record: Any) -> None:
         connection.isolation_level = None  # otherwise the driver begins transactions of its own, and deferred ones
-        for pragma in (f"busy_timeout={BUSY_TIMEOUT * 1000:.0f}", "synchronous=NORMAL", "foreign_keys=ON"):
+        for pragma in (f"busy_timeout={busy_timeout * 1000:.0f}", "synchronous=NORMAL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
         _set_wal(connection)
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sqlalchemy as sa
 
-from backend.db import snapshots
+from backend.db import codes, snapshots
 from backend.db.course import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
@@ -22,6 +22,7 @@ from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.catalogue import Catalogue
+from campaigns.flown import Code, Flown, other_code
 from campaigns.snapshot import values_changed
 from campaigns.spec import Campaign
 
@@ -34,6 +35,10 @@ PATIENCE = 120.0
 
 class OtherComponents(ValueError):
     """The run was begun with components that would fly otherwise here; the message says which and what to do."""
+
+
+class OtherCode(ValueError):
+    """The run was begun by code, or with packages, that may fly otherwise here; the message says what differs."""
 
 
 class RunStore:
@@ -53,6 +58,13 @@ class RunStore:
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         """Write the plan of a new run; return every stage as it stands."""
         return self._write(lambda connection: self._plan(connection, stages))
+
+    def flies(self, flown: Flown, code: Code) -> None:
+        """Store what flies as the first stage begins; raises `OtherCode` where other code has flown already.
+
+        Of a run that was begun before this was stored there is nothing to compare.
+        """
+        self._write(lambda connection: self._flies(connection, flown, code))
 
     def begin(self, position: int) -> None:
         """Mark a stage running."""
@@ -135,6 +147,17 @@ class RunStore:
         if others:
             detail = "; ".join(others)
             raise OtherComponents(f"it was begun with other components than this worker's ({detail}): submit it again")
+
+    def _flies(self, connection: sa.Connection, flown: Flown, code: Code) -> None:
+        begun = (Stage.run_id == self._run, sa.or_(Stage.state != "waiting", Stage.evaluations > 0))
+        if connection.scalar(sa.select(Stage.position).where(*begun).limit(1)) is None:
+            codes.keep(connection, code)
+            fenced(connection, self.claim, flown=flown.model_dump(mode="json"))
+            return
+        stored = connection.scalar(sa.select(Run.flown).where(Run.id == self._run))
+        others = codes.others(connection, Flown.of(stored), flown, code)
+        if others:
+            raise OtherCode(other_code(f"R-{self._run:04d}", others))
 
     def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
         fenced(connection, self.claim, planned=sum(stage.planned for stage in stages))

@@ -15,6 +15,9 @@ from backend.db.base import Base as Base
 from backend.db.tables_access import LoginLink as LoginLink
 from backend.db.tables_access import Session as Session
 from backend.db.tables_access import Token as Token
+from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
+from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
+from backend.db.tables_installed import CodeVersion as CodeVersion
 
 
 class Campaign(Base):
@@ -26,16 +29,6 @@ class Campaign(Base):
     document: orm.Mapped[dict[str, Any]]
     created: orm.Mapped[float]
     __table_args__ = (sa.Index("ix_campaigns_name", "name", "digest"),)
-
-
-class CatalogueSnapshot(Base):
-    """What the components and methods of a campaign meant when its run was submitted, by its digest; shared by runs."""
-
-    __tablename__ = "catalogue_snapshots"
-    digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
-    document: orm.Mapped[dict[str, Any]]
-    """A catalogue with the used entries alone; see `campaigns.snapshot`."""
-    created: orm.Mapped[float]
 
 
 _LISTED = (
@@ -67,6 +60,8 @@ class Run(Base):
     """The run whose searches this one goes on with, under larger budgets."""
     snapshot: orm.Mapped[str | None] = orm.mapped_column(sa.ForeignKey("catalogue_snapshots.digest"))
     """What its components meant; None of runs that are older than snapshots."""
+    flown: orm.Mapped[dict[str, Any] | None]
+    """What flew when its first stage began; see `campaigns.flown`. None before that, and of runs that are older."""
     # queue
     priority: orm.Mapped[int] = orm.mapped_column(default=0)
     attempts: orm.Mapped[int] = orm.mapped_column(default=0)
@@ -200,15 +195,6 @@ class Trace(Base):
     """float64, (rows, columns)."""
     meta: orm.Mapped[dict[str, Any]]
     """closest: {time, value, position, obstacle}; obstacles: [{position, radius, ...}]; goal; parameters."""
-
-
-class CatalogueDocument(Base):
-    """The catalogue of the newest worker; one row."""
-
-    __tablename__ = "catalogue"
-    id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
-    document: orm.Mapped[dict[str, Any]]
-    published: orm.Mapped[float]
 
 
 class Worker(Base):

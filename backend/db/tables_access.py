@@ -24,7 +24,7 @@ class Token(Base):
 
 
 class LoginLink(Base):
-    """A login link printed at start: good once."""
+    """A login link: single-use; a new one voids those that were not used."""
 
     __tablename__ = "login_links"
     hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)

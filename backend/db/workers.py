@@ -10,17 +10,22 @@ import socket
 
 import sqlalchemy as sa
 
+from backend.db import codes
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueDocument, Worker
 from campaigns.catalogue import Catalogue
+from campaigns.flown import Code
 
 FORGOTTEN = 24 * 3600.0
 """A worker silent for longer than this is no longer listed [s]."""
 
 
-def publish(connection: sa.Connection, catalogue: Catalogue) -> None:
-    """Make the catalogue the one that campaigns are held against."""
+def publish(connection: sa.Connection, catalogue: Catalogue, code: Code | None = None) -> None:
+    """Make the catalogue the one that campaigns are held against, and the code the one that is installed."""
     values = {"document": catalogue.model_dump(mode="json"), "published": now(connection)}
+    values["code"] = None if code is None else code.digest
+    if code is not None:
+        codes.keep(connection, code)
     row = insert(connection, CatalogueDocument).values(id=1, **values)
     connection.execute(row.on_conflict_do_update(index_elements=["id"], set_=values))
 

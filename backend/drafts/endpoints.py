@@ -10,6 +10,8 @@ from backend.auth import CurrentVisitor
 from backend.deps import Engine, Reader
 from backend.drafts import service
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
+from backend.errors import problems
+from backend.schema import DraftName, Number32
 
 router = APIRouter(tags=["drafts"])
 
@@ -20,30 +22,32 @@ def list_drafts(reader: Reader) -> list[DraftSummary]:
     return service.listed(reader)
 
 
-@router.post("/drafts", status_code=status.HTTP_201_CREATED)
+@router.post("/drafts", status_code=status.HTTP_201_CREATED, responses=problems("too-many-drafts"))
 def create_draft(given: DraftContent, engine: Engine, visitor: CurrentVisitor) -> Draft:
     """Keep a campaign that is being prepared, as it was typed."""
     return service.create(engine, given, visitor)
 
 
-@router.get("/drafts/{draft}")
-def get_draft(draft: str, reader: Reader) -> Draft:
+@router.get("/drafts/{draft}", responses=problems("not-found"))
+def get_draft(draft: DraftName, reader: Reader) -> Draft:
     """A draft with its text."""
     return service.one(reader, service.number(draft))
 
 
-@router.put("/drafts/{draft}")
-def save_draft(draft: str, given: DraftReplace, engine: Engine, visitor: CurrentVisitor) -> Draft:
+@router.put("/drafts/{draft}", responses=problems("not-found", "draft-changed"))
+def save_draft(draft: DraftName, given: DraftReplace, engine: Engine, visitor: CurrentVisitor) -> Draft:
     """Save a draft over the version that was opened; 409 where somebody saved it meanwhile."""
     return service.replace(engine, service.number(draft), given, visitor)
 
 
-@router.delete("/drafts/{draft}", status_code=status.HTTP_204_NO_CONTENT)
+@router.delete(
+    "/drafts/{draft}", status_code=status.HTTP_204_NO_CONTENT, responses=problems("not-found", "draft-changed")
+)
 def delete_draft(
-    draft: str,
+    draft: DraftName,
     engine: Engine,
     visitor: CurrentVisitor,
-    version: Annotated[int | None, Query(ge=1, description="Delete it only where this is the newest.")] = None,
+    version: Annotated[Number32 | None, Query(description="Delete it only where this is the newest.")] = None,
 ) -> None:
     """Delete a draft, whoever made it; the audit trail keeps that."""
     service.delete(engine, service.number(draft), version, visitor)

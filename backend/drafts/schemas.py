@@ -4,39 +4,27 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from backend.runs.schemas import Tags
+from backend.schema import Given, Number32, Schema
 
 LONGEST = 500_000
 
 
-def _readable(text: str) -> str:
-    if "\0" in text:
-        raise ValueError("text has no null characters")
-    return text
-
-
-Typed = AfterValidator(_readable)
-
-
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class DraftContent(Schema):
+class DraftContent(Given):
     """What is kept of a campaign that is being prepared; the text may be incomplete or wrong."""
 
-    name: Annotated[str, Field(max_length=120), Typed]
+    name: Annotated[str, Field(max_length=120)]
     """Of the run that it is to become; may be empty."""
     tags: Tags = Field(default_factory=list)
-    text: Annotated[str, Field(max_length=LONGEST, description="The campaign as YAML or JSON, as it was typed."), Typed]
+    text: Annotated[str, Field(max_length=LONGEST, description="The campaign as YAML or JSON, as it was typed.")]
 
 
 class DraftReplace(DraftContent):
     """A draft saved again: over the version that was opened."""
 
-    version: Annotated[int, Field(ge=1, description="That was opened or saved last; 409 where there is a newer one.")]
+    version: Annotated[Number32, Field(description="That was opened or saved last; 409 where there is a newer one.")]
     run: Annotated[str, Field(max_length=20)] | None = None
     """The run that was started from it, R-0001; left out, what is known stays."""
 

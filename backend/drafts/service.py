@@ -20,7 +20,7 @@ from backend.runs import listing, service
 MOST = 1000
 """So many drafts are kept at most: a program that saves one each time is stopped before it fills the disk."""
 
-_ID = re.compile(r"D-(\d{1,9})")
+_ID = re.compile(r"D-([0-9]{1,9})")
 _LISTED = [getattr(Row, name) for name in ("id", "version", "name", "tags", "owner", "created", "saved", "saved_by")]
 
 

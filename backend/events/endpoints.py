@@ -2,18 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import contextlib
+import re
+import time
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Header, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 
 from backend.db.engine import read
 from backend.deps import Engine
+from backend.errors import problems
 from backend.runs import service
 
 router = APIRouter(tags=["events"])
+STREAM: dict[int | str, dict[str, Any]] = {
+    200: {"description": "A stream of events.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
+}
 
+_MARK = re.compile(r"[0-9]{1,12}\.[0-9]{3}")
+
+CHECK_PERIOD = 10.0
+"""It is checked so often, and at least at every heartbeat, that the visitor may still come in [s]."""
 
 HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
 """No proxy holds events back; and the connection ends with the stream, or it would hold up the service's stop."""
@@ -25,13 +37,23 @@ class EventStream(StreamingResponse):
     media_type = "text/event-stream"
 
 
-@router.get("/events", response_class=EventStream, responses={200: {"description": "A stream of events."}})
+@router.get(
+    "/events",
+    response_class=EventStream,
+    responses=STREAM | problems("not-found", "purged"),
+)
 async def stream_events(
     request: Request,
     engine: Engine,
     run: Annotated[str | None, Query(max_length=40, description="Only this run, such as R-0001.")] = None,
+    last: Annotated[
+        str | None, Header(alias="Last-Event-ID", description="The last `id` before; sent by browsers.")
+    ] = None,
 ) -> EventStream:
     """Changes as they happen, at most four times a second; comments every 15 s keep the stream alive.
+
+    Every event has an `id`; with it as `Last-Event-ID` a stream goes on: what is active is told again, and every run
+    that ended meanwhile (the newest 500). An id that this service cannot have given counts as none.
 
     `event: run` carries a RunSummary. With `run=` there are also `event: stages` with StageProgress[] and
     `event: evaluations` with {position: NewImprovements}. The first events after connecting tell everything.
@@ -39,7 +61,25 @@ async def stream_events(
     run_id = None if run is None else service.number(run)
     if run_id is not None:
         await run_in_threadpool(_require, engine, run_id)
-    return EventStream(request.app.state.hub.listen(run_id), headers=HEADERS)
+    events = request.app.state.hub.listen(run_id, _since(last))
+    return EventStream(_while_admitted(events, request.state.still), headers=HEADERS)
+
+
+def _since(mark: str | None) -> float | None:
+    """The time of a mark; None for anything else, because a browser does not come back after a refusal."""
+    return float(mark) if mark is not None and _MARK.fullmatch(mark) else None
+
+
+async def _while_admitted(events: AsyncGenerator[str], still: Callable[[], Awaitable[bool]]) -> AsyncGenerator[str]:
+    """The events until the visitor's session or token ends; a silent stream has a comment at every heartbeat."""
+    checked = time.monotonic()
+    async with contextlib.aclosing(events):
+        async for text in events:
+            if time.monotonic() - checked >= CHECK_PERIOD:
+                if not await still():
+                    return
+                checked = time.monotonic()
+            yield text
 
 
 def _require(engine: Engine, run_id: int) -> None:

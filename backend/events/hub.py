@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator
 
+import anyio
 import anyio.to_thread
 import sqlalchemy as sa
 
-from backend.events.watch import Event, Watch
+from backend.events.watch import Event, Watch, identified
 
 PERIOD = 0.25
 """Time between looks at the database [s]."""
@@ -27,15 +28,31 @@ _log = logging.getLogger(__name__)
 
 
 class _Listener:
-    def __init__(self, run_id: int | None) -> None:
-        self.run_id = run_id
+    """One stream. Its mark, the id of its events, is the time until which it was told everything.
+
+    Of several events that come together only the last has the new mark: whoever loses one of them is told again.
+    """
+
+    def __init__(self, run_id: int | None, since: float | None = None) -> None:
+        self.run_id, self.since = run_id, since
         self.greeted = False
+        self.mark = "" if since is None else _mark(since)
         self.queue: asyncio.Queue[str | None] = asyncio.Queue(BACKLOG)
 
-    def tell(self, events: list[Event]) -> None:
-        for event in events:
-            if event.name == "run" if self.run_id is None else event.run_id == self.run_id:
-                self._put(event.text())
+    def greet(self, events: list[Event], at: float) -> None:
+        """Tell everything as one piece, however much it is; without a former mark all of it has the new one."""
+        self.greeted, before, self.mark = True, self.mark or _mark(at), _mark(at)
+        told = [event.text(before) for event in events[:-1]] + [event.text(self.mark) for event in events[-1:]]
+        self._put("".join(told) or f"{identified(self.mark)}\n")
+
+    def tell(self, events: list[Event], at: float = 0.0) -> None:
+        """Tell what of the events this listener asked for."""
+        wanted = [e for e in events if (e.name == "run" if self.run_id is None else e.run_id == self.run_id)]
+        for event in wanted[:-1]:
+            self._put(event.text(self.mark))
+        for event in wanted[-1:]:
+            self.mark = _mark(at)
+            self._put(event.text(self.mark))
 
     def end(self) -> None:
         while self.queue.full():
@@ -57,15 +74,19 @@ class Hub:
         self._listeners: set[_Listener] = set()
         self._poller: asyncio.Task[None] | None = None
         self._ended = False
+        self._thread = anyio.CapacityLimiter(1)  # not one of those that all requests share
 
     @property
     def listeners(self) -> int:
         """How many streams are open."""
         return len(self._listeners)
 
-    async def listen(self, run_id: int | None) -> AsyncIterator[str]:
-        """The stream of one listener: of a run, or of all runs' summaries; ends when the service stops."""
-        listener = _Listener(run_id)
+    async def listen(self, run_id: int | None, since: float | None = None) -> AsyncGenerator[str]:
+        """The stream of one listener: of a run, or of all runs' summaries; ends when the service stops.
+
+        since: the mark that a listener comes back with; it is told which runs ended meanwhile.
+        """
+        listener = _Listener(run_id, since)
         self._listeners.add(listener)
         try:
             yield RETRY
@@ -114,7 +135,17 @@ class Hub:
 
     async def _look(self, watch: Watch) -> None:
         listeners = list(self._listeners)
-        events = await anyio.to_thread.run_sync(watch.look, {x.run_id for x in listeners if x.run_id is not None})
+        runs = {x.run_id for x in listeners if x.run_id is not None}
+        events = await anyio.to_thread.run_sync(watch.look, runs, limiter=self._thread)
         for listener in listeners:
-            listener.tell(events if listener.greeted else watch.everything(listener.run_id))
-            listener.greeted = True
+            if listener.greeted:
+                listener.tell(events, watch.at)
+                continue
+            told = watch.everything(listener.run_id)
+            if listener.run_id is None and listener.since is not None:
+                told += await anyio.to_thread.run_sync(watch.ended, listener.since)
+            listener.greet(told, watch.at)
+
+
+def _mark(at: float) -> str:
+    return f"{at:.3f}"

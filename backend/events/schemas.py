@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from backend.schema import Schema
 
 
-class NewImprovements(BaseModel):
+class NewImprovements(Schema):
     """Evaluations of one stage that became its best so far; equal columns, to be appended to those known by index.
 
     The first event after connecting has them all, a later one those since the event before.
     """
-
-    model_config = ConfigDict(extra="forbid")
 
     index: list[int]
     seconds: list[float]

@@ -14,7 +14,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.catalog.service import bounds, described
-from backend.db.engine import is_sqlite, read
+from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import Run
 from backend.errors import RefusedError
 from backend.events.schemas import NewImprovements
@@ -25,6 +25,12 @@ from backend.runs.schemas import RunSummary, StageProgress
 
 ACTIVE = ("queued", "running", "cancelling")
 
+LATE = 10.0
+"""What ended so long before a mark is told again: a transaction is seen later than the time it wrote down [s]."""
+
+MOST_ENDED = 500
+"""Runs that are told to have ended meanwhile; who was away for longer reads the list again."""
+
 
 @dataclass(frozen=True)
 class Event:
@@ -34,9 +40,14 @@ class Event:
     name: str
     data: str
 
-    def text(self) -> str:
-        """As it goes over the wire (WHATWG HTML, section 9.2)."""
-        return f"event: {self.name}\ndata: {self.data}\n\n"
+    def text(self, mark: str = "") -> str:
+        """As it goes over the wire (WHATWG HTML, section 9.2); `mark` is what its listener comes back with."""
+        return f"event: {self.name}\ndata: {self.data}\n{identified(mark)}\n"
+
+
+def identified(mark: str) -> str:
+    """The line that has a listener come back with this mark; nothing for none."""
+    return f"id: {mark}\n" if mark else ""
 
 
 @dataclass
@@ -73,6 +84,8 @@ class Watch:
         self._seen: dict[int, RunSummary] = {}
         self._newest: int | None = None
         self._watched: dict[int, _Watched] = {}
+        self.at = 0.0
+        """Until when everything has been told, by the queue's clock: the time of the last look that read."""
 
     def close(self) -> None:
         """Give the connection back."""
@@ -87,6 +100,7 @@ class Watch:
         if not self._committed() and not new and wanted == self._watched.keys():
             return []
         with read(self._engine) as reader:
+            self.at = now(reader)
             self._watched = {i: self._watched.get(i) or _watched(reader, i) for i in wanted}
             events = self._runs(reader, wanted)
             for run_id, watched in self._watched.items():
@@ -104,6 +118,14 @@ class Watch:
             return events
         steps = {str(position): watched.since(steps, 0) for position, steps in watched.steps.items()}
         return [*events, _stage_event(run_id, watched.stages), _event(run_id, "evaluations", json.dumps(steps))]
+
+    def ended(self, since: float) -> list[Event]:
+        """The runs that ended since then [s since 1970], the newest `MOST_ENDED`; for a listener that was away."""
+        over = sa.select(Run.id).where(Run.finished >= min(since, self.at) - LATE, Run.state.not_in(ACTIVE))
+        with read(self._engine) as reader:
+            ids = reader.scalars(over.order_by(Run.finished.desc(), Run.id.desc()).limit(MOST_ENDED)).all()
+            found = listing.summaries(reader, Run.id.in_(ids))
+        return [_event(service.number(s.id), "run", s.model_dump_json()) for s in found]
 
     def _committed(self) -> bool:
         """Whether anything may have been committed since the last time this was asked."""

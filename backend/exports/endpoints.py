@@ -3,22 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import sqlalchemy as sa
-from fastapi import APIRouter, Request, Response
-from fastapi.responses import StreamingResponse
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.concurrency import run_in_threadpool
 
+from backend.capacity import BoundedStream
 from backend.db.engine import read
-from backend.deps import Engine, Reader
+from backend.deps import Engine, Reader, capacities
+from backend.errors import problems
 from backend.exports import service
 from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
 from backend.runs.service import number, summary
 from backend.scenes.recordings import pages as recordings
+from backend.schema import FlightName, RunName
 
 router = APIRouter(tags=["exports"])
+Theme = Annotated[Literal["light", "dark"], Query(description="Which colours it has.")]
 _KINDS = {kind.file: kind for kind in service.FILES}
+
+STREAMED = frozenset({"run.json", "evaluations.csv"})
+"""Files that are made while they are sent: they may be large."""
+
+
+TAGGED = {
+    "ETag": {
+        "description": "Of the file, for `If-None-Match`; there is none while the run works.",
+        "schema": {"type": "string"},
+    }
+}
 
 
 def _described(file: str) -> dict[int | str, dict[str, Any]]:
@@ -26,52 +41,77 @@ def _described(file: str) -> dict[int | str, dict[str, Any]]:
     schema = {} if media == "application/json" else {"type": "string"}
     if media == "application/x-matlab-data":
         schema["format"] = "binary"
-    unchanged = {"description": "The file is the one that `If-None-Match` names."}
-    return {200: {"description": _KINDS[file].text, "content": {media: {"schema": schema}}}, 304: unchanged}
+    unchanged = {"description": "The file is the one that `If-None-Match` names.", "headers": TAGGED}
+    made = {"description": _KINDS[file].text, "content": {media: {"schema": schema}}, "headers": TAGGED}
+    return {200: made, 304: unchanged}
 
 
 _RECORDING: dict[int | str, dict[str, Any]] = {
-    200: {"description": "One self-contained file.", "content": {"text/html": {"schema": {"type": "string"}}}},
-    304: {"description": "The file is the one that `If-None-Match` names."},
+    200: {
+        "description": "One self-contained file.",
+        "content": {"text/html": {"schema": {"type": "string"}}},
+        "headers": TAGGED,
+    },
+    304: {"description": "The file is the one that `If-None-Match` names.", "headers": TAGGED},
 }
 
 
-@router.get("/runs/{run}/exports")
-def list_exports(run: str, reader: Reader) -> list[ExportFile]:
+@router.get("/runs/{run}/exports", responses=problems("not-found", "purged"))
+def list_exports(run: RunName, reader: Reader) -> list[ExportFile]:
     """The files that a run can be taken away as."""
     return service.files(reader, number(run))
 
 
-@router.get("/runs/{run}/exports/run.json", response_class=Response, responses=_described("run.json"))
-def export_run(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/exports/run.json",
+    response_class=Response,
+    responses=_described("run.json") | problems("not-found", "other-version", "purged"),
+)
+async def export_run(run: RunName, request: Request, engine: Engine) -> Response:
     """Everything that the run holds as one JSON document, streamed; `columns` are those of each stage's `rows`."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "run.json", lambda: service.run_json(engine, run_id))
+    return await _answer(request, engine, run_id, "run.json", lambda: service.run_json(engine, run_id))
 
 
-@router.get("/runs/{run}/exports/evaluations.csv", response_class=Response, responses=_described("evaluations.csv"))
-def export_evaluations(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/exports/evaluations.csv",
+    response_class=Response,
+    responses=_described("evaluations.csv") | problems("not-found", "other-version", "purged"),
+)
+async def export_evaluations(run: RunName, request: Request, engine: Engine) -> Response:
     """Every evaluation of every stage as CSV (RFC 4180), streamed; units stand in the heads of the columns."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "evaluations.csv", lambda: service.evaluations_csv(engine, run_id))
+    return await _answer(request, engine, run_id, "evaluations.csv", lambda: service.evaluations_csv(engine, run_id))
 
 
-@router.get("/runs/{run}/exports/findings.csv", response_class=Response, responses=_described("findings.csv"))
-def export_findings(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/exports/findings.csv",
+    response_class=Response,
+    responses=_described("findings.csv") | problems("not-found", "other-version", "purged"),
+)
+async def export_findings(run: RunName, request: Request, engine: Engine) -> Response:
     """The nominal flight and every finding as CSV, a row each, with the values of all criteria."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "findings.csv", lambda: _whole(engine, run_id, service.findings_csv))
+    return await _answer(request, engine, run_id, "findings.csv", lambda: _whole(engine, run_id, service.findings_csv))
 
 
-@router.get("/runs/{run}/exports/traces.csv", response_class=Response, responses=_described("traces.csv"))
-def export_traces(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/exports/traces.csv",
+    response_class=Response,
+    responses=_described("traces.csv") | problems("not-found", "other-version", "purged"),
+)
+async def export_traces(run: RunName, request: Request, engine: Engine) -> Response:
     """The stored flights as CSV, every row of them; `flight` says which one a row is of."""
     run_id = number(run)
-    return _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id, service.traces_csv))
+    return await _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id, service.traces_csv))
 
 
-@router.get("/runs/{run}/exports/traces.mat", response_class=Response, responses=_described("traces.mat"))
-def export_mat(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/exports/traces.mat",
+    response_class=Response,
+    responses=_described("traces.mat") | problems("not-found", "other-version", "purged"),
+)
+async def export_mat(run: RunName, request: Request, engine: Engine) -> Response:
     """The stored flights as a MAT-file of version 5, a structure for each."""
     run_id = number(run)
 
@@ -79,17 +119,21 @@ def export_mat(run: str, request: Request, engine: Engine) -> Response:
         with read(engine) as reader:
             return service.traces_mat(reader, run_id)
 
-    return _answer(request, engine, run_id, "traces.mat", made)
+    return await _answer(request, engine, run_id, "traces.mat", made)
 
 
-@router.get("/runs/{run}/exports/flight-{flight}.html", response_class=Response, responses=_RECORDING)
-def export_flight(run: str, flight: str, request: Request, theme: Literal["light", "dark"] = "light") -> Response:
+@router.get(
+    "/runs/{run}/exports/flight-{flight}.html",
+    response_class=Response,
+    responses=_RECORDING | problems("not-found", "other-version", "purged", "busy"),
+)
+async def export_flight(run: RunName, flight: FlightName, request: Request, theme: Theme = "light") -> Response:
     """A stored flight in 3D as one HTML file with a play bar, the nominal flight beside it; `flight` F1 or nominal.
 
     It opens offline and asks for nothing. What it says of itself stands in the page: parameters with all their digits,
     criterion, digests, versions.
     """
-    return recordings.answer(request, run, flight, dark=theme == "dark", how="attachment")
+    return await recordings.answer(request, run, flight, dark=theme == "dark", how="attachment")
 
 
 def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], Iterator[bytes]]) -> bytes:
@@ -97,19 +141,21 @@ def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], 
         return b"".join(made(reader, run_id))
 
 
-def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: Any) -> Response:
+async def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: Any) -> Response:
     """The file with its name and entity tag; 304 where the visitor has it already."""
-    with read(engine) as reader:
-        name = summary(reader, run_id).name
-        tag = service.tag(reader, run_id)
-    saved = named(request.path_params["run"], name, file)
-    headers = {"Content-Disposition": f'attachment; filename="{saved}"'}
-    if tag is not None:
-        headers |= {"ETag": tag, "Cache-Control": "private, no-cache"}
-        if tag in request.headers.get("if-none-match", ""):
-            return Response(status_code=304, headers=headers)
-    content: Iterator[bytes] | bytes = made()
+    files = capacities(request).files
+
+    def head() -> dict[str, str]:
+        with read(engine) as reader:
+            tag = service.tag(reader, run_id)
+            saved = named(request.path_params["run"], summary(reader, run_id).name, file)
+        headers = {"Content-Disposition": f'attachment; filename="{saved}"'}
+        return headers if tag is None else headers | {"ETag": tag, "Cache-Control": "private, no-cache"}
+
+    headers = await run_in_threadpool(head)
+    if "ETag" in headers and headers["ETag"] in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
     media = _KINDS[file].media_type
-    if isinstance(content, bytes):
-        return Response(content, headers=headers, media_type=media)
-    return StreamingResponse(content, headers=headers, media_type=media)
+    if file in STREAMED:
+        return BoundedStream(files, made, headers=headers, media_type=media)
+    return Response(await files.run(made, request.is_disconnected), headers=headers, media_type=media)

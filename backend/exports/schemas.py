@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from backend.schema import Schema
 
 
-class ExportFile(BaseModel):
+class ExportFile(Schema):
     """One file: its name when saved, what is in it, and where it is asked for."""
-
-    model_config = ConfigDict(extra="forbid")
 
     name: str
     """R-0001-unicycle-past-a-pillar-evaluations.csv"""

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from backend.schema import Schema
 
 
-class Health(BaseModel):
+class Health(Schema):
     """Minimal, because anyone may ask."""
-
-    model_config = ConfigDict(extra="forbid")
 
     status: Literal["ok"]

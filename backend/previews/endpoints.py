@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 from fastapi import APIRouter, Request
-from fastapi.concurrency import run_in_threadpool
 
 from backend import bodies
 from backend.catalog.endpoints import CHECK_BODY, given
-from backend.deps import Engine
+from backend.deps import Engine, capacities
+from backend.errors import problems
 from backend.previews import service
 from backend.previews.schemas import Preview
-from campaigns import Campaign, CampaignError
-from campaigns.catalogue import ComponentEntry
+from campaigns import CampaignError
 
 router = APIRouter(tags=["catalog"])
 
 
-@router.post("/campaigns/preview", openapi_extra={"requestBody": CHECK_BODY})
+@router.post(
+    "/campaigns/preview",
+    openapi_extra={"requestBody": CHECK_BODY},
+    responses=problems(
+        "unsupported-media-type",
+        "unreadable",
+        "invalid-campaign",
+        "not-flyable",
+        "no-catalogue",
+        "busy",
+        "preview-busy",
+        "preview-overtaken",
+        "preview-failed",
+    ),
+)
 async def preview_campaign(request: Request, engine: Engine) -> Preview:
     """Fly the nominal case of a campaign, as `{"campaign": ...}` or as YAML; stores nothing.
 
@@ -26,15 +39,12 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
     yaml = bodies.is_yaml(request)
     body = await request.body()
 
-    def work() -> tuple[Campaign, ComponentEntry]:
-        try:
-            campaign = given(body, yaml)
-            if isinstance(campaign, CampaignError):
-                raise campaign
-            return campaign, service.checked(engine, campaign)
-        except CampaignError as error:
-            raise bodies.invalid(error) from None
-
-    campaign, criterion = await run_in_threadpool(work)
+    campaign = await bodies.apart(request, lambda: given(body, yaml))
+    if isinstance(campaign, CampaignError):
+        raise bodies.invalid(campaign)
+    try:
+        criterion = await capacities(request).checks.run(lambda: service.checked(engine, campaign))
+    except CampaignError as error:
+        raise bodies.invalid(error) from None
     answer, seconds = await request.app.state.previews.fly(campaign, request.is_disconnected)
     return service.told(campaign, criterion, answer, seconds)

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
-
-
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
+from backend.schema import Schema
 
 
 class PreviewClosest(Schema):

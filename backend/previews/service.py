@@ -11,7 +11,7 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from anyio import to_thread
+from anyio import CapacityLimiter, to_thread
 
 from backend.catalog.service import required
 from backend.db.engine import read
@@ -19,7 +19,7 @@ from backend.deps import Engine
 from backend.errors import RefusedError
 from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
 from backend.scenes.control.live import FlightRefusedError, Live, LiveError
-from campaigns import Campaign, CampaignError, check
+from campaigns import Campaign, CampaignError, check, effort
 from campaigns.catalogue import ComponentEntry
 
 ROWS = 240
@@ -40,6 +40,7 @@ class Previews:
     def __init__(self, live: Live | None = None) -> None:
         self.live = live or Live(limit=LIMIT, first_limit=LIMIT)
         self._turn = asyncio.Lock()
+        self._thread = CapacityLimiter(1)  # not one of those that all requests share
         self._waiting = 0
 
     async def fly(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[dict[str, Any], float]:
@@ -55,7 +56,7 @@ class Previews:
                 if await gone():
                     raise RefusedError(503, "preview-overtaken", "nobody waits for this preview any more")
                 began = time.monotonic()
-                answer = await to_thread.run_sync(self._flown, campaign)
+                answer = await to_thread.run_sync(self._flown, campaign, limiter=self._thread)
                 return answer, time.monotonic() - began
         finally:
             self._waiting -= 1
@@ -74,10 +75,10 @@ class Previews:
 
 
 def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
-    """The criterion of a campaign that can be run; raises `CampaignError`, or 503 before any worker came."""
+    """The criterion of a campaign that can be previewed; raises `CampaignError`, or 503 before any worker came."""
     with read(engine) as reader:
         catalogue = required(reader)
-    problems = check(campaign, catalogue)
+    problems = check(campaign, catalogue) or list(effort.unpreviewable(campaign))
     if problems:
         raise CampaignError("request", problems)
     criterion = catalogue.component("criterion", campaign.criterion.component)

@@ -9,9 +9,11 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
 from backend.db.engine import now, read
-from backend.deps import Engine
+from backend.deps import Engine, capacities
+from backend.errors import problems
 from backend.reports import pdf, service
 from backend.runs.service import number
+from backend.schema import RunName
 
 router = APIRouter(tags=["reports"])
 
@@ -24,10 +26,15 @@ _PDF: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.get("/runs/{run}/report.html", response_class=HTMLResponse, responses=_HTML)
-def get_report(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/report.html",
+    response_class=HTMLResponse,
+    responses=_HTML | problems("not-found", "other-version", "purged"),
+)
+async def get_report(run: RunName, request: Request, engine: Engine) -> Response:
     """The report of a run for a safety case: one file that needs nothing else and prints to A4."""
-    page = _made(request, engine, number(run))
+    run_id = number(run)
+    page = await capacities(request).files.run(lambda: _made(request, engine, run_id), request.is_disconnected)
     headers = {
         "Content-Disposition": f'inline; filename="{page.file}.html"',
         "Content-Security-Policy": f"{page.policy}; frame-ancestors 'none'",
@@ -35,12 +42,22 @@ def get_report(run: str, request: Request, engine: Engine) -> Response:
     return HTMLResponse(page.html, headers=headers)
 
 
-@router.get("/runs/{run}/report.pdf", response_class=Response, responses=_PDF)
-def get_report_pdf(run: str, request: Request, engine: Engine) -> Response:
+@router.get(
+    "/runs/{run}/report.pdf",
+    response_class=Response,
+    responses=_PDF | problems("not-found", "other-version", "purged", "no-browser", "browser-failed", "busy"),
+)
+async def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Response:
     """The same as PDF, printed by the Chromium of the service's machine; 503 with what to do where it has none."""
-    page = _made(request, engine, number(run))
-    headers = {"Content-Disposition": f'attachment; filename="{page.file}.pdf"'}
-    return Response(pdf.printed(page.html), headers=headers, media_type="application/pdf")
+    run_id = number(run)
+
+    def printed() -> tuple[str, bytes]:
+        page = _made(request, engine, run_id)
+        return page.file, pdf.printed(page.html)
+
+    file, content = await capacities(request).pdf.run(printed, request.is_disconnected)
+    headers = {"Content-Disposition": f'attachment; filename="{file}.pdf"'}
+    return Response(content, headers=headers, media_type="application/pdf")
 
 
 def _made(request: Request, engine: sa.Engine, run_id: int) -> service.Page:

@@ -13,6 +13,14 @@ from backend.reports.held import Held
 from campaigns.check import SEED, parts
 
 
+_ENDS = {
+    "": "",
+    "centre": "Distances end at the obstacles’ centres: the threshold must contain their size.",
+    "surface": "Distances end at the obstacles’ surfaces.",
+}
+"""By what a criterion measures to."""
+
+
 def conditions(held: Held) -> list[str]:
     """What the evidence holds under, as sentences."""
     return [text for text in (_measured(held), _horizon(held), _excluded(held), _failed(held), *_noise(held)) if text]
@@ -28,7 +36,9 @@ def _measured(held: Held) -> str:
             "the obstacles’ centres or to their surfaces."
         )
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
-    return f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
+    text = f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
+    ends = _ENDS[held.run.criteria[0].measured_to] if held.run.criteria else ""
+    return f"{text} {ends}".strip()
 
 
 def _horizon(held: Held) -> str:

@@ -1,6 +1,6 @@
 """HTML printed to PDF by the Chromium of this machine, where there is one.
 
-Headless, in a profile of its own that is thrown away, at most two at a time. The page's own policy lets no script of
+Headless, in a profile of its own that is thrown away. The page's own policy lets no script of
 it run; the browser's switch against scripts would stop its printing too. Start reading at `printed`.
 """
 
@@ -13,22 +13,19 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import threading
 from pathlib import Path
 
 from backend.errors import RefusedError
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PATIENCE = 60.0
-"""How long a browser may print, and how long a report waits for its turn [s]."""
-AT_ONCE = 2
+"""How long a browser may print [s]."""
 
 MISSING = (
     "no Chromium was found on this machine, which prints the PDF: install it (on Debian: `apt install chromium`), or "
     "open the report as HTML and print it from any browser"
 )
 
-_turns = threading.BoundedSemaphore(AT_ONCE)
 _log = logging.getLogger(__name__)
 
 
@@ -38,18 +35,12 @@ def browser() -> str | None:
 
 
 def printed(html: str) -> bytes:
-    """The page as PDF. Raises 503 where no browser is there, none is free, or it fails."""
+    """The page as PDF. Raises 503 where there is no browser or it fails."""
     path = browser()
     if path is None:
         raise RefusedError(503, "no-browser", MISSING)
-    if not _turns.acquire(timeout=PATIENCE):
-        detail = f"{AT_ONCE} other reports are being printed; try again in a minute"
-        raise RefusedError(503, "busy", detail, headers={"Retry-After": "30"})
-    try:
-        with tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True) as folder:
-            return _print(path, html, Path(folder))
-    finally:
-        _turns.release()
+    with tempfile.TemporaryDirectory(prefix="clearance-pdf-", ignore_cleanup_errors=True) as folder:
+        return _print(path, html, Path(folder))
 
 
 def _print(path: str, html: str, folder: Path) -> bytes:

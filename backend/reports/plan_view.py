@@ -29,6 +29,7 @@ def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
         return None
     reach = of.threshold or 0.0
     for case in cases[-1:]:
+        reach = max((_free(obstacle, of) for obstacle in _shown(case)), default=reach)
         places += [
             (x + dx, y + dy) for x, y in _centres(case, axis) for dx in (-reach, reach) for dy in (-reach, reach)
         ]
@@ -111,15 +112,21 @@ def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> N
         place = (axes.x(x), axes.y(y))
         radius = float(obstacle.get("radius") or 0.0) * scale
         axes.add(body, *place, max(radius, 2.5), plot.OBSTACLE, 0.16, plot.OBSTACLE, Markup(""))
-        if of.threshold:
-            axes.add(body, *place, of.threshold * scale, "none", 0, plot.INK, dashed)
-        edge = max(radius, (of.threshold or 0.0) * scale)
+        free = _free(obstacle, of) * scale
+        if free > 0:
+            axes.add(body, *place, free, "none", 0, plot.INK, dashed)
+        edge = max(radius, free)
         axes.text(
             place[0],
             min(place[1] + edge + 12, axes.height - axes.bottom - 4),
             obstacle.get("title", ""),
             colour=plot.OBSTACLE,
         )
+
+
+def _free(obstacle: dict[str, Any], of: Quantity) -> float:
+    """Radius of the disc that must stay free [m], 0 for none; flights stored before it was do not have it."""
+    return float(obstacle.get("free_radius", of.threshold) or 0.0)
 
 
 def _shown(case: Case) -> list[dict[str, Any]]:
@@ -152,5 +159,5 @@ def _landmarks(axes: Axes, meta: dict[str, Any], axis: tuple[str, str]) -> None:
 def caption(cases: Sequence[Case], of: Quantity) -> str:
     """What the figure shows, in words."""
     drawn = "; ".join(f"{case.label}: {HUES.get(case.colour, 'dashed')}" for case in cases)
-    limit = f" Dashed circle: the criterion of {words.plain(of.threshold)} {of.unit}." if of.threshold else ""
+    limit = f" Dashed: the criterion of {words.plain(of.threshold)} {of.unit}." if of.threshold else ""
     return f"Flights seen from above. {drawn}.{limit} A moving obstacle stands where it was at the closest approach."

@@ -133,7 +133,8 @@ def _shown(meta: dict[str, Any]) -> str:
 
 def _origin(held: Held) -> list[tuple[str, str]]:
     """Provenance as rows; what was not recorded says so."""
-    told = held.summary.get("provenance") or {}
+    flown = held.run.flown
+    told = held.summary.get("provenance") or (flown.model_dump(mode="json") if flown else {})
     unknown = "not recorded"
     given = told.get("cpu")
     cpu: dict[str, Any] = given if isinstance(given, dict) else {"model": given}
@@ -142,6 +143,7 @@ def _origin(held: Held) -> list[tuple[str, str]]:
         ("Campaign", f"sha256 {held.run.campaign_digest}"),
         ("Results", f"sha256 {held.digest}"),
         ("Components", _components(held)),
+        ("Code", f"sha256 {flown.code}" if flown and flown.code else "not stored when the run began"),
         ("Simulation kernel", str(told.get("loop") or unknown)),
         ("Seed", str(told.get("seed", held.campaign.seed))),
         ("Clearance", str(told.get("clearance") or unknown)),

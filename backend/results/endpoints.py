@@ -7,16 +7,18 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from backend.deps import Reader
+from backend.errors import problems
 from backend.results import evaluations, service
 from backend.results.schemas import Evaluations, FindingDetail, TraceData, TraceInfo
 from backend.runs.service import number
+from backend.schema import FlightName, RunName
 
 router = APIRouter(tags=["results"])
 
 
-@router.get("/runs/{run}/evaluations")
+@router.get("/runs/{run}/evaluations", responses=problems("not-found", "other-version", "purged"))
 def get_evaluations(
-    run: str,
+    run: RunName,
     reader: Reader,
     max_points: Annotated[int, Query(ge=2, le=100_000, description="At most so many evaluations of a stage.")] = 2000,
     position: Annotated[int | None, Query(ge=0, le=1000, description="Only the stage at this position.")] = None,
@@ -25,22 +27,22 @@ def get_evaluations(
     return evaluations.read(reader, number(run), max_points, position)
 
 
-@router.get("/runs/{run}/findings")
-def list_findings(run: str, reader: Reader) -> list[FindingDetail]:
+@router.get("/runs/{run}/findings", responses=problems("not-found", "other-version", "purged"))
+def list_findings(run: RunName, reader: Reader) -> list[FindingDetail]:
     """The distinct worst cases of a run, the worst first."""
     return service.findings(reader, number(run))
 
 
-@router.get("/runs/{run}/traces")
-def list_traces(run: str, reader: Reader) -> list[TraceInfo]:
+@router.get("/runs/{run}/traces", responses=problems("not-found", "purged"))
+def list_traces(run: RunName, reader: Reader) -> list[TraceInfo]:
     """The stored flights of a run: the nominal one and one for each finding."""
     return service.traces(reader, number(run))
 
 
-@router.get("/runs/{run}/traces/{name}")
+@router.get("/runs/{run}/traces/{name}", responses=problems("not-found", "purged"))
 def get_trace(
-    run: str,
-    name: str,
+    run: RunName,
+    name: FlightName,
     reader: Reader,
     max_points: Annotated[int, Query(ge=10, le=100_000, description="At most so many rows.")] = 1000,
 ) -> TraceData:

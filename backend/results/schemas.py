@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict
-
 from backend.catalog.schemas import CriterionOut
-
-
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
+from backend.schema import Schema
 
 
 class EvaluationSeries(Schema):
@@ -41,6 +36,8 @@ class EvaluationSeries(Schema):
 
 
 class EvaluationFailure(Schema):
+    """An evaluation that has no cost, with the reason."""
+
     position: int
     index: int
     status: Literal["failed", "timeout", "excluded"]
@@ -49,6 +46,8 @@ class EvaluationFailure(Schema):
 
 
 class Evaluations(Schema):
+    """A run's evaluations, stage by stage."""
+
     criteria: list[CriterionOut]
     """The one that decides first; `cost` and `further` are in their units."""
     stages: list[EvaluationSeries]
@@ -66,6 +65,8 @@ class FoundBy(Schema):
 
 
 class FindingDetail(Schema):
+    """One distinct worst case, with the values of its uncertain parameters and their bounds."""
+
     label: str
     cost: float
     margin: float
@@ -83,6 +84,8 @@ class FindingDetail(Schema):
 
 
 class TraceColumn(Schema):
+    """One column of a trace."""
+
     name: str
     symbol: str
     unit: str
@@ -90,6 +93,8 @@ class TraceColumn(Schema):
 
 
 class TraceInfo(Schema):
+    """A stored trace without its data."""
+
     name: str
     rows: int
     columns: list[TraceColumn]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sqlalchemy as sa
 
 from backend.catalog.service import published, required
-from backend.db import snapshots
+from backend.db import codes, snapshots
 from backend.db.tables import Run
 from backend.runs import service
 from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
+from campaigns.flown import Flown
 from campaigns.snapshot import changes, snapshot
 
 
@@ -17,10 +20,12 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
     """As the run kept them; of a run that kept nothing as they are described now. 404 for no run."""
     asked = service.campaign(reader, run_id)
     kept = snapshots.of_run(reader, run_id)
+    digest, flown = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
+    then, now = Flown.of(flown).code, codes.published(reader)
+    code: dict[str, Any] = {"code": then, "code_installed": now, "code_changes": codes.changed(reader, then, now)}
     if kept is None:
-        return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[])
-    digest = reader.scalar(sa.select(Run.snapshot).where(Run.id == run_id))
-    return RunComponents(digest=digest, catalogue=kept, changes=changed(kept, published(reader)))
+        return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[], **code)
+    return RunComponents(digest=digest, catalogue=kept, changes=changed(kept, published(reader)), **code)
 
 
 def changed(kept: Catalogue, installed: Catalogue | None) -> list[str]:

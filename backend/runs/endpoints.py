@@ -6,12 +6,13 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from backend import bodies
 from backend.auth import CurrentVisitor
 from backend.db.engine import read
 from backend.deps import Engine, Reader
+from backend.errors import problems
 from backend.runs import edits, listing, removal, service, texts
 from backend.runs.components import components
 from backend.runs.facets import facets
@@ -34,7 +35,9 @@ from backend.runs.schemas import (
     StageDetail,
     VerdictWord,
 )
+from backend.schema import RunName, Seconds
 from campaigns import CampaignError, Problem
+from campaigns.problem import shown
 
 router = APIRouter(tags=["runs"])
 
@@ -45,12 +48,21 @@ SUBMIT_BODY = {
         "application/yaml": {"schema": {"type": "string"}},
     },
 }
+LOCATION: dict[int | str, dict[str, Any]] = {
+    201: {
+        "description": "The run that was queued, now or before under the same key.",
+        "headers": {"Location": {"description": "The address of the run.", "schema": {"type": "string"}}},
+    }
+}
 CAMPAIGN_FILE: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "YAML, or JSON where it was typed as such.",
         "content": {"application/yaml": {"schema": {"type": "string"}}},
     }
 }
+MOST = 50
+"""Alternatives of one filter."""
+Word = Annotated[str, Field(max_length=200)]
 Key = Annotated[
     str | None,
     Header(
@@ -62,14 +74,23 @@ Key = Annotated[
 ]
 
 
-@router.post("/runs", status_code=status.HTTP_201_CREATED, openapi_extra={"requestBody": SUBMIT_BODY})
+@router.post(
+    "/runs",
+    status_code=status.HTTP_201_CREATED,
+    openapi_extra={"requestBody": SUBMIT_BODY},
+    responses=LOCATION
+    | problems(
+        "unsupported-media-type", "unreadable", "invalid-campaign", "idempotency-key-reused", "no-catalogue", "busy"
+    ),
+)
 async def submit_run(
     request: Request, response: Response, engine: Engine, visitor: CurrentVisitor, key: Key = None
 ) -> RunSummary:
     """Queue a run of a campaign, given as JSON or as YAML."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
-    run = await run_in_threadpool(lambda: service.submit(engine, _submission(body, yaml), visitor, key))
+    submission = await bodies.apart(request, lambda: _submission(body, yaml))
+    run = await run_in_threadpool(service.submit, engine, submission, visitor, key)
     response.headers["Location"] = f"{request.url.path}/{run.id}"
     return run
 
@@ -86,27 +107,31 @@ def _described(body: bytes) -> RunSubmit:
         return RunSubmit.model_validate(bodies.document(body))
     except ValidationError as error:
         found = error.errors(include_url=False, include_context=False)
-        problems = [Problem(".".join(map(str, e["loc"])), str(e["input"])[:120], e["msg"]) for e in found]
-        raise bodies.invalid(CampaignError("request", problems)) from None
+        wrong = [Problem(".".join(map(str, e["loc"])), _given(e["input"]), e["msg"]) for e in found[:MOST]]
+        raise bodies.invalid(CampaignError("request", wrong, len(found))) from None
 
 
-@router.get("/runs")
+def _given(value: Any) -> str:
+    return value[:120] if isinstance(value, str) else shown(value)
+
+
+@router.get("/runs", responses=problems("bad-cursor"))
 def list_runs(
     reader: Reader,
     q: Annotated[str, Query(max_length=200, description="Words in the name, campaign, tags, owner or number.")] = "",
-    state: Annotated[list[RunState] | None, Query()] = None,
-    verdict: Annotated[list[VerdictWord] | None, Query()] = None,
-    tag: Annotated[list[str] | None, Query()] = None,
-    campaign: Annotated[list[str] | None, Query(description="Names of campaigns.")] = None,
-    owner: Annotated[list[str] | None, Query()] = None,
-    method: Annotated[list[str] | None, Query(description="Which found the worst case.")] = None,
-    since: Annotated[float | None, Query(description="Submitted from then on [s since 1970].")] = None,
-    until: Annotated[float | None, Query(description="Submitted before then [s since 1970].")] = None,
-    pinned: bool | None = None,
+    state: Annotated[list[RunState] | None, Query(max_length=MOST, description="Their states.")] = None,
+    verdict: Annotated[list[VerdictWord] | None, Query(max_length=MOST, description="Their verdicts.")] = None,
+    tag: Annotated[list[Word] | None, Query(max_length=MOST, description="Tags, of which they have one.")] = None,
+    campaign: Annotated[list[Word] | None, Query(max_length=MOST, description="Names of campaigns.")] = None,
+    owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Who submitted them.")] = None,
+    method: Annotated[list[Word] | None, Query(max_length=MOST, description="Which found the worst case.")] = None,
+    since: Annotated[Seconds | None, Query(description="Submitted from then on [s since 1970].")] = None,
+    until: Annotated[Seconds | None, Query(description="Submitted before then [s since 1970].")] = None,
+    pinned: Annotated[bool | None, Query(description="Pinned ones alone, or all others.")] = None,
     removed: Annotated[bool, Query(description="Those that were removed, instead of all others.")] = False,
-    sort: Sort = "-created",
+    sort: Annotated[Sort, Query(description="With a minus: the largest first.")] = "-created",
     cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the page before.")] = None,
-    limit: Annotated[int, Query(ge=1, le=200)] = 50,
+    limit: Annotated[int, Query(ge=1, le=200, description="At most so many runs on a page.")] = 50,
 ) -> RunPage:
     """The runs, a page at a time, pinned ones first; repeated filters are alternatives."""
     filters = Filters(
@@ -131,54 +156,56 @@ def list_facets(reader: Reader) -> RunFacets:
     return facets(reader)
 
 
-@router.post("/runs/cancel")
+@router.post("/runs/cancel", responses=problems("not-found", "purged"))
 def cancel_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Cancel several runs; those that have ended stay as they are."""
     return edits.cancel(engine, [service.number(run) for run in given.runs], visitor)
 
 
-@router.post("/runs/remove")
+@router.post("/runs/remove", responses=problems("not-found", "not-removable", "purged"))
 def remove_runs(given: RunsRemoved, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Take several runs out of the lists, all or none; see the removal of one."""
     return removal.remove(engine, [service.number(run) for run in given.runs], given.reason, visitor)
 
 
-@router.post("/runs/restore")
+@router.post("/runs/restore", responses=problems("not-found", "purged"))
 def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
     """Put several removed runs back into the lists; those that are there stay."""
     return removal.restore(engine, [service.number(run) for run in given.runs], visitor)
 
 
-@router.patch("/runs/{run}")
-def edit_run(run: str, given: RunEdit, engine: Engine, visitor: CurrentVisitor) -> RunDetail:
+@router.patch("/runs/{run}", responses=problems("not-found", "notes-changed", "removed", "purged", "invalid"))
+def edit_run(run: RunName, given: RunEdit, engine: Engine, visitor: CurrentVisitor) -> RunDetail:
     """Change a run's name, tags, notes or pin; what is left out stays."""
     edits.edit(engine, service.number(run), given, visitor)
     with read(engine) as reader:
         return service.detail(reader, service.number(run))
 
 
-@router.get("/runs/{run}")
-def get_run(run: str, reader: Reader) -> RunDetail:
+@router.get("/runs/{run}", responses=problems("not-found", "purged"))
+def get_run(run: RunName, reader: Reader) -> RunDetail:
     """One run with its campaign, its stages as they stand, and the parts of its verdict."""
     return service.detail(reader, service.number(run))
 
 
-@router.get("/runs/{run}/campaign.yaml", response_class=Response, responses=CAMPAIGN_FILE)
-def get_run_campaign(run: str, reader: Reader) -> Response:
+@router.get(
+    "/runs/{run}/campaign.yaml", response_class=Response, responses=CAMPAIGN_FILE | problems("not-found", "purged")
+)
+def get_run_campaign(run: RunName, reader: Reader) -> Response:
     """The campaign of a run as a file: as it was typed where it was given as text, else as YAML."""
     headers = {"Content-Disposition": f'attachment; filename="{listing.name(service.number(run))}-campaign.yaml"'}
     return Response(texts.text(reader, service.number(run)), headers=headers, media_type="application/yaml")
 
 
-@router.post("/runs/{run}/cancel")
-def cancel_run(run: str, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
+@router.post("/runs/{run}/cancel", responses=problems("not-found", "purged"))
+def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Cancel a run: queued ones at once, running ones within a second; one that has ended stays as it is."""
     return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
-@router.delete("/runs/{run}")
+@router.delete("/runs/{run}", responses=problems("not-found", "not-removable", "purged"))
 def remove_run(
-    run: str,
+    run: RunName,
     engine: Engine,
     visitor: CurrentVisitor,
     reason: Annotated[Reason, Query(description="Why; it is shown wherever the run is asked for.")],
@@ -191,26 +218,26 @@ def remove_run(
     return removal.remove(engine, [service.number(run)], reason, visitor)[0]
 
 
-@router.post("/runs/{run}/restore")
-def restore_run(run: str, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
+@router.post("/runs/{run}/restore", responses=problems("not-found", "purged"))
+def restore_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
     """Put a removed run back into the lists; one that is there stays as it is."""
     return removal.restore(engine, [service.number(run)], visitor)[0]
 
 
-@router.get("/runs/{run}/stages")
-def list_stages(run: str, reader: Reader) -> list[StageDetail]:
+@router.get("/runs/{run}/stages", responses=problems("not-found", "purged"))
+def list_stages(run: RunName, reader: Reader) -> list[StageDetail]:
     """The stages of a run with their results."""
     return service.stages(reader, service.number(run))
 
 
-@router.get("/runs/{run}/components")
-def list_run_components(run: str, reader: Reader) -> RunComponents:
+@router.get("/runs/{run}/components", responses=problems("not-found", "other-version", "purged"))
+def list_run_components(run: RunName, reader: Reader) -> RunComponents:
     """What the components and methods of a run meant when it was submitted, and what is said otherwise now."""
     return components(reader, service.number(run))
 
 
-@router.get("/runs/{run}/history")
-def list_history(run: str, reader: Reader) -> list[HistoryEntry]:
+@router.get("/runs/{run}/history", responses=problems("not-found"))
+def list_history(run: RunName, reader: Reader) -> list[HistoryEntry]:
     """What was done to a run and by whom, the newest first: submitted, edited, cancelled, signed off,
     removed, restored, purged."""
     return history(reader, service.number(run))

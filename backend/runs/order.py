@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import binascii
 import json
+import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -17,6 +18,7 @@ import sqlalchemy as sa
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from backend.errors import RefusedError
+from backend.schema import LARGEST_WHOLE, unstorable_text
 from campaigns import Problem
 
 Sort = Literal[
@@ -95,17 +97,25 @@ class Order:
         try:
             text = base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True)
             of, pinned, value, run_id = json.loads(text)
-        except (binascii.Error, ValueError, TypeError):
+        except (binascii.Error, ValueError, TypeError, RecursionError):
             raise _bad(cursor, "not one that this service gave; start again without a cursor") from None
         if of != self.sort:
             message = f"from a list sorted by {of}, this one is sorted by {self.sort}; start again without a cursor"
             raise _bad(cursor, message)
-        words = isinstance(self.value.type, sa.String)
-        fits = value is None or (isinstance(value, str if words else int | float) and not isinstance(value, bool))
         known = isinstance(run_id, int) and not isinstance(run_id, bool) and 0 <= run_id < 2**62
-        if not (fits and known and isinstance(pinned, bool)):
+        if not (self._fits(value) and known and isinstance(pinned, bool)):
             raise _bad(cursor, "not one that this service gave; start again without a cursor")
         return pinned, value, run_id
+
+    def _fits(self, value: Any) -> bool:
+        """Whether the value is one that rows of this order can have, and a database can be asked for."""
+        if value is None or isinstance(value, bool):
+            return value is None
+        if isinstance(self.value.type, sa.String):
+            return isinstance(value, str) and unstorable_text(value) is None
+        if isinstance(value, int):
+            return abs(value) <= LARGEST_WHOLE
+        return isinstance(value, float) and not math.isnan(value)
 
 
 def _bad(cursor: str, message: str) -> RefusedError:

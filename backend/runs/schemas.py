@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from backend.catalog.schemas import CriterionOut
+from backend.schema import Given, Schema
 from campaigns import Catalogue
+from campaigns.flown import Flown
 from campaigns.load import LARGEST_FILE
 from campaigns.values import Notes
 
@@ -18,13 +20,10 @@ Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class RunSubmit(Schema):
+class RunSubmit(Given):
     """A campaign to run; the campaign's own name and tags are used where none are given."""
 
+    checked_elsewhere: ClassVar = frozenset({"campaign"})  # `campaigns.reading` names the places in it
     campaign: dict[str, Any]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
@@ -41,7 +40,7 @@ class RunSubmit(Schema):
     priority: Annotated[int, Field(ge=-10, le=10)] = 0
 
 
-class RunEdit(Schema):
+class RunEdit(Given):
     """What people write on a run; what is left out stays."""
 
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
@@ -67,7 +66,7 @@ class HistoryEntry(Schema):
     detail: dict[str, Any]
 
 
-class RunsNamed(Schema):
+class RunsNamed(Given):
     """Several runs by their names, R-0001."""
 
     runs: Annotated[list[Annotated[str, Field(max_length=20)]], Field(min_length=1, max_length=500)]
@@ -115,6 +114,8 @@ class StageProgress(Schema):
 
 
 class StageDetail(StageProgress):
+    """A stage with its result."""
+
     result: dict[str, Any] | None
 
 
@@ -177,6 +178,8 @@ class RunDetail(RunSummary):
     """The one that decides first, then the objectives."""
     components_digest: str | None
     """Of what its components meant when it was submitted (`/runs/{run}/components`); None where it was not kept."""
+    flown: Flown | None
+    """What flew when the first stage began: code, packages, machine; None before that, and where it was not stored."""
     stages: list[StageProgress]
     summary: dict[str, Any]
     """Parts of the verdict (`scope`, `checks` with title and standing), statistics, versions: `worker.verdicts`."""
@@ -195,9 +198,17 @@ class RunComponents(Schema):
     """The entries that the run's campaign uses."""
     changes: list[str]
     """What this installation says otherwise now, as sentences; empty where it says the same."""
+    code: str | None
+    """Digest of the code that flew the run; None where nothing has flown, or it was not stored."""
+    code_installed: str | None
+    """Digest of the code that the newest worker has; None where none has published it."""
+    code_changes: list[str]
+    """The modules that differ between the two, where they are known."""
 
 
 class RunPage(Schema):
+    """A page of the run list."""
+
     items: list[RunSummary]
     next_cursor: str | None
     counts: dict[str, int]

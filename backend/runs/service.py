@@ -23,10 +23,11 @@ from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, verdicts
+from campaigns.flown import Flown
 from campaigns.load import load_document, load_text
 from campaigns.plan import plan
 
-_ID = re.compile(r"R-(\d{1,15})")
+_ID = re.compile(r"R-([0-9]{1,15})")
 
 
 @dataclass(frozen=True)
@@ -135,8 +136,8 @@ def summary(reader: sa.Connection, run_id: int) -> RunSummary:
 def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     """One run with its campaign, stages and the time it may still take."""
     base = summary(reader, run_id)
-    document, parts, notes, snapshot = reader.execute(
-        sa.select(CampaignRow.document, Run.summary, Run.notes, Run.snapshot)
+    document, parts, notes, snapshot, flown = reader.execute(
+        sa.select(CampaignRow.document, Run.summary, Run.notes, Run.snapshot, Run.flown)
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id == run_id)
     ).one()
@@ -148,6 +149,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         campaign=document,
         criteria=criteria(document, described(reader, run_id)),
         components_digest=snapshot,
+        flown=None if flown is None else Flown.of(flown),
         stages=stages,
         summary=_described(parts, base.failed_evaluations),
         rate=rate,

@@ -15,7 +15,7 @@ CAMERAS: tuple[Camera, ...] = ("overview", "encounter", "top", "side", "chase", 
 
 KEY = r"[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}"
 """A random UUID (RFC 9562, version 4) in small letters, by which a page steers the viewer that it has opened."""
-FLIGHT = r"nominal|F[1-9]\d{0,2}"
+FLIGHT = r"nominal|F[1-9][0-9]{0,2}"
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,8 @@ async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
         await socket.close(REFUSED)
         return
     viewers: Viewers = socket.app.state.viewers
-    if not viewers.enter():
+    visitor = socket.state.visitor
+    if not viewers.enter(visitor):
         await socket.close(BUSY)
         return
     try:
@@ -93,11 +94,11 @@ async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
 
             def opened(viewer: Viewer) -> None:
                 if address.key is not None:
-                    handle = Handle(socket.state.visitor, run_id, address.key)
+                    handle = Handle(visitor, run_id, address.key)
                     viewers.offer(handle, viewer)
                     offered.callback(viewers.withdraw, handle, viewer)
 
-            await relay(socket, lambda server: _build(server, socket, run_id, address), opened, viewers.stopping)
+            await relay(socket, lambda server: _build(server, socket, run_id, address), opened, viewers)
     except RefusedError:
         await socket.close(REFUSED)
     except Exception:
@@ -105,7 +106,7 @@ async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):
             await socket.close(FAILED)
     finally:
-        viewers.leave()
+        viewers.leave(visitor)
 
 
 def _address(rest: str) -> Address:

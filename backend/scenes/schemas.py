@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from backend.scenes.address import FLIGHT, Camera
+from backend.schema import Given, Schema
 
 Theme = Literal["light", "dark"]
 Trails = Literal["whole", "so_far"]
@@ -15,10 +16,6 @@ Point = tuple[Finite, Finite, Finite]
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
 VALUE, NONE = "value", "none"
 """Axes of the parameter space that are no parameter: the criterion's value, and none."""
-
-
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
 
 
 class Eye(Schema):
@@ -47,7 +44,7 @@ class Layers(Schema):
     """Of the parameter space: paths of uncertain parameters, `value` for the criterion's, or `none`."""
 
 
-class LayersChange(Schema):
+class LayersChange(Given):
     """What is to be drawn otherwise; what is left out stays."""
 
     nominal: bool | None = None
@@ -62,7 +59,7 @@ class LayersChange(Schema):
     axes: tuple[str, str, str] | None = None
 
 
-class ViewChange(Schema):
+class ViewChange(Given):
     """What is to be shown otherwise; what is left out stays. Going to a time stops the play unless told to."""
 
     flight: Annotated[str, Field(pattern=rf"^({FLIGHT})$")] | None = None

@@ -67,6 +67,8 @@ class Setting:
     moving: list[bool]
     """Of each obstacle, whether it moves by itself."""
     threshold: float
+    to_surface: bool
+    """Whether the criterion's distances end at obstacles' surfaces, not at their centres."""
     quantity: str
     unit: str
     horizon: float
@@ -79,6 +81,11 @@ class Setting:
         """Decimals that show the threshold, and so every value near it, with four digits."""
         size = abs(self.threshold)
         return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
+
+    def free(self, radius: float) -> float:
+        """Radius about the centre of a round obstacle of that radius that must stay free [m]."""
+        body = self.values.get("criterion.body_radius", 0.0)
+        return radius + body + self.threshold if self.to_surface else self.threshold
 
 
 def load(reader: sa.Connection, run_id: int) -> Setting:
@@ -101,10 +108,11 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         vehicle=asked.scenario.vehicle.component,
         start=np.zeros(3) if start is None else start,
         goal=goal,
-        course=_course(values, axes, asked.scenario.horizon) if goal is None else None,
+        course=_course(values, axes, asked.scenario.horizon, _climbs(asked, catalogue, axes)) if goal is None else None,
         values=values,
         moving=_moving(asked, catalogue),
         threshold=asked.criterion.threshold,
+        to_surface=criterion is not None and criterion.measured_to == "surface",
         quantity=criterion.quantity if criterion else "",
         unit=criterion.unit if criterion else "",
         horizon=asked.scenario.horizon,
@@ -138,15 +146,21 @@ def _place(values: Mapping[str, float], prefix: str, axes: Axes) -> Floats | Non
     return axes.drawn(np.array([values.get(f"{prefix}.{axis}", 0.0) for axis in "xyz"]))
 
 
-def _course(values: Mapping[str, float], axes: Axes, horizon: float) -> Floats | None:
-    """The end of a course given as speed, heading (from north over east) and climb."""
+def _climbs(asked: Campaign, catalogue: Catalogue | None, axes: Axes) -> float:
+    """What a positive climb does to z: it goes up in the axes that the avoider is written for, whatever flies it."""
+    avoider = None if catalogue is None else catalogue.component("avoider", asked.scenario.avoider.component)
+    return 1.0 if ((avoider.written_in if avoider else "") or axes.frame) == "enu" else -1.0
+
+
+def _course(values: Mapping[str, float], axes: Axes, horizon: float, climbs: float) -> Floats | None:
+    """The end of a course given as speed, heading (from the x towards the y axis) and climb."""
     start = _place(values, "start", axes)
     speed, heading = values.get("goal.speed"), values.get("goal.heading")
     if speed is None or heading is None:
         return None
     climb = values.get("goal.climb", 0.0)
     flat, way = np.cos(climb), speed * horizon
-    ahead = way * np.array([flat * np.cos(heading), flat * np.sin(heading), -np.sin(climb)])
+    ahead = way * np.array([flat * np.cos(heading), flat * np.sin(heading), climbs * np.sin(climb)])
     end: Floats = (np.zeros(3) if start is None else start) + axes.drawn(ahead)
     return end
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sqlalchemy as sa
 from fastapi import APIRouter, Request, Response, status
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse
 
 from backend import pages
@@ -18,15 +20,18 @@ router = APIRouter(tags=["session"])
 login = APIRouter(include_in_schema=False)
 
 
-@login.get("/login")
-def open_session(request: Request, engine: Engine, code: str = "") -> Response:
-    """Use a login link up and go to the runs."""
-    if not code:
+@login.api_route("/login", methods=["GET", "HEAD"])
+async def open_session(request: Request, engine: Engine, code: str = "") -> Response:
+    """Use a login link up and go to the runs. HEAD uses nothing up: programs that preview links send it."""
+    if not code or request.method == "HEAD":
         return pages.sign_in(200)
-    with engine.begin() as connection:
-        secret = access.open_session(connection, code, USER)
+    attempts = request.app.state.attempts
+    secret = await run_in_threadpool(_opened, engine, code) if await attempts.good(code) else None
     if secret is None:
-        return pages.sign_in(403, "This login link is not good (any more)")
+        answer = pages.sign_in(429 if attempts.over else 403, "This login link is not valid (any more)")
+        if attempts.over:
+            answer.headers["Retry-After"] = "60"
+        return answer
     response = RedirectResponse("/runs", status.HTTP_303_SEE_OTHER)
     response.set_cookie(
         request.app.state.settings.cookie,
@@ -39,8 +44,13 @@ def open_session(request: Request, engine: Engine, code: str = "") -> Response:
     return response
 
 
+def _opened(engine: sa.Engine, code: str) -> str | None:
+    with engine.begin() as connection:
+        return access.open_session(connection, code, USER)
+
+
 @router.get("/session")
-def get_session(visitor: CurrentVisitor) -> SessionInfo:
+async def get_session(visitor: CurrentVisitor) -> SessionInfo:
     """Who is signed in."""
     return SessionInfo(user=visitor.user, via=visitor.via)
 

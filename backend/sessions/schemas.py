@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict
+from backend.schema import Schema
 
 
-class SessionInfo(BaseModel):
+class SessionInfo(Schema):
     """Who is signed in, and how they came in."""
-
-    model_config = ConfigDict(extra="forbid")
 
     user: str
     via: Literal["link", "token"]

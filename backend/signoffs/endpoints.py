@@ -8,30 +8,36 @@ from fastapi import APIRouter, Path, status
 
 from backend.auth import CurrentVisitor
 from backend.deps import Engine, Reader
+from backend.errors import problems
 from backend.runs.service import number
+from backend.schema import RunName
 from backend.signoffs import service
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs, WithdrawalRequest
 
 router = APIRouter(tags=["signoffs"])
 
-Number = Annotated[int, Path(ge=1, le=2**31 - 1)]
+Number = Annotated[int, Path(ge=1, le=2**31 - 1, description="The number of the sign-off.")]
 
 
-@router.get("/runs/{run}/signoffs")
-def list_signoffs(run: str, reader: Reader) -> Signoffs:
+@router.get("/runs/{run}/signoffs", responses=problems("not-found", "purged"))
+def list_signoffs(run: RunName, reader: Reader) -> Signoffs:
     """The sign-offs of a run, and the digest that a new one is to name."""
     return service.listed(reader, number(run))
 
 
-@router.post("/runs/{run}/signoffs", status_code=status.HTTP_201_CREATED)
-def sign_off(run: str, given: SignoffRequest, engine: Engine, visitor: CurrentVisitor) -> Signoff:
+@router.post(
+    "/runs/{run}/signoffs",
+    status_code=status.HTTP_201_CREATED,
+    responses=problems("not-found", "no-verdict", "results-changed", "already-signed", "removed", "purged"),
+)
+def sign_off(run: RunName, given: SignoffRequest, engine: Engine, visitor: CurrentVisitor) -> Signoff:
     """Sign the results of a run off; the digest says which were reviewed, and others are refused."""
     return service.sign(engine, number(run), given, visitor)
 
 
-@router.post("/runs/{run}/signoffs/{signoff}/withdraw")
+@router.post("/runs/{run}/signoffs/{signoff}/withdraw", responses=problems("not-found", "withdrawn", "purged"))
 def withdraw_signoff(
-    run: str, signoff: Number, given: WithdrawalRequest, engine: Engine, visitor: CurrentVisitor
+    run: RunName, signoff: Number, given: WithdrawalRequest, engine: Engine, visitor: CurrentVisitor
 ) -> Signoff:
     """Withdraw a sign-off with a reason; it stays on record."""
     return service.withdraw(engine, number(run), signoff, given.reason, visitor)

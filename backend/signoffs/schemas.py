@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from backend.schema import Given, Schema
 from campaigns.values import Name, Notes
 
 Comment = Annotated[Notes, Field(max_length=4000)]
 
 
-class Schema(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class SignoffRequest(Schema):
+class SignoffRequest(Given):
     """A reviewer's word on the results that they have seen."""
 
     name: Name
@@ -25,7 +22,7 @@ class SignoffRequest(Schema):
     """Of the results that were reviewed; another one than the run's is refused."""
 
 
-class WithdrawalRequest(Schema):
+class WithdrawalRequest(Given):
     """Why a sign-off is no longer good."""
 
     reason: Annotated[Comment, Field(min_length=1)]

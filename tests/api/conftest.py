@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -38,10 +39,10 @@ def fresh(migrated: Path) -> Fresh:
 
 
 @contextmanager
-def running(fresh: Fresh, folder: Path) -> Iterator[Service]:
+def running(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
     """A service without a catalogue and without pages."""
     data = folder / "data"
-    service = Service(Settings(data=data, database=fresh(data), pages=folder / "dist"))
+    service = Service(Settings(data=data, database=fresh(data), pages=folder / "dist", **settings))
     service.start()
     yield service
     service.stop()

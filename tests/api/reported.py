@@ -11,6 +11,7 @@ from backend.db.queue import Queue
 from backend.db.records import Conclusion, Finding, StagePlan
 from backend.db.store import RunStore
 from tests.api.finished import flight, search
+from tests.api.flown import CODE, FLOWN
 from tests.api.server import Service
 
 PLAN = [
@@ -32,6 +33,7 @@ def finish_fully(
     assert claim is not None
     store = RunStore(service.engine, claim)
     store.plan(PLAN)
+    store.flies(FLOWN, CODE)
     for position in range(len(PLAN)):
         store.begin(position)
     store.append(2, 0, search(0, 1000, criteria))

@@ -19,6 +19,7 @@ from backend.db.access import create_login_code, create_token
 from backend.db.tables import Base, CatalogueDocument
 from backend.settings import Settings
 from tests.api.catalogue import CATALOGUE
+from tests.api.flown import CODE
 
 
 def until(condition: Callable[[], Any], seconds: float = 10.0) -> Any:
@@ -65,6 +66,7 @@ class Service:
     def publish(self, document: dict[str, Any] | None = None) -> None:
         """Have a catalogue, as a worker would publish it."""
         values = {"id": 1, "document": document or CATALOGUE.model_dump(mode="json"), "published": time.time()}
+        values["code"] = CODE.digest
         with self.engine.begin() as connection:
             connection.execute(sa.insert(CatalogueDocument).values(**values))
 

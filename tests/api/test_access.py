@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
 import httpx
 import pytest
 import sqlalchemy as sa
 
-from backend.db.access import hashed, revoke_token
+from backend.db.access import create_login_code, hashed, revoke_token
+from backend.db.engine import read
 from backend.db.tables import LoginLink, Session, Token
+from backend.sessions.attempts import BURST
 from tests.api.catalogue import campaign
-from tests.api.server import Service
+from tests.api.conftest import Fresh, running
+from tests.api.server import Service, until
 
 CLOSED = [
     "/api/v1/runs",
@@ -84,6 +90,21 @@ def test_a_wrong_login_link_is_refused_and_stores_nothing(still: Service, code: 
     assert still.rows() == before
 
 
+def test_a_new_login_link_voids_the_unused_ones_before_it_and_ends_no_session(service: Service) -> None:
+    with service.signed_in() as browser:
+        old, new = service.login_code(), service.login_code()
+        with service.visitor() as visitor:
+            assert [visitor.get("/login", params={"code": code}).status_code for code in (old, new)] == [403, 303]
+        assert browser.get("/api/v1/session").status_code == 200
+
+
+def test_a_login_link_lives_for_a_quarter_of_an_hour(service: Service) -> None:
+    with service.engine.begin() as connection:
+        create_login_code(connection)
+        [(created, expires)] = connection.execute(sa.select(LoginLink.created, LoginLink.expires)).all()
+    assert expires - created == 900
+
+
 def test_a_login_link_without_a_code_says_where_it_is(still: Service) -> None:
     with still.visitor() as stranger:
         assert "clearance serve" in stranger.get("/login").text
@@ -124,8 +145,54 @@ def test_a_token_signs_in_and_its_use_is_noted(service: Service) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program:
         assert program.get("/api/v1/session").json() == {"user": "ci", "via": "token"}
+    assert until(lambda: last_used(service)) == pytest.approx(time.time(), abs=10)
+
+
+def last_used(service: Service) -> float | None:
+    with read(service.engine) as reader:
+        return reader.scalar(sa.select(Token.last_used))
+
+
+@contextmanager
+def writing(service: Service) -> Iterator[None]:
+    """While a write transaction is open, as a worker's may be."""
     with service.engine.connect() as connection:
-        assert connection.scalar(sa.select(Token.last_used)) == pytest.approx(time.time(), abs=10)
+        connection.execute(sa.update(Token).values(created=0.0))
+        yield
+        connection.rollback()
+
+
+def test_nobody_waits_for_a_writer_to_be_known_or_refused(service: Service) -> None:
+    token = service.token("ci")
+    with service.visitor(authorization=f"Bearer {token}") as program, writing(service):
+        program.timeout = httpx.Timeout(5.0)
+        assert [program.get("/api/v1/session").status_code for _ in range(3)] == [200] * 3
+        assert program.get("/login", params={"code": "x" * 43}).status_code == 403
+        assert last_used(service) is None, "it was not noted, and nothing came of that"
+
+
+def test_wrong_codes_are_bounded_in_number_and_a_good_one_is_taken_all_the_same(service: Service) -> None:
+    looked: list[str] = []
+    code = service.login_code()
+    sa.event.listen(service.app.state.door._engine, "before_cursor_execute", lambda *given: looked.append(given[2]))
+    with service.visitor() as stranger:
+        answers = [stranger.get("/login", params={"code": f"{i:043}"}) for i in range(BURST + 30)]
+        assert [a.status_code for a in answers[: BURST // 2]] == [403] * (BURST // 2)
+        assert (answers[-1].status_code, answers[-1].headers["retry-after"]) == (429, "60")
+        assert len([sql for sql in looked if "login_links" in sql]) < BURST + 15
+        assert stranger.get("/login", params={"code": code}).status_code == 303
+        assert stranger.get("/api/v1/session").status_code == 200
+
+
+def test_a_session_or_token_has_so_many_requests_open_and_others_have_theirs(fresh: Fresh, tmp_path: Path) -> None:
+    with running(fresh, tmp_path, max_requests_each=2) as service, service.signed_in() as browser:
+        with browser.stream("GET", "/api/v1/events"), browser.stream("GET", "/api/v1/events"):
+            refused = browser.get("/api/v1/session")
+            problem(refused, 429)
+            assert refused.headers["retry-after"] == "1"
+            with service.signed_in() as other:
+                assert other.get("/api/v1/session").status_code == 200
+        until(lambda: browser.get("/api/v1/session").status_code == 200)
 
 
 def test_a_revoked_token_is_refused(service: Service) -> None:

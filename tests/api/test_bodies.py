@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
+import threading
 import tracemalloc
 from collections.abc import Iterator
 
 import httpx
 import pytest
 
+from backend import bodies
+from backend.errors import RefusedError
 from tests.api.catalogue import campaign
 from tests.api.server import Service
 from tests.api.test_access import problem
@@ -43,6 +47,35 @@ def test_an_unreadable_body_is_refused_and_stores_nothing(still: Service, guest:
     assert message in str(problem(answer, 422)["errors"])
     assert still.rows() == before
     assert guest.get("/api/v1/health").json() == {"status": "ok"}
+
+
+def test_few_bodies_are_read_at_a_time_and_the_queue_has_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bodies, "WAITING", 3)
+    let_go, busy, most = threading.Event(), 0, 0
+    lock = threading.Lock()
+
+    def read() -> bool:
+        nonlocal busy, most
+        with lock:
+            busy, most = busy + 1, max(most, busy + 1)
+        let_go.wait(10)
+        with lock:
+            busy -= 1
+        return True
+
+    async def all_at_once() -> list[bool | BaseException]:
+        readers = bodies.Readers()
+        asked = [asyncio.create_task(readers.read(read)) for _ in range(10)]
+        while sum(task.done() for task in asked) < 10 - bodies.READERS - 3 or busy < bodies.READERS:
+            await asyncio.sleep(0.001)
+        let_go.set()
+        return await asyncio.gather(*asked, return_exceptions=True)
+
+    answers = asyncio.run(asyncio.wait_for(all_at_once(), 10))
+    refused = [answer for answer in answers if isinstance(answer, RefusedError)]
+    assert most == bodies.READERS
+    assert answers.count(True) == bodies.READERS + 3
+    assert {(r.status, r.kind, str(r.headers)) for r in refused} == {(503, "busy", "{'Retry-After': '2'}")}
 
 
 def test_malformed_yaml_is_told_by_line(guest: httpx.Client) -> None:

@@ -26,6 +26,9 @@ for line in sys.stdin:
     if does == 2: print("garbage", flush=True); continue
     if does == 3: time.sleep(60)
     if does == 4: print(json.dumps({"id": asked["id"], "error": "no such flight"}), flush=True); continue
+    if does == 6 and not os.path.exists(asked["campaign"]["name"]):
+        open(asked["campaign"]["name"], "x").close(); print(json.dumps({"stale": True}), flush=True); break
+    if does == 7: print(json.dumps({"stale": True}), flush=True); break
     if does == 5: print("[1, 2]", flush=True); continue
     print(json.dumps({"id": asked["id"], "status": "ok", "pid": os.getpid(), **asked["parameters"]}), flush=True)
 """
@@ -61,6 +64,15 @@ def test_a_process_that_fails_is_said_and_started_again(live: Live, does: int, s
     with pytest.raises(LiveError, match=said):
         fly(live, does)
     assert fly(live)["pid"] != before
+
+
+def test_a_process_that_loaded_other_code_is_started_again_and_asked_again(live: Live, tmp_path: Path) -> None:
+    before = fly(live)["pid"]
+    after = live.fly({"name": str(tmp_path / "changed")}, "digest", {"does": 6}, 100)
+    assert (after["status"], after["does"]) == ("ok", 6)
+    assert after["pid"] != before
+    with pytest.raises(LiveError, match="keeps changing"):
+        fly(live, 7)
 
 
 def test_a_refusal_is_a_sentence_and_no_failure(live: Live) -> None:

@@ -9,13 +9,15 @@ from typing import Any
 
 import httpx
 import pytest
+import sqlalchemy as sa
 
+from backend.db.tables import CatalogueDocument
 from backend.errors import RefusedError
 from backend.previews import service as previews
 from backend.previews.service import LIMIT, Previews
 from backend.scenes.control.live import Live
 from campaigns import Campaign, library
-from tests.api.catalogue import campaign, published_by_workers
+from tests.api.catalogue import CATALOGUE, campaign, component, parameter, published_by_workers
 from tests.api.server import Service, until
 from tests.api.test_access import problem
 from tests.api.test_runs import YAML
@@ -97,6 +99,26 @@ def test_a_campaign_that_cannot_be_run_is_not_flown(guest: httpx.Client) -> None
     assert unknown["errors"][0]["field"] == "criterion.component"
     problem(guest.post(PREVIEW, content=b"{", headers=YAML), 422)
     problem(guest.post(PREVIEW, content=b"", headers={"Content-Type": "text/plain"}), 415)
+
+
+@pytest.mark.parametrize(
+    ("horizon", "step", "seeds", "message"),
+    [(1000, 0.0005, [0], "the trace of a preview has at most 0.16 GB"), (100, 0.0002, list(range(64)), "20,000,000")],
+)
+def test_a_flight_that_is_too_long_to_wait_for_is_refused_at_once(
+    service: Service, client: httpx.Client, horizon: float, step: float, seeds: list[int], message: str
+) -> None:
+    stand_in(service)
+    catalogue = CATALOGUE.model_dump(mode="json")
+    catalogue["components"].append(component("fault", "noise", [parameter("seed")], path="perception"))
+    with service.engine.begin() as writer:
+        writer.execute(sa.update(CatalogueDocument).values(document=catalogue))
+    scenario = campaign()["scenario"] | {"horizon": horizon, "step": step, "realisations": {"seeds": seeds}}
+    asked = campaign(scenario=scenario | {"faults": [{"component": "noise"}]})
+    assert client.post("/api/v1/campaigns/check", json={"campaign": asked}).json()["problems"] == []
+    (refused,) = problem(client.post(PREVIEW, json={"campaign": asked}), 422)["errors"]
+    assert refused["field"] == "scenario"
+    assert message in refused["message"]
 
 
 def test_before_a_worker_came_nothing_is_flown(bare: Service) -> None:

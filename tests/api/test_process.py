@@ -18,6 +18,7 @@ import pytest
 
 from backend.__main__ import _listen
 from backend.settings import Settings
+from tests.api.server import until
 
 WAIT = 30.0
 """More than the service takes to end on a busy machine [s]."""
@@ -51,10 +52,8 @@ def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_pat
         line = process.stdout.readline()
         assert line.startswith("Open http://127.0.0.1:")
         link = line.removeprefix("Open ").strip()
-        kept = tmp_path / "new" / "login-link"
-        assert kept.read_text().strip() == link
-        assert stat.S_IMODE(kept.stat().st_mode) == 0o600
         base = link.partition("/login")[0]
+        assert (tmp_path / "new" / "service-address").read_text().strip() == base
         with httpx.Client(base_url=base, trust_env=False, timeout=20) as client:
             assert client.get(link).status_code == 303
             assert client.get("/api/v1/runs").json()["items"] == []
@@ -64,6 +63,35 @@ def test_it_migrates_prints_a_link_serves_and_ends_before_its_streams_do(tmp_pat
                 assert process.wait(WAIT) == 0  # the stream is still open
         out, err = process.communicate()
         assert (out, err) == ("", "")
+
+
+def test_nothing_that_it_stores_can_be_read_by_others_or_signs_anybody_in(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    (data / "logs").mkdir(parents=True)
+    for name in ("login-link", "logs/backend.log", "clearance.sqlite3"):
+        (data / name).touch()
+    for path in (data, *data.rglob("*")):
+        path.chmod(path.stat().st_mode | 0o055)
+    with started(data) as process:
+        assert process.stdout is not None
+        code = process.stdout.readline().strip().partition("code=")[2]
+        assert len(code) > 40
+        stored = [path for path in data.rglob("*") if path.is_file()]
+        assert len(stored) >= 3
+        assert not any(code.encode() in path.read_bytes() for path in stored)
+        assert not (data / "login-link").exists()
+        modes = {path.relative_to(data): stat.S_IMODE(path.stat().st_mode) for path in (data, *data.rglob("*"))}
+        assert {path: mode for path, mode in modes.items() if mode & 0o077} == {}
+
+
+def test_a_link_is_printed_only_where_it_is_wanted(tmp_path: Path) -> None:
+    with started(tmp_path / "new", CLEARANCE_PRINT_LINK="false") as process:
+        address = tmp_path / "new" / "service-address"
+        until(address.exists)
+        with httpx.Client(base_url=address.read_text().strip(), trust_env=False) as client:
+            assert client.get("/api/v1/health").status_code == 200
+        process.terminate()
+        assert process.communicate(timeout=WAIT) == ("", "")
 
 
 def refused(data: Path, **settings: str) -> str:

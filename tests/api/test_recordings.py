@@ -13,7 +13,6 @@ import pytest
 import viser
 import zstandard
 
-from backend.scenes.recordings import pages as recordings
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.server import Service, until
 from tests.api.test_access import problem
@@ -158,18 +157,3 @@ def test_making_one_leaves_nothing_behind(service: Service, client: httpx.Client
     until(lambda: listening() == ports)
     until(lambda: not {t for t in threading.enumerate() if t not in known and "AnyIO" not in t.name})
     assert service.app.state.viewers.open == 0
-
-
-def test_a_few_are_made_at_a_time(
-    service: Service, client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(recordings, "PATIENCE", 0.01)
-    turns = service.app.state.recordings._turns
-    for _ in range(recordings.AT_ONCE):
-        turns.acquire()
-    try:
-        assert "being made" in problem(client.get(f"/view/{run}/F1/recorded/"), 503)["detail"]
-    finally:
-        for _ in range(recordings.AT_ONCE):
-            turns.release()
-    assert client.get(f"/view/{run}/F1/recorded/").status_code == 200

@@ -209,23 +209,6 @@ def test_a_browser_that_fails_or_hangs_is_a_problem(
     assert "took too long" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
 
 
-def test_only_so_many_are_printed_at_once(
-    client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
-    monkeypatch.setattr(pdf, "PATIENCE", 0.1)
-    _stand_in(tmp_path, "exit 0")
-    for _ in range(pdf.AT_ONCE):
-        assert pdf._turns.acquire(timeout=1)
-    try:
-        answer = client.get(f"/api/v1/runs/{run}/report.pdf")
-    finally:
-        for _ in range(pdf.AT_ONCE):
-            pdf._turns.release()
-    assert "being printed" in str(problem(answer, 503)["detail"])
-    assert answer.headers["retry-after"] == "30"
-
-
 @pytest.mark.parametrize("file", ["report.html", "report.pdf"])
 def test_no_report_of_a_run_that_is_not_there(guest: httpx.Client, file: str) -> None:
     problem(guest.get(f"/api/v1/runs/R-0999/{file}"), 404)

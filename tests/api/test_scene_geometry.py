@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
+from backend.reports import plot
+from backend.reports.figures import Case, Quantity
+from backend.reports.plan_view import plan_view
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.axes import Axes, along
+from backend.scenes.drawing.axes import Axes, along, axes_of
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import distance
 from backend.scenes.drawing.flight import from_live
 from backend.scenes.drawing.world import Frame
+from backend.scenes.setting import _climbs, _course
+from campaigns import Campaign
+from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.finished import encounter, straight, turned
 
 TO_EAST_NORTH_UP = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
@@ -143,3 +151,44 @@ def test_signs_are_to_be_seen_but_no_longer_than_what_must_stay_free() -> None:
     assert Frame.around(box, 20.0).unit == pytest.approx(20.0)
     assert Frame.around(box, 18.0).unit == pytest.approx(20.0)
     assert Frame.around(box, 500.0).unit == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_what_must_stay_free_about_a_box_is_everywhere_as_far_from_its_edge(angle: float) -> None:
+    turn = Axes().about_vertical(angle)
+    dashes = shapes.rounded(np.array([5.0, 6.0, 0.1]), (16.0, 0.2), turn, 0.5)
+    assert len(dashes) > 10
+    points = dashes.reshape(-1, 3) - (5.0, 6.0, 0.1)
+    along_it = points @ (np.cos(angle), np.sin(angle), 0.0)
+    across = points @ (-np.sin(angle), np.cos(angle), 0.0)
+    outside = np.maximum(np.abs(np.column_stack([along_it, across])) - (8.0, 0.1), 0.0)
+    assert np.linalg.norm(outside, axis=1) == pytest.approx(0.5, abs=1e-3)
+    assert points[:, 2] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "ring"),
+    [({}, 0.5), ({"free_radius": 1.75}, 1.75), ({"free_radius": None}, None)],
+)
+def test_a_report_draws_what_must_stay_free_as_the_flight_has_it(
+    obstacle: dict[str, object], ring: float | None
+) -> None:
+    meta = {"frame": "enu", "obstacles": [{"position": [3.0, 2.0, 0.0], "radius": 1.0, "moving": False} | obstacle]}
+    data = {"x": [0.0, 3.0, 6.0], "y": [0.0, 0.0, 0.0], "separation": [3.0, 1.0, 3.0]}
+    drawn = str(plan_view([Case("F1", plot.WORST, meta, data)], Quantity("c_min", "m", 0.5)))  # type: ignore[arg-type]
+    body, *rings = [float(r) for r in re.findall(r'<circle[^>]* r="([0-9.]+)"[^>]*stroke-width="1"', drawn)]
+    assert [r / body for r in rings] == pytest.approx([] if ring is None else [ring], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("written_in", "frame", "up"),
+    [("ned", "ned", 1), ("enu", "enu", 1), ("", "ned", 1), ("ned", "enu", -1), ("enu", "ned", -1)],
+)
+def test_a_planned_climb_is_drawn_as_it_is_flown(written_in: str, frame: str, up: int) -> None:
+    avoiders = [c.model_copy(update={"written_in": written_in}) for c in CATALOGUE.components if c.role == "avoider"]
+    known = CATALOGUE.model_copy(update={"components": avoiders})
+    axes = axes_of(frame)
+    values = {"start.x": 0.0, "start.y": 0.0, "goal.speed": 10.0, "goal.heading": 0.0, "goal.climb": 0.5}
+    end = _course(values, axes, 2.0, _climbs(Campaign.model_validate(campaign()), known, axes))
+    assert end is not None
+    assert end[2] == pytest.approx(up * 20.0 * np.sin(0.5))

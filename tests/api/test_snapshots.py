@@ -187,6 +187,18 @@ def test_every_difference_is_told(case: str) -> None:
     assert text is None or text in found[0]
 
 
+def test_what_was_not_recorded_yet_is_no_difference() -> None:
+    """Snapshots from before a field of the catalogue was there."""
+    kept = snapshot(ASKED, CATALOGUE).model_dump(mode="json")
+    now = altered(lambda d: entry(d, "circle").update(reach={"of": ["radius"], "times": 1.0}))
+    assert changes(Catalogue(**kept), now) == [
+        "the reach of the obstacle circle was none, here it is 1 times radius",
+    ]
+    for component in kept["components"]:
+        del component["reach"]
+    assert changes(Catalogue(**kept), now) == []
+
+
 @pytest.mark.parametrize(
     ("case", "same"),
     [("title", True), ("goal", True), ("one more", True), ("unit", False), ("start", False), ("no method", True)],

@@ -23,6 +23,7 @@ from playwright.sync_api import Browser, Download, Page, expect
 from backend.db.purge import purge
 from backend.db.tables import CatalogueDocument
 from tests.api.catalogue import CATALOGUE, campaign
+from tests.api.flown import CODE, OTHER
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import SCREENSHOTS, Visit, visiting
@@ -173,8 +174,10 @@ def test_what_is_installed_otherwise_now_is_told(finished: Service, page: Page) 
     document = CATALOGUE.model_dump(mode="json")
     document["components"][0]["parameters"][1]["default"] = 0.2
     with finished.engine.begin() as writer:
-        writer.execute(sa.update(CatalogueDocument).values(document=document))
+        writer.execute(sa.update(CatalogueDocument).values(document=document, code=OTHER.digest))
     page.reload()
+    expect(card).to_contain_text(f"{CODE.digest[:12]} flew this run, {OTHER.digest[:12]} is installed now")
+    expect(card).not_to_contain_text("says the same")
     expect(card.get_by_role("listitem")).to_have_text(
         "The default of J of the vehicle unicycle was 0.05 kg m2, here it is 0.2 kg m2."
     )

@@ -13,6 +13,8 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, FrameLocator, expect
 
+from backend.db.engine import connect, default_url
+from tests.audited import audited
 from tests.e2e.browser import PATIENCE, Visit, near, pixels, visiting
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import until
@@ -201,7 +203,7 @@ def test_the_form_changes_the_text_in_its_place(signed_in: Visit) -> None:
     expect(page.get_by_text("Valid", exact=True)).to_be_visible()
 
 
-def test_a_run_is_watched_to_its_verdict(signed_in: Visit) -> None:
+def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> None:
     page = signed_in.page
     page.get_by_label("Name", exact=True).fill("The whole way")
     page.keyboard.press("Control+Enter")
@@ -223,6 +225,7 @@ def test_a_run_is_watched_to_its_verdict(signed_in: Visit) -> None:
     expect(page.get_by_test_id("margin")).to_have_text(f"+{run['margin']:.4f}")
     expect(page.get_by_test_id("worst-cost")).to_have_text(f"{run['worst_cost']:.4f}")
     assert run["verdict"] == "cleared"
+    audited(connect(default_url(service.data)))
     assert abs(run["worst_cost"] - 0.9417402) < 2e-6
     finding = api(signed_in, "/runs/R-0001/findings")[0]
     assert set(finding["at_bounds"].values()) == {"high"}

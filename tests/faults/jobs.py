@@ -14,9 +14,13 @@ import threading
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from backend.db.records import Conclusion, StagePlan
 from campaigns import Campaign, Problem
 from tests.faults.cases import columns
+from worker import problem as ready
+from worker import provenance
 from worker.problem import CampaignUnusable
 from worker.store import Store
 
@@ -46,6 +50,23 @@ def execute(campaign: Campaign, store: Store) -> Conclusion | None:
     store.conclude(conclusion)
     if campaign.name.startswith("linger"):
         threading.Event().wait(LINGER)
+    return conclusion
+
+
+def flying(campaign: Campaign, store: Store) -> Conclusion:
+    """The nominal flight alone, in plain Python, of the code that this process loaded; then the accident, if any."""
+    problem = ready.Problem(campaign, compiled=False)
+    records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
+    provenance.begin(store, problem)
+    if records[0].state != "done":
+        store.begin(0)
+        batch, _ = problem.fly(problem.nominal_point[None, :])
+        store.finish(0, {"cost": float(batch.costs[0, 0])}, 0.01)
+    store.begin(1)
+    happen(campaign)
+    cost = float(problem.fly(problem.nominal_point[None, :])[0].costs[0, 0])
+    conclusion = Conclusion("inconclusive", "A test.", cost, None, None, {})
+    store.conclude(conclusion)
     return conclusion
 
 
@@ -91,6 +112,12 @@ def leave() -> None:
     sys.exit("enough")
 
 
+def devour() -> None:
+    """Ask for 64 GiB, which nobody touches: address space is what is bounded."""
+    held = [np.empty(2**27) for _ in range(64)]
+    print(f"took {len(held)} GiB", flush=True)
+
+
 def talk() -> None:
     """Print what could be taken for an answer, and read what could be a claim."""
     print('{"outcome": "done", "text": ""}', flush=True)
@@ -109,5 +136,6 @@ ACCIDENTS: dict[str, Any] = {
     "refuse": refuse,
     "fail": fail,
     "leave": leave,
+    "devour": devour,
     "talk": talk,
 }

@@ -12,6 +12,7 @@ from backend.db.queue import Claim, submit
 from backend.db.store import RunStore
 from backend.db.tables import Finding, Run, Stage, Trace
 from campaigns import Campaign, library, load_file
+from tests.audited import audited
 from tests.faults import postgres
 from tests.faults.processes import alive, kill, until, worker
 from worker.runner import execute
@@ -96,6 +97,7 @@ def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run
     undisturbed = MemoryStore()
     conclusion = execute(campaign, undisturbed)
     assert (run.verdict, run.reason) == (conclusion.verdict, conclusion.reason)
+    audited(engine, run_id=run_id)
     assert (run.nominal_cost, run.worst_cost) == (conclusion.nominal_cost, conclusion.worst_cost)
     store = RunStore(engine, Claim(run_id, 0, 0, 0, "", {}))
     total = 0

@@ -80,6 +80,10 @@ def test_serve_from_its_start_to_ctrl_c(tmp_path: Path) -> None:
     with serving(tmp_path) as service:
         assert service.healthy()
         assert [get(service.link()) for _ in range(2)] == [303, 403], "the link is good once"
+        stored = [path for path in service.data.rglob("*") if path.is_file()]
+        assert {path.name for path in stored} >= {"clearance.sqlite3", "backend.log", "worker-1.log"}
+        assert not any(b"code=" in path.read_bytes() for path in stored), "the link is on the terminal only"
+        assert not any(path.stat().st_mode & 0o077 for path in [service.data, *service.data.rglob("*")])
 
         fresh = clearance("login-link", "--data", str(service.data))
         assert fresh.stdout.startswith(service.link().partition("=")[0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -123,6 +124,14 @@ def test_a_campaign_that_cannot_be_run_fails_at_once(bench: Bench) -> None:
     assert ended.error == (
         "the campaign cannot be run here: scenario.vehicle: it has no wings; choose another one (given: unicycle)"
     )
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
+def test_a_simulation_cannot_take_the_memory_of_the_machine(bench: Bench) -> None:
+    ended = bench.ended(bench.submit("devour"))
+    assert (ended.state, ended.attempts) == ("failed", 1)
+    assert ended.error.startswith("the simulation needs more than the 8 GiB that one may take: lower the evaluations")
+    assert bench.ended(bench.submit("none")).state == "done"
 
 
 def test_an_error_in_the_physics_leaves_the_child_warm(bench: Bench) -> None:

@@ -10,6 +10,7 @@ import functools
 import math
 import subprocess
 import sys
+import tracemalloc
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from worker.reference import Reference
 from worker.runner import execute
 from worker.search.base import EXCLUDED, FAILED, OK
 from worker.store import MemoryStore
-from worker.trace import trace
+from worker.trace import fly, trace
 
 CASE = load_file(library()["unicycle_static"])
 NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.05, "period": 0.1}}
@@ -110,6 +111,23 @@ class TestShown:
         assert shown.meta["realisation"] == {"seed": worst, "seeds": 4, "combine": "worst", "cost": single[worst]}
         assert shown.meta["cost"] == single[worst]
         assert shown.data[:, -1].min() == pytest.approx(single[worst], abs=1e-3)
+
+    def test_it_is_flown_alone_bit_by_bit_and_takes_the_memory_of_one(self) -> None:
+        problem = Problem(noisy(list(range(32))))
+        flown = fly(problem, {})
+        vectors = problem.realisations.flights(problem.vector({})[None, :])
+        every = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=len(vectors))
+        shown = int(np.argmin(every.costs[:, 0]))
+        assert shown == flown.realisation > 0
+        assert flown.states.tobytes() == every.trace[shown].tobytes()
+        assert flown.costs[0, 0] == flown.own_cost == every.costs[shown, 0]
+        tracemalloc.start()
+        try:
+            fly(problem, {})
+            peak = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        assert peak < 4 * flown.states.nbytes < every.trace.nbytes / 4
 
     def test_of_a_mean_the_worst_is_shown_and_the_mean_told(self) -> None:
         shown = trace(Problem(noisy([3, 1, 8, 5], "mean")), "nominal", {}).meta

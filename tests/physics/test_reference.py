@@ -79,9 +79,9 @@ def stepped(h: float, steps: int) -> tuple[float, float]:
         if k == 0:
             stepper.stages(0.0, h, 13, 16, 9.0, 1.0, 1.0, system, b, y, p)
             stepper.bend(h, b)
-            for share in np.linspace(0.0, 1.0, 21):
-                stepper.between(share, b)
-                inside = max(inside, float(np.abs(b[WORK] - exactly(share * h)).max()))
+            for fraction in np.linspace(0.0, 1.0, 21):
+                stepper.between(fraction, b)
+                inside = max(inside, float(np.abs(b[WORK] - exactly(fraction * h)).max()))
         b[X] = b[NEW]
     return float(np.abs(b[X] - exactly(steps * h)).max()), inside
 

@@ -40,7 +40,7 @@ def test_wrong_usage_is_3_and_says_what_is_wrong(
 def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["--help"]) == 0
     shown = capsys.readouterr().out
-    for command in ("run", "submit", "follow", "validate", "serve", "worker", "token", "login-link"):
+    for command in ("run", "audit", "submit", "follow", "validate", "serve", "worker", "token", "login-link"):
         assert f" {command} " in shown
 
 
@@ -89,7 +89,7 @@ def test_a_login_link_for_the_service_of_that_folder(tmp_path: Path, capsys: pyt
     assert invoke(["login-link", *data]) == WRONG_INPUT
     assert "there is no database at" in capsys.readouterr().err
     invoke(["token", "create", "ci", *data])
-    (tmp_path / "login-link").write_text("http://127.0.0.1:8123/login?code=used\n")
+    (tmp_path / "service-address").write_text("http://127.0.0.1:8123\n")
     capsys.readouterr()
     for options, address in (([], "http://127.0.0.1:8123"), (["--url", "https://a.example/"], "https://a.example")):
         assert invoke(["login-link", *data, *options]) == 0

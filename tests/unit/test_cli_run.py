@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import json
 import os
 import signal
@@ -17,6 +18,7 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign, load_file
+from tests.audited import audited_summary
 from tests.unit.cases import campaign, document, searching
 from worker.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
 from worker.problem import Problem
@@ -30,6 +32,12 @@ SAMPLE = {"method": "monte_carlo", "evaluations": 100}
 
 SHORT = {"scenario__horizon": 4.0}
 """[s]; the closest approach comes at 3.1 s."""
+
+
+@pytest.fixture(autouse=True)
+def every_run_audited(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the command runs in this process is audited before it is printed."""
+    monkeypatch.setattr(importlib.import_module("worker.cli.run"), "summary", audited_summary)
 
 
 @pytest.fixture
@@ -163,7 +171,7 @@ def test_json_is_one_object_with_the_documented_keys(file: Write, capsys: pytest
     assert (found["verdict"], found["digest"], found["seed"]) == ("cleared", asked.digest, 1)
     assert set(found["nominal"]) == {"cost", "margin"}
     assert set(found["worst"]) == {"cost", "margin", "parameters", "method"}
-    assert set(found["versions"]) == {"clearance", "python", "packages", "cpu", "loop"}
+    assert set(found["versions"]) == {"clearance", "code", "python", "packages", "cpu", "loop"}
     assert found["worst"]["parameters"] == {"vehicle.m": 6.0, "vehicle.J": 0.06}
     assert found["worst"]["cost"] == pytest.approx(0.9417402, abs=2e-6)
     assert [(s["kind"], s["method"]) for s in found["stages"]] == [
@@ -200,7 +208,8 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
     asked, folder = searching(DIRECT, SQP, SAMPLE, **SHORT), tmp_path / "deep" / "out"
     _, printed = result(capsys, file(asked), "--out", str(folder))
     assert {p.name for p in folder.iterdir()} == {
-        "result.json", "campaign.json", "evaluations.csv", "evaluations.npz", "trace-nominal.csv", "trace-F1.csv",
+        "result.json", "campaign.json", "evaluations.csv", "evaluations.npz", "evidence.json", "trace-nominal.csv",
+        "trace-F1.csv",
     }  # fmt: skip
     assert json.loads((folder / "result.json").read_text()) == printed
     assert load_file(folder / "campaign.json").digest == asked.digest

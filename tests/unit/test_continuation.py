@@ -9,14 +9,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sqlalchemy as sa
 
 from backend.db import continuation as stored
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
+from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.plan import plan
+from tests.audited import audited
 from tests.unit.cases import searching
+from worker import sources
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli._results import read_folder
 from worker.continuation import Budget, CannotContinue, carried, continued
@@ -166,6 +170,7 @@ def data(tmp_path: Path) -> Path:
     claim = Queue(engine).claim("a worker")
     assert claim is not None
     execute(asked(), RunStore(engine, claim))
+    audited(engine)
     engine.dispose()
     return tmp_path
 
@@ -185,6 +190,7 @@ def test_a_stored_run_goes_on_as_a_new_stored_run(
     assert row[:4] == ("done", 1, "nightly", "ci")
     assert row.evaluations == sum(len(c.status) for c in new.values())
     assert row.verdict in ("cleared", "inconclusive")
+    audited(engine, run_id=2)
     stages = len(plan(asked()))
     for position in range(stages - 1):
         count = len(old[position].status)
@@ -193,6 +199,38 @@ def test_a_stored_run_goes_on_as_a_new_stored_run(
     assert added > 300
     assert len(flown) == added + len(new[stages - 1].status)
     engine.dispose()
+
+
+def test_what_other_code_flew_is_not_continued(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    engine = connect(default_url(data))
+    with read(engine) as connection:
+        flown = connection.execute(sa.select(Run.flown)).scalar_one()
+    assert flown["code"] == sources.code().digest
+    for change, said in (
+        ({"loop": "f" * 16}, "it was begun by other code: the loop digest was ffffffffffff, here it is "),
+        ({"code": "e" * 64}, f"the code digest was eeeeeeeeeeee, here it is {flown['code'][:12]}"),
+        ({"packages": {"numpy": "1.0"}}, "numpy was 1.0, here it is "),
+    ):
+        with engine.begin() as connection:
+            connection.execute(sa.update(Run).values(flown=flown | change))
+        assert invoke(["run", "--continue", "R-0001", "--budget", "+10", "--data", str(data)]) == WRONG_INPUT
+        assert said in capsys.readouterr().err
+    with read(engine) as connection:
+        assert connection.scalar(sa.select(sa.func.count()).select_from(Run)) == 1
+    engine.dispose()
+
+
+def test_a_folder_that_other_code_flew_is_not_continued(
+    first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "flown"
+    shutil.copytree(first, folder)
+    result = written(folder)
+    assert result["versions"]["code"] == sources.code().digest
+    result["versions"]["code"] = "e" * 64
+    (folder / "result.json").write_text(json.dumps(result), encoding="utf-8")
+    assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
+    assert "the code digest was eeeeeeeeeeee" in capsys.readouterr().err
 
 
 def test_only_a_run_that_has_ended_goes_on(data: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,10 +21,10 @@ PATIENCE = 60.0
 class Live:
     """One process that answers."""
 
-    def __init__(self) -> None:
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "worker.live"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-        )
+    def __init__(self, **environment: str) -> None:
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        command = [sys.executable, "-m", "worker.live"]
+        self.process = subprocess.Popen(command, env={**os.environ, **environment}, **pipes)
         assert self.process.stdout is not None
         self.buffer = b""
 
@@ -178,3 +178,23 @@ def test_it_ends_with_its_input_even_in_the_middle_of_a_line() -> None:
     made.process.stdin.write(b'{"id": 1')
     code, errors = made.end()
     assert (code, errors) == (0, b"")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
+def test_a_flight_that_needs_more_memory_than_it_may_take_is_an_error_and_the_next_is_flown() -> None:
+    small = Live(CLEARANCE_CHILD_MEMORY="0.25", CLEARANCE_THREADS="1")
+    assert small.hear() == {"ready": True}
+    long = document(scenario__horizon=2000, scenario__step=0.001)
+    answer = small.ask(id=1, campaign=long, parameters={})
+    assert answer["error"].startswith("the simulation needs more than the 0.25 GiB that one may take: lower the")
+    assert small.ask(id=2, campaign=CASE1, parameters={})["status"] == "ok"
+    assert small.end()[0] == 0
+
+
+def test_a_memory_bound_that_is_no_number_ends_the_process_with_a_sentence() -> None:
+    wrong = Live(CLEARANCE_CHILD_MEMORY="lots")
+    status, errors = wrong.end()
+    assert (status, errors.decode().strip()) == (
+        1,
+        "invalid CLEARANCE_CHILD_MEMORY 'lots': give a number of GiB such as 8, or 0 for no bound",
+    )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
+from tests.audited import audited
 from tests.unit.cases import campaign, case1, searching
 from worker.reference import Reference
 from worker.runner import execute
@@ -29,7 +30,9 @@ def ran() -> tuple[MemoryStore, Conclusion]:
 
 def run(asked: Campaign) -> tuple[MemoryStore, Conclusion]:
     store = MemoryStore()
-    return store, execute(asked, store, threads=1)
+    conclusion = execute(asked, store, threads=1)
+    audited(store, asked)
+    return store, conclusion
 
 
 def result(position: int) -> dict[str, Any]:

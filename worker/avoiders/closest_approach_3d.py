@@ -86,4 +86,5 @@ component = Avoider(
     memory=0,
     steer=steer,
     remember=remember,
+    frame="ned",
 )

@@ -42,4 +42,5 @@ component = Avoider(
     memory=0,
     steer=steer,
     remember=remember,
+    frame="ned",
 )

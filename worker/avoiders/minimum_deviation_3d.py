@@ -128,4 +128,5 @@ component = Avoider(
     remember=remember,
     weigh=weigh,
     first=first,
+    frame="ned",
 )

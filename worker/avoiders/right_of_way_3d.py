@@ -155,4 +155,5 @@ component = Avoider(
     remember=remember,
     weigh=weigh,
     first=first,
+    frame="ned",
 )

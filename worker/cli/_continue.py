@@ -16,20 +16,21 @@ from typing import Any, NamedTuple
 
 import sqlalchemy as sa
 
+from backend.db import codes, snapshots
 from backend.db import continuation as stored
-from backend.db import snapshots
 from backend.db.engine import connect, migrate, read, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
 from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
+from campaigns.flown import Flown
 from campaigns.load import load_document
 from campaigns.plan import plan
 from campaigns.snapshot import values_changed
 from worker.catalog import catalogue
 from worker.cli import WrongInputError
-from worker.cli._results import read_folder
+from worker.cli._results import flown_of, read_folder
 from worker.cli._where import existing_url_of
-from worker.continuation import Budget, CannotContinue, carried, continued, preloaded
+from worker.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
 from worker.runner import Cancelled, ReplayMismatch
 from worker.store import Columns, Conclusion, MemoryStore, StagePlan, Store
 
@@ -50,14 +51,18 @@ class _Earlier:
     run: str
     campaign: Campaign
     store: MemoryStore
+    flown: Flown
+    modules: dict[str, str]
 
     def onward(self, budget: Budget) -> tuple[Campaign, dict[int, Columns]]:
         campaign = continued(self.campaign, budget)
+        refuse_other_code(campaign, self.flown, self.modules)
         return campaign, carried(self.campaign, campaign, self.store)
 
     @property
     def cited(self) -> dict[str, Any]:
-        return {"run": self.run, "digest": self.campaign.digest}
+        unknown = {} if self.flown.code else {"code": None}
+        return {"run": self.run, "digest": self.campaign.digest} | unknown
 
 
 def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
@@ -73,7 +78,7 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
 
 def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
     campaign, store = read_folder(folder)
-    earlier = _Earlier(str(folder), campaign, store)
+    earlier = _Earlier(str(folder), campaign, store, flown_of(folder), {})
     onward, columns = earlier.onward(budget)
     memory = preloaded(onward, columns)
     return Continued(onward, memory, execute(onward, memory, lambda: False), earlier.cited)
@@ -86,13 +91,13 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
         earlier = _earlier(engine, run_id)
         onward, columns = earlier.onward(budget)
         planned = [StagePlan(*p) for p in plan(onward)]
-        claim = write(
-            engine,
-            lambda connection: stored.begin(
-                connection, run_id, onward, planned, columns, worker="clearance run", lease=LEASE, catalogue=catalogue()
-            ),
-            PATIENCE,
-        )
+        named: dict[str, Any] = {"worker": "clearance run", "lease": LEASE, "catalogue": catalogue()}
+        flew = earlier.flown if earlier.flown.code else None
+
+        def begin(connection: sa.Connection) -> Claim:
+            return stored.begin(connection, run_id, onward, planned, columns, **named, flown=flew)
+
+        claim = write(engine, begin, PATIENCE)
         conclusion = _held(engine, claim, onward, execute)
         with read(engine) as connection:
             memory = _snapshot(connection, claim.run_id)
@@ -119,7 +124,10 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
         others = [] if flown is None else values_changed(campaign, flown, catalogue())
         if others:
             raise CannotContinue(f"its evaluations were flown with other components: {'; '.join(others)}")
-        return _Earlier(_name(run_id), campaign, _snapshot(connection, run_id))
+        flew = stored.flown(connection, run_id)
+        return _Earlier(
+            _name(run_id), campaign, _snapshot(connection, run_id), flew, codes.modules(connection, flew.code)
+        )
 
 
 def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Conclusion:

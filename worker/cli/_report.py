@@ -68,6 +68,8 @@ def print_report(
     if cites is not None:
         named = f"{cites['as']} continues" if "as" in cites else "Continues"
         console.print(Text(f"{named} {cites['run']} (campaign {cites['digest'][:12]})"))
+        if "code" in cites and cites["code"] is None:
+            console.print(Text(f"The code that flew {cites['run']} was not stored, so it could not be compared."))
     console.print(_stages(store, conclusion))
     console.print(_comparison(store, conclusion))
     if store.findings:

@@ -1,7 +1,7 @@
 """What `clearance run --out DIR` leaves behind: result.json, campaign.json, evaluations.csv, a trace per case.
 
-evaluations.npz holds the evaluations bit by bit on the unit cube, for `clearance run --continue DIR`. Start reading at
-`write_results`.
+evaluations.npz holds the evaluations bit by bit on the unit cube, for `clearance run --continue DIR`; evidence.json
+what the verdict was drawn from besides them, for `clearance audit DIR`. Start reading at `write_results`.
 """
 
 from __future__ import annotations
@@ -14,13 +14,17 @@ from typing import Any
 
 import numpy as np
 
+from backend.db.store import plain
 from campaigns import Campaign, load_file
+from campaigns.flown import Flown
 from campaigns.plan import plan
+from campaigns.snapshot import snapshot
+from worker.catalog import catalogue
 from worker.continuation import CannotContinue
 from worker.problem import Problem
 from worker.search.base import STATUS
 from worker.stages import front
-from worker.store import Columns, MemoryStore, StagePlan, StageRecord, Trace
+from worker.store import Columns, Conclusion, MemoryStore, StagePlan, StageRecord, Trace
 
 ARRAYS = "evaluations.npz"
 
@@ -33,6 +37,21 @@ def write_results(folder: Path, campaign: Campaign, store: MemoryStore, result: 
     _write_bits(folder / ARRAYS, store)
     for trace in store.traces.values():
         _write_trace(folder / f"trace-{trace.name}.csv", trace)
+
+
+def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> None:
+    """Write what an audit needs besides the results."""
+    text = json.dumps(evidence(campaign, store, conclusion), allow_nan=False)
+    (folder / "evidence.json").write_text(text + "\n", encoding="utf-8")
+
+
+def evidence(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
+    """What stands behind the result: all counts, every stage's own result, what the components of the campaign mean."""
+    return {
+        "evaluations": conclusion.summary["evaluations"],
+        "results": [plain(stage.result) for stage in store.stages],
+        "components": snapshot(campaign, catalogue()).model_dump(mode="json"),
+    }
 
 
 def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
@@ -49,6 +68,14 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     except (ValueError, KeyError, OSError, zipfile.BadZipFile) as error:
         raise CannotContinue(f"{ARRAYS} in it cannot be read ({error}); run the campaign again") from None
     return campaign, MemoryStore(stages=stages, chunks={at: [columns] for at, columns in chunks.items()})
+
+
+def flown_of(folder: Path) -> Flown:
+    """What flew the run of a folder, as far as it is stored there."""
+    try:
+        return Flown.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return Flown()
 
 
 def _write_bits(path: Path, store: MemoryStore) -> None:

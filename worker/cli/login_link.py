@@ -1,4 +1,4 @@
-"""`clearance login-link`: a fresh link, good once, for the browser. Start reading at `login_link`."""
+"""`clearance login-link`: a fresh, single-use link for the browser. Start reading at `login_link`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from worker.cli._where import DATA, Data, Database, opened
 
 STANDARD = "http://127.0.0.1:8000"
 
-LINK_FILE = "login-link"
-"""Where in the data folder the service leaves its newest login link."""
+ADDRESS_FILE = "service-address"
+"""Where in the data folder the service leaves its address."""
 
 
 def login_link(
@@ -28,7 +28,7 @@ def login_link(
         ),
     ] = "",
 ) -> None:
-    """Print a fresh login link, good once and for 12 hours."""
+    """Print a fresh login link, single-use and valid for 15 minutes; earlier unused links are void."""
     with opened(data, database) as connection:
         code = access.create_login_code(connection)
     typer.echo(f"{(url or _serving(data) or STANDARD).rstrip('/')}/login?code={code}")
@@ -37,6 +37,6 @@ def login_link(
 def _serving(data: Path) -> str:
     """Where the service of this data folder said that it is; empty when it never said so."""
     try:
-        return (data / LINK_FILE).read_text().partition("/login?")[0]
+        return (data / ADDRESS_FILE).read_text().strip()
     except OSError:
         return ""

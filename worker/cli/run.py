@@ -47,6 +47,8 @@ def run(
     database: Database = "",
 ) -> None:  # fmt: skip
     """Run a campaign here and print its verdict; the exit code is the verdict."""
+    from worker import sources as sources  # first: it records the files before they are loaded
+
     _asked_right(file, onward, budget)
     writable(out)
     fly = _flying(threads or None, quiet=as_json)
@@ -60,9 +62,10 @@ def run(
         cites = None
     result = summary(campaign, store, conclusion) | ({"continues": cites} if cites else {})
     if out is not None:
-        from worker.cli._results import write_results
+        from worker.cli._results import write_evidence, write_results
 
         write_results(out, campaign, store, result)
+        write_evidence(out, campaign, store, conclusion)
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
@@ -82,17 +85,19 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
 
 
 def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
+    from campaigns import CampaignError, check
+    from worker.catalog import catalogue
     from worker.cli._campaign import read_campaign
     from worker.problem import CampaignUnusable
     from worker.store import MemoryStore
 
     campaign = read_campaign(file)
+    if problems := check(campaign, catalogue()):
+        raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:
         return campaign, store, fly(campaign, store, lambda: False)
     except CampaignUnusable as error:
-        from campaigns import CampaignError
-
         raise CampaignError(str(file), error.problems) from None
 
 
@@ -115,7 +120,7 @@ def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> d
         "findings": [vars(f) for f in store.findings],
         "digest": campaign.digest,
         "seed": campaign.seed,
-        "versions": {k: parts["provenance"][k] for k in ("clearance", "python", "packages", "cpu", "loop")},
+        "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")},
     }
 
 

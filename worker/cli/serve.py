@@ -17,11 +17,12 @@ from typing import Annotated
 
 import typer
 
-from backend.db import workers
+from backend.db import access, workers
 from backend.db.engine import connect, migrate, read
+from backend.db.private import SharedFolderError, keep_private
 from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from worker.cli._where import DATA, Data, Database, url_of
-from worker.cli.login_link import LINK_FILE
+from worker.cli.login_link import ADDRESS_FILE
 from worker.lifeline import Wakeup
 from worker.serving import Server, Servers
 
@@ -43,6 +44,7 @@ def serve(
     number: Annotated[int, typer.Option("--workers", help="How many runs are worked on at once.", min=0, max=256)] = 1,
 ) -> None:
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
+    _closed_to_others(data, database)
     url = url_of(data, database)
     with _alone(data):
         port = _free_port(host, port)
@@ -61,7 +63,8 @@ class _Serving:
         here = {"CLEARANCE_DATA": str(data), "CLEARANCE_DATABASE": url, "PYTHONUNBUFFERED": "1"}
         if number > 1:  # each would otherwise take every core
             here["CLEARANCE_THREADS"] = os.environ.get("CLEARANCE_THREADS") or str(max(1, _cores() // number))
-        listen = {**here, "CLEARANCE_HOST": host, "CLEARANCE_PORT": str(port)}
+        # Its output is a log: the link is printed here, by `_welcome`.
+        listen = {**here, "CLEARANCE_HOST": host, "CLEARANCE_PORT": str(port), "CLEARANCE_PRINT_LINK": "false"}
         python = [sys.executable, "-P", "-m"]
         logs = data / "logs"
         self.backend = Server("backend", [*python, "backend"], listen, logs / "backend.log", signal.SIGKILL)
@@ -117,18 +120,33 @@ class _Serving:
             engine.dispose()
 
     def _welcome(self) -> None:
-        link = (self.data / LINK_FILE).read_text().strip()
-        _say(f"\nClearance is ready. Open this link to log in (it is good once):\n\n    {link}\n")
+        engine = connect(self.url)
+        try:
+            with engine.begin() as connection:
+                code = access.create_login_code(connection)
+        finally:
+            engine.dispose()
+        link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
+        _say("\nClearance is ready. Open this link to log in (it can be used once, within 15 minutes):\n")
+        _say(f"    {link}\n")
         _say("For another one: clearance login-link. To stop: Ctrl-C.")
 
     def _interrupted(self) -> int:
         return INTERRUPTED if self.wakeup.signal == signal.SIGINT else 0
 
 
+def _closed_to_others(data: Path, database: str) -> None:
+    try:
+        keep_private(data, database)
+    except SharedFolderError as error:
+        raise WrongInputError(f"{error}") from None
+    except OSError as error:
+        raise WrongInputError(f"the folder {data} cannot be used: {error.strerror}") from None
+
+
 @contextmanager
 def _alone(data: Path) -> Iterator[None]:
-    """Holds the data folder: two services on one folder would hand each other's login links out."""
-    data.mkdir(parents=True, exist_ok=True)
+    """Holds the data folder: two services on one folder would void each other's login links."""
     with (data / "serve.lock").open("a+") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

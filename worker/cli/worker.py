@@ -6,6 +6,7 @@ Start reading at `worker`; what it does is in `worker.supervisor`.
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import socket
 from pathlib import Path
@@ -28,12 +29,14 @@ def worker(
 ) -> None:
     """Work on runs from the queue. Start as many as there are cores; Ctrl-C gives the run back to the queue."""
     from backend.db.engine import migrate
+    from backend.db.private import UMASK
     from worker.supervisor import Supervisor, default_name
 
     if check:
         raise typer.Exit(0 if _alive(data, database) else 1)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
+    os.umask(UMASK)
     url = url_of(data, database)
     migrate(url)
     stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease).run()

@@ -1,10 +1,11 @@
-"""Separation: the smallest distance to any obstacle's centre over the flight.
+"""Separation from centres: the smallest distance to any obstacle's centre over the flight.
 
     d_min = min over t <= T and obstacles of |q(t) - c(t)|,   clear when d_min > threshold
 
 Source: Srikanthakumar, equations 1.1 and 1.2; the threshold is r = r_0 + r_safe. The minimum over time is refined by
 the parabola through three samples of the squared distance, so the sampling adds no false minima.
 A flight that starts at or inside the threshold is excluded: nothing can be shown of it.
+The extent of the obstacles is not looked at: a threshold below an obstacle's reach lets the vehicle be inside it.
 """
 
 from __future__ import annotations
@@ -50,11 +51,12 @@ def excluded(first: Any, p: Separation) -> bool:
 
 component = Criterion(
     name="separation",
-    title="Separation",
+    title="Separation from centres",
     quantity="d_min",
     unit="m",
     parameters=Separation,
     sample={2: in_plane, 3: in_space},
     value=value,
     excluded=excluded,
+    measured_to="centre",
 )

@@ -19,7 +19,7 @@ from worker.kernels.views import Sight
 
 
 class BearingRangeError(NamedTuple):
-    db: Annotated[float, Parameter("rad", "Error of the bearing", -3.2, 3.2, symbol="Δb")] = 0.0
+    db: Annotated[float, Parameter("rad", "Error of the bearing, from x towards y", -3.2, 3.2, symbol="Δb")] = 0.0
     de: Annotated[float, Parameter("rad", "Error of the elevation, towards z", -1.6, 1.6, symbol="Δe")] = 0.0
     dr: Annotated[float, Parameter("m", "Bias of the range", -1e5, 1e5, symbol="Δr")] = 0.0
     k: Annotated[float, Parameter("", "Error of the range's scale", -1.0, 10.0)] = 0.0

@@ -20,7 +20,7 @@ class NavigationBias(NamedTuple):
     dx: Annotated[float, Parameter("m", "Error of the own position, x", -1e5, 1e5, symbol="Δx")] = 0.0
     dy: Annotated[float, Parameter("m", "Error of the own position, y", -1e5, 1e5, symbol="Δy")] = 0.0
     dz: Annotated[float, Parameter("m", "Error of the own position, z", -1e5, 1e5, symbol="Δz")] = 0.0
-    dpsi: Annotated[float, Parameter("rad", "Error of the own heading", -3.2, 3.2, symbol="Δψ")] = 0.0
+    dpsi: Annotated[float, Parameter("rad", "Error of the own heading, from x towards y", -3.2, 3.2, symbol="Δψ")] = 0.0
     du: Annotated[float, Parameter("m/s", "Error of the own speed", -1e3, 1e3, symbol="Δu")] = 0.0
 
 

@@ -20,7 +20,7 @@ class NavigationDrift(NamedTuple):
     vx: Annotated[float, Parameter("m/s", "Drift of the own position, x", -1e3, 1e3)] = 0.0
     vy: Annotated[float, Parameter("m/s", "Drift of the own position, y", -1e3, 1e3)] = 0.0
     vz: Annotated[float, Parameter("m/s", "Drift of the own position, z", -1e3, 1e3)] = 0.0
-    rate: Annotated[float, Parameter("rad/s", "Drift of the own heading", -10.0, 10.0)] = 0.0
+    rate: Annotated[float, Parameter("rad/s", "Drift of the own heading, from x towards y", -10.0, 10.0)] = 0.0
     at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
 
 

@@ -18,7 +18,9 @@ from worker.kernels.views import Sight
 
 class TrackError(NamedTuple):
     du0: Annotated[float, Parameter("m/s", "Error of the obstacle's speed", -1e3, 1e3, symbol="Δu₀")] = 0.0
-    dpsi0: Annotated[float, Parameter("rad", "Error of its track angle", -3.2, 3.2, symbol="Δψ₀")] = 0.0
+    dpsi0: Annotated[float, Parameter("rad", "Error of its track angle, from x towards y", -3.2, 3.2, symbol="Δψ₀")] = (
+        0.0
+    )
 
 
 @kernel

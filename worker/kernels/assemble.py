@@ -25,7 +25,11 @@ LANES = 16
 """The one width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single flight 1.5 times slower; searches
 fly batches (DECISIONS.md)."""
 
-LIBRARY = {maths.sincos: lambda x: (math.sin(x), math.cos(x)), maths.atan2: math.atan2}
+LIBRARY: dict[Any, Function] = {
+    maths.sincos: lambda x: (math.sin(x), math.cos(x)),
+    maths.atan2: math.atan2,
+    maths.log: math.log,
+}
 """What the platform has in place of the elementary functions of `maths`."""
 
 FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "settled", "envelope", "costs_of", "barred")

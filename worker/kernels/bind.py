@@ -52,7 +52,7 @@ def _unfilled(template: Function) -> Any:
 
 def compile_loop(bound: Function, name: str, flags: Mapping[str, Any] = FLAGS) -> Any:
     """A filled template as a compiled function, kept on disk under its digest; it releases the GIL."""
-    bound.__qualname__ = f"{name}_{digest(bound)}"
+    bound.__qualname__ = f"{name}_{digest(bound, flags)}"
     return numba.njit(cache=True, nogil=True, **flags)(bound)
 
 
@@ -89,9 +89,9 @@ def identity(function: Any) -> int:
     return id(_python(function))
 
 
-def digest(function: Function) -> str:
+def digest(function: Function, flags: Mapping[str, Any] = FLAGS) -> str:
     """16 hexadecimal digits over bytecode and constants of everything reachable from the function, by value."""
-    sink = hashlib.sha256(f"{numba.__version__} {sys.version} {sorted(FLAGS['fastmath'])}".encode())
+    sink = hashlib.sha256(f"{numba.__version__} {sys.version} {sorted(flags.get('fastmath', ()))}".encode())
     _walk(function, sink.update, {})
     return sink.hexdigest()[:16]
 

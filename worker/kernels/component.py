@@ -25,6 +25,7 @@ __all__ = [
     "NoTrim",
     "Obstacle",
     "Parameter",
+    "Reach",
     "Signal",
     "Switches",
     "Trim",
@@ -52,6 +53,10 @@ class Limit:
     """An edge of a vehicle's envelope; `text` completes "the flight left the model's envelope: ..."."""
 
     text: str
+
+
+Frame = Literal["enu", "ned"]
+"""Axes of the world: x east, y north, z up; or x north, y east, z down as flight mechanics has it."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +118,8 @@ class Vehicle:
     felt: Kernel | None = None
     derived: Derived | None = None
     trim: Trim | None = None
-    frame: Literal["enu", "ned"] = "enu"
-    """Axes of the world: z up, or z down as flight mechanics has it."""
+    frame: Frame = "enu"
+    """The axes that it flies in: the scenario's, which every other component has to share."""
     role: Literal["vehicle"] = "vehicle"
 
 
@@ -147,7 +152,8 @@ class Avoider:
     """An avoidance algorithm. Its kernels, m being its memory between samples:
 
     steer(t, position, velocity, goal, bodies, m, p) -> (demand, m); remember(p) -> m at the start.
-    The demand is a world-frame force or velocity of the given dimension.
+    The demand is a world-frame force or velocity of the given dimension. `frame`: the axes that it takes for granted,
+    where it has a sense of up, right or heading of its own; None where it is the same in all.
     Where it has weigh(so_far, number, body, t, position, velocity, goal, m, p) -> so_far, which every obstacle goes
     through in turn from first(t, position, velocity, goal, m, p) -> so_far on, steer receives the last so_far in place
     of the bodies: a loop over bodies with much to do in it would not vectorise.
@@ -165,7 +171,20 @@ class Avoider:
     weigh: Kernel | None = None
     first: Kernel | None = None
     derived: Derived | None = None
+    frame: Frame | None = None
     role: Literal["avoider"] = "avoider"
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far an obstacle's surface is from its centre at most: `times` the root of the sum of squares of parameters.
+
+    As data, because the checks of a campaign need it without the physics. Of a circle Reach(("radius",)), of a box
+    Reach(("length", "width"), 0.5).
+    """
+
+    of: tuple[str, ...]
+    times: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -174,6 +193,8 @@ class Obstacle:
 
     body(t, o, q, p) -> views.Body (plane) or views.Body3 (space) as seen from q; wake(p) -> o at the start;
     move(t, o, q, v, p) -> do, q and v being the true position and velocity of the vehicle.
+
+    `reach`: the largest distance of a point inside it from the centre that `body` reports. `frame` as in `Avoider`.
     """
 
     name: str
@@ -186,6 +207,8 @@ class Obstacle:
     move: Kernel | None = None
     moving: bool = False
     derived: Derived | None = None
+    reach: Reach | None = None
+    frame: Frame | None = None
     role: Literal["obstacle"] = "obstacle"
 
 
@@ -194,7 +217,8 @@ class Environment:
     """A part of the environment. blow(t, q, v, e, p) -> (views.Surroundings, de); wake(p) -> e at the start.
 
     q and v are the true position and velocity in space, whatever the dimension (z = 0 in the plane).
-    With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`.
+    With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`, `frame`
+    as in `Avoider`.
     """
 
     name: str
@@ -205,6 +229,7 @@ class Environment:
     wake: Kernel | None = None
     derived: Derived | None = None
     switches: Switches | None = None
+    frame: Frame | None = None
     role: Literal["environment"] = "environment"
 
 
@@ -233,6 +258,7 @@ class Fault:
     rest: Kernel | None = None
     derived: Derived | None = None
     switches: Switches | None = None
+    frame: Frame | None = None
     role: Literal["fault"] = "fault"
 
 
@@ -248,6 +274,7 @@ class Criterion:
 
     `worse`: which end is sought. One that is worse when low may decide: its first parameter is `threshold`, its value
     must stay above it, and excluded(first, p) tells whether the first reading bars the flight.
+    `measured_to`: the point of an obstacle that its distances end at; "" where it reads no distances to obstacles.
     """
 
     name: str
@@ -261,7 +288,9 @@ class Criterion:
     worse: Literal["low", "high"] = "low"
     of: Literal["obstacles", "goal", "flight"] = "obstacles"
     over: Literal["refined", "steps", "crossing"] = "refined"
+    measured_to: Literal["", "centre", "surface"] = ""
     derived: Derived | None = None
+    frame: Frame | None = None
     role: Literal["criterion"] = "criterion"
 
 

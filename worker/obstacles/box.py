@@ -1,7 +1,7 @@
 """Box: a static rectangle in the plane, turned by an angle about its centre.
 
 The gap is the distance to its edge, negative inside; the normal points away from the nearest point of the edge (inside:
-out of the nearest side). For avoiders that know discs only it is its circumscribed circle. The criterion reads
+out of the nearest side). For avoiders that know discs only it is its circumscribed circle. `separation` reads
 distances to its centre.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel, norm2, sincos
 from worker.kernels.shapes import outward, rectangle
 from worker.kernels.views import Body
@@ -52,5 +52,11 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
 
 
 component = Obstacle(
-    name="box", title="Box", dimension=2, parameters=Box, body=body, derived=Derived(Constants, derive)
+    name="box",
+    title="Box",
+    dimension=2,
+    parameters=Box,
+    body=body,
+    derived=Derived(Constants, derive),
+    reach=Reach(("length", "width"), 0.5),
 )

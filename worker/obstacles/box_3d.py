@@ -1,7 +1,7 @@
 """Box in space: a static cuboid, turned by an angle about its vertical axis.
 
 The gap is the distance to its surface, negative inside; the normal points away from the nearest point of the surface
-(inside: out of the nearest face). For avoiders that know spheres only it is its circumscribed sphere. The criterion
+(inside: out of the nearest face). For avoiders that know spheres only it is its circumscribed sphere. `separation`
 reads distances to its centre.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.shapes import cuboid, outward
 from worker.kernels.views import Body3
@@ -63,5 +63,11 @@ def body(t: float, o: tuple[()], q: tuple[float, float, float], p: Constants) ->
 
 
 component = Obstacle(
-    name="box_3d", title="Box in space", dimension=3, parameters=Box3, body=body, derived=Derived(Constants, derive)
+    name="box_3d",
+    title="Box in space",
+    dimension=3,
+    parameters=Box3,
+    body=body,
+    derived=Derived(Constants, derive),
+    reach=Reach(("length", "width", "height"), 0.5),
 )

@@ -1,13 +1,13 @@
 """Circle: a static circular obstacle in the plane.
 
-Its radius is what an avoider keeps off; the criterion reads distances to its centre. Radius 0 is a point.
+Its radius is what an avoider keeps off; `separation` reads distances to its centre. Radius 0 is a point.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter
+from worker.kernels.component import Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel, norm2
 from worker.kernels.views import Body
 
@@ -27,4 +27,4 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Circle) -> Body:
     return Body(p.position_x, p.position_y, 0.0, 0.0, p.radius, d - p.radius, dx / near, dy / near)
 
 
-component = Obstacle(name="circle", title="Circle", dimension=2, parameters=Circle, body=body)
+component = Obstacle(name="circle", title="Circle", dimension=2, parameters=Circle, body=body, reach=Reach(("radius",)))

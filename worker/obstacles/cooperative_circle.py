@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.closest import NEVER, Rules, resolve
-from worker.kernels.component import Obstacle, Parameter
+from worker.kernels.component import Obstacle, Parameter, Reach
 from worker.kernels.fields import cruise
 from worker.kernels.maths import kernel, norm2
 from worker.kernels.shapes import disc
@@ -89,4 +89,5 @@ component = Obstacle(
     wake=wake,
     move=move,
     moving=True,
+    reach=Reach(("radius",)),
 )

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from worker.kernels.closest import NEVER, Rules, resolve
-from worker.kernels.component import Obstacle, Parameter
+from worker.kernels.component import Obstacle, Parameter, Reach
 from worker.kernels.fields import cruise
 from worker.kernels.maths import kernel, norm2
 from worker.kernels.space import Vector, ball, norm3
@@ -97,4 +97,6 @@ component = Obstacle(
     wake=wake,
     move=move,
     moving=True,
+    reach=Reach(("radius",)),
+    frame="ned",
 )

@@ -1,7 +1,7 @@
 """Cylinder: a static upright cylinder between two heights.
 
 The gap is the distance to its surface, negative inside; the normal points away from the nearest point of the surface
-(inside: out of the nearest one of side, top and bottom). Its centre, to which the criterion reads distances, is the
+(inside: out of the nearest one of side, top and bottom). Its centre, to which `separation` reads distances, is the
 nearest point of its axis: a flight at its own height is judged by the distance from the axis.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter
+from worker.kernels.component import Obstacle, Parameter, Reach
 from worker.kernels.maths import clip, kernel, norm2
 from worker.kernels.shapes import outward, rectangle
 from worker.kernels.views import Body3
@@ -38,4 +38,6 @@ def body(t: float, o: tuple[()], q: tuple[float, float, float], p: Cylinder) -> 
     return Body3(p.position_x, p.position_y, z, 0.0, 0.0, 0.0, p.radius, gap, nx, ny, end)
 
 
-component = Obstacle(name="cylinder", title="Cylinder", dimension=3, parameters=Cylinder, body=body)
+component = Obstacle(
+    name="cylinder", title="Cylinder", dimension=3, parameters=Cylinder, body=body, reach=Reach(("radius",))
+)

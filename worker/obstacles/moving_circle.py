@@ -2,14 +2,14 @@
 
     c(t) = position + speed t e,   e the unit vector to the goal, until it is reached
 
-Gives way to nothing. Its radius is what an avoider keeps off; the criterion reads distances to its centre.
+Gives way to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its centre.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel
 from worker.kernels.paths import leg
 from worker.kernels.shapes import disc
@@ -64,4 +64,5 @@ component = Obstacle(
     body=body,
     moving=True,
     derived=Derived(Constants, derive),
+    reach=Reach(("radius",)),
 )

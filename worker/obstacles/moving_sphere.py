@@ -3,14 +3,14 @@
     c(t) = position + speed t (cos(climb) cos(heading), cos(climb) sin(heading), -sin(climb))
 
 Axes with z down: heading from north (x) over east (y), a positive climb goes up. Its radius is what an avoider keeps
-off where that measures from a surface; the criterion reads distances to its centre.
+off where that measures from a surface; `separation` reads distances to its centre.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel
 from worker.kernels.space import Vector, ball, course
 from worker.kernels.views import Body3
@@ -55,4 +55,6 @@ component = Obstacle(
     body=body,
     moving=True,
     derived=Derived(Constants, derive),
+    reach=Reach(("radius",)),
+    frame="ned",
 )

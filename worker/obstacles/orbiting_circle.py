@@ -2,14 +2,14 @@
 
     c(t) = centre + R (cos phi, sin phi),   phi = phase + speed t / R
 
-Gives way to nothing. Its radius is what an avoider keeps off; the criterion reads distances to its own centre.
+Gives way to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its own centre.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.shapes import disc
 from worker.kernels.views import Body
@@ -53,4 +53,5 @@ component = Obstacle(
     body=body,
     moving=True,
     derived=Derived(Constants, derive),
+    reach=Reach(("radius",)),
 )

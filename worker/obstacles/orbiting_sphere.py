@@ -1,16 +1,16 @@
-"""Sphere that goes round: its centre moves on a horizontal circle at constant speed, climbing where `climb` says so.
+"""Sphere that goes round: its centre moves on a horizontal circle at constant speed, and along z at `climb`.
 
     c(t) = centre + (R cos phi, R sin phi, climb t),   phi = phase + speed t / R
 
-phi counts from x towards y: with z down that is clockwise seen from above. Gives way to nothing. Its radius is what an
-avoider keeps off; the criterion reads distances to its own centre.
+phi counts from x towards y: with z down that is clockwise seen from above, and a positive `climb` goes down. Gives way
+to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its own centre.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.space import Vector, ball
 from worker.kernels.views import Body3
@@ -59,4 +59,5 @@ component = Obstacle(
     body=body,
     moving=True,
     derived=Derived(Constants, derive),
+    reach=Reach(("radius",)),
 )

@@ -1,13 +1,13 @@
 """Sphere: a static spherical obstacle in space.
 
-Its radius is what an avoider keeps off; the criterion reads distances to its centre. Radius 0 is a point.
+Its radius is what an avoider keeps off; `separation` reads distances to its centre. Radius 0 is a point.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter
+from worker.kernels.component import Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel
 from worker.kernels.space import Vector, ball
 from worker.kernels.views import Body3
@@ -25,4 +25,4 @@ def body(t: float, o: tuple[()], q: Vector, p: Sphere) -> Body3:
     return ball((p.position_x, p.position_y, p.position_z), (0.0, 0.0, 0.0), p.radius, q)
 
 
-component = Obstacle(name="sphere", title="Sphere", dimension=3, parameters=Sphere, body=body)
+component = Obstacle(name="sphere", title="Sphere", dimension=3, parameters=Sphere, body=body, reach=Reach(("radius",)))

@@ -1,14 +1,14 @@
 """Sphere along waypoints: from its position over up to four waypoints at constant speed; it stops at the last.
 
 Turns at a waypoint take no time and no room. Gives way to nothing. `legs` says how many waypoints are flown to; what
-stands behind is not read. Its radius is what an avoider keeps off; the criterion reads distances to its centre.
+stands behind is not read. Its radius is what an avoider keeps off; `separation` reads distances to its centre.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
 from worker.kernels.maths import kernel
 from worker.kernels.paths import elapsed, leg, under_way
 from worker.kernels.space import Vector, ball
@@ -105,4 +105,5 @@ component = Obstacle(
     body=body,
     moving=True,
     derived=Derived(Constants, derive),
+    reach=Reach(("radius",)),
 )

@@ -48,7 +48,7 @@ C: Floats = np.array(
         0.7777777777777778,
     ]
 )
-"""At which share of the step each slope is taken."""
+"""At which fraction of the step each slope is taken."""
 
 A: Floats = _dense(
     [

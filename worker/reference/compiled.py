@@ -7,8 +7,8 @@ its address, so it is compiled once for all of them. Start reading at `system`.
 
 from __future__ import annotations
 
-import math
 from functools import cache
+from types import FunctionType
 from typing import Any
 
 import numba
@@ -16,8 +16,7 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-from worker.kernels import maths
-from worker.kernels.assemble import Loop
+from worker.kernels.assemble import LIBRARY, Loop
 from worker.kernels.bind import Function, compile_loop, digest, filled, identity, rebuilt
 from worker.kernels.lanes import lane_ops
 from worker.reference import closed, flight, stepper
@@ -42,8 +41,7 @@ def system(loop: Loop) -> Any:
 
 def bound(loop: Loop) -> Function:
     """A closed loop as a function to compile, its digest in its name."""
-    library = {maths.sincos: _inlined(_sincos), maths.atan2: math.atan2, maths.log: math.log}
-    done: dict[int, Any] = {identity(kernel): other for kernel, other in library.items()}
+    done: dict[int, Any] = {identity(kernel): _library(other) for kernel, other in LIBRARY.items()}
     slots = {name: rebuilt(loop.kernel(name), done, _inlined) for name in PARTS}
     counts = {"x": loop.n_state, "p": loop.size_extended, "g": loop.n_held}
     first, last = loop.channels.of["criterion"]
@@ -54,7 +52,7 @@ def bound(loop: Loop) -> Function:
     slots |= {f"store_{letter}": lane_ops(counts[letter], 1).store for letter in "xg"}
     slots |= {"store_y": lane_ops(last - first, 1).store}
     made = filled(closed.answer, slots)
-    made.__qualname__ = f"{loop.parts.vehicle.name}_reference_{digest(made)}"
+    made.__qualname__ = f"{loop.parts.vehicle.name}_reference_{digest(made, STRICT)}"
     return made
 
 
@@ -72,8 +70,8 @@ def _inlined(function: Function) -> Any:
     return njit(forceinline=True, **BARE)(function)
 
 
-def _sincos(x: float) -> tuple[float, float]:
-    return math.sin(x), math.cos(x)
+def _library(function: Any) -> Any:
+    return _inlined(function) if isinstance(function, FunctionType) else function
 
 
 @intrinsic

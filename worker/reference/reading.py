@@ -95,7 +95,7 @@ def look(t: float, h: float, until: float, spacing: float, system: Any, b: Any, 
 def refine(
     t: float, h: float, left: float, right: float, until: float, i: int, system: Any, b: Any, y: Any, p: Any
 ) -> None:
-    """Golden sections on channel i between two shares of the step; every value seen counts."""
+    """Golden sections on channel i between two fractions of the step; every value seen counts."""
     one, other = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
     at_one = at_other = math.inf
     known = 0
@@ -118,7 +118,7 @@ def refine(
             other = left + GOLDEN * (right - left)
 
 
-def seen_at(t: float, h: float, share: float, until: float, system: Any, b: Any, y: Any, p: Any) -> None:
+def seen_at(t: float, h: float, fraction: float, until: float, system: Any, b: Any, y: Any, p: Any) -> None:
     """The channels at this fraction of the step, at SEEN."""
-    between(share, b)
-    call(system, SLOPE, min(t + share * h, until), b, WORK, DUMP, y, p)
+    between(fraction, b)
+    call(system, SLOPE, min(t + fraction * h, until), b, WORK, DUMP, y, p)

@@ -123,11 +123,11 @@ def bend(h: float, b: Any) -> None:
             b[F + r, i] *= h
 
 
-def between(share: float, b: Any) -> None:
-    """The state at this share of the step, at WORK."""
-    rest = 1.0 - share
+def between(fraction: float, b: Any) -> None:
+    """The state at this fraction of the step, at WORK."""
+    rest = 1.0 - fraction
     for i in range(b.shape[1]):
-        y = (b[F + 6, i] * share + b[F + 5, i]) * rest
-        y = ((y + b[F + 4, i]) * share + b[F + 3, i]) * rest
-        y = ((y + b[F + 2, i]) * share + b[F + 1, i]) * rest
-        b[WORK, i] = b[X, i] + (y + b[F, i]) * share
+        y = (b[F + 6, i] * fraction + b[F + 5, i]) * rest
+        y = ((y + b[F + 4, i]) * fraction + b[F + 3, i]) * rest
+        y = ((y + b[F + 2, i]) * fraction + b[F + 1, i]) * rest
+        b[WORK, i] = b[X, i] + (y + b[F, i]) * fraction

@@ -8,17 +8,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated
 
-from anyio import to_thread
 from fastapi import APIRouter, Path, Query, Request
 
 from backend.auth import CurrentVisitor
-from backend.errors import RefusedError
+from backend.deps import capacities
+from backend.errors import RefusedError, problems
 from backend.runs.service import number
 from backend.scenes.address import KEY
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.schemas import ViewChange, ViewState
 from backend.scenes.setting import UnknownParameterError
 from backend.scenes.viewer import GoneError, UnknownFlightError, Viewer
+from backend.schema import LARGEST_WHOLE, RunName
 
 router = APIRouter(tags=["views"])
 
@@ -28,15 +29,16 @@ Since = Annotated[
     int | None,
     Query(
         ge=0,
+        le=LARGEST_WHOLE,
         description="A revision that is known: the answer comes once the view shows something else, at the latest "
         "after `wait`; at once where no such view is open.",
     ),
 ]
 
 
-@router.get("/runs/{run}/views/{key}")
+@router.get("/runs/{run}/views/{key}", responses=problems("not-found", "no-such-view", "busy"))
 async def get_view(
-    run: str, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
+    run: RunName, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
 ) -> ViewState:
     """What an open 3D view shows now, or as soon as it shows something new."""
     handle = Handle(visitor, number(run), key)
@@ -46,9 +48,12 @@ async def get_view(
     return await _answer(request, handle, wait, Viewer.state)
 
 
-@router.patch("/runs/{run}/views/{key}")
+@router.patch(
+    "/runs/{run}/views/{key}",
+    responses=problems("not-found", "no-such-view", "unknown-finding", "unknown-parameter", "busy"),
+)
 async def change_view(
-    run: str, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
+    run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
     """Show something else in an open 3D view: `/view/RUN/key/KEY/`. The answer says what it shows then."""
     return await _answer(request, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
@@ -58,9 +63,10 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
     viewers: Viewers = request.app.state.viewers
     viewer = await viewers.find(handle, wait)
     if viewer is None:
-        raise _full(viewers.most) if viewers.full and not viewers.stopping.is_set() else _gone(handle)
+        full = viewers.full(handle.visitor)
+        raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
     try:
-        return await to_thread.run_sync(ask, viewer)
+        return await capacities(request).views.run(lambda: ask(viewer))
     except GoneError:
         raise _gone(handle) from None
     except UnknownFlightError as error:
@@ -69,9 +75,8 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
         raise RefusedError(422, "unknown-parameter", str(error)) from None
 
 
-def _full(most: int) -> RefusedError:
-    detail = f"{most} 3D views are open, and no more may be at a time: close one that is not needed, then try again"
-    return RefusedError(503, "busy", detail)
+def _full(why: str) -> RefusedError:
+    return RefusedError(503, "busy", f"{why}: close one that is not needed, then try again")
 
 
 def _gone(handle: Handle) -> RefusedError:

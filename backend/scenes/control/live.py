@@ -26,6 +26,9 @@ COMMAND = (sys.executable, "-P", "-m", "worker.live")
 LIMIT = 5.0
 """How long a flight may take [s]."""
 
+MOST_STARTS = 3
+"""How many times one question may find that the code changed, each time asked of another process."""
+
 FIRST_LIMIT = 20.0
 """How long the first flight of a campaign may take: its loop may have to be compiled [s]."""
 
@@ -34,6 +37,10 @@ _log = logging.getLogger(__name__)
 
 class LiveError(RuntimeError):
     """A flight could not be made; the message is a sentence for the viewer."""
+
+
+class _StaleError(LiveError):
+    """The process had loaded other code than there is now, and ended before it flew."""
 
 
 class FlightRefusedError(LiveError):
@@ -84,6 +91,14 @@ class Live:
         return self._answered(digest, asked)
 
     def _answered(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
+        for _ in range(MOST_STARTS):
+            try:
+                return self._asked_once(digest, request)
+            except _StaleError:
+                _log.info("the code has changed: another simulation process loads it")
+        raise LiveError("the code of this installation keeps changing; ask again once it is installed")
+
+    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
         with self._lock:
             if self._closed:
                 raise LiveError("the service is stopping")
@@ -111,6 +126,7 @@ class _Child:
 
     def __init__(self, command: Sequence[str]) -> None:
         self.over, self._why = False, ""
+        self._failure: type[LiveError] = LiveError
         self.flown: set[str] = set()
         self._command = command
         self._numbers = itertools.count(1)
@@ -128,7 +144,7 @@ class _Child:
         line = json.dumps({"id": number, **request}, allow_nan=False).encode() + b"\n"
         with self._lock:
             if self.over:
-                asked.answer.set_exception(LiveError(self._why))
+                asked.answer.set_exception(self._failure(self._why))
                 return asked
             self._asked[number] = asked
         try:
@@ -151,16 +167,16 @@ class _Child:
             except TimeoutError:
                 continue
 
-    def end(self, why: str) -> None:
+    def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
         """Kill it and fail everything that was asked."""
         with self._lock:
             if not self.over:
-                self.over, self._why = True, why
+                self.over, self._why, self._failure = True, why, failure
             asked, self._asked = list(self._asked.values()), {}
         if self._process is not None:
             self._process.kill()
         for one in asked:
-            one.answer.set_exception(LiveError(why))
+            one.answer.set_exception(failure(why))
 
     def _remaining(self) -> float:
         """Time left for the oldest request; the child answers in order [s]."""
@@ -200,6 +216,9 @@ class _Child:
             message = json.loads(line)
             if message.get("ready"):
                 return True
+            if message.get("stale"):
+                self.end(_STALE, _StaleError)
+                return True
             with self._lock:
                 self._heard = time.monotonic()
                 asked = self._asked.pop(message["id"], None)
@@ -215,4 +234,5 @@ class _Child:
         return True
 
 
+_STALE = "the code of this installation has changed; the next flight starts a fresh simulation process"
 _ENDED = "the simulation process ended unexpectedly; it is started again for the next flight"

@@ -1,7 +1,8 @@
 """Carries a browser's socket to a viser server of its own on loopback, and ends that server with the socket.
 
 viser has no login and no Origin check, so its server takes nobody but this relay, known by a secret; and its public
-share tunnel is closed. Two private names of viser are used for that: its version is pinned. Start reading at `relay`.
+share tunnel is closed. A page may send only what `allowed` lists. Two private names of viser are used for that: its
+version is pinned. Start reading at `relay`.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import contextlib
 import hmac
 import secrets
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import rich
@@ -21,10 +23,15 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 
 from backend.scenes.control import wakeful
+from backend.scenes.control.allowed import Pace, refusal
+from backend.scenes.control.viewers import Viewers
 from backend.scenes.viewer import Viewer
 
 SECRET = "X-Clearance-Relay"
 GOING_AWAY = 1001
+REFUSED = 1008
+CHECK_PERIOD = 15.0
+"""How often it is checked that the visitor may still come in [s]."""
 rich.reconfigure(quiet=True)  # viser prints a banner for every server, whatever it is told
 assert viser.__version__ == "1.1.1", "the private names used here are those of viser 1.1.1"
 wakeful.install()
@@ -46,22 +53,27 @@ def open_server(secret: str) -> viser.ViserServer:
     return server
 
 
+class RefusedMessageError(Exception):
+    """The socket is closed, because of what was sent or by whom; the message is the reason."""
+
+
 async def relay(
     socket: WebSocket,
     build: Callable[[viser.ViserServer], Viewer],
     opened: Callable[[Viewer], None],
-    stopping: asyncio.Event,
+    viewers: Viewers,
 ) -> None:
     """Serve one viewer until its browser goes or the service stops, and clear everything away.
 
     `opened` is called with it once its browser has it.
     """
+    thread = partial(to_thread.run_sync, limiter=viewers.threads)
     secret = secrets.token_urlsafe(32)
     server: viser.ViserServer | None = None
     viewer: Viewer | None = None
     try:
-        server = await to_thread.run_sync(open_server, secret)
-        viewer = await to_thread.run_sync(build, server)
+        server = await thread(open_server, secret)
+        viewer = await thread(build, server)
         async with websockets.connect(
             f"ws://127.0.0.1:{server.get_port()}/",
             subprotocols=socket.scope["subprotocols"],
@@ -73,31 +85,43 @@ async def relay(
         ) as back:
             await socket.accept(subprotocol=back.subprotocol)
             opened(viewer)
-            await _carry(socket, back, stopping)
+            code, reason = await _carry(socket, back, viewers.stopping)
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):  # the browser closed it
-            await socket.close(GOING_AWAY)
+            await socket.close(code, reason)
     finally:
         if viewer is not None:
-            await to_thread.run_sync(viewer.close)
+            await thread(viewer.close)
         if server is not None:
-            await to_thread.run_sync(server.stop)
+            await thread(server.stop)
 
 
-async def _carry(socket: WebSocket, back: websockets.ClientConnection, stopping: asyncio.Event) -> None:
-    """Both directions, until either end closes or the service stops."""
+async def _carry(socket: WebSocket, back: websockets.ClientConnection, stopping: asyncio.Event) -> tuple[int, str]:
+    """Both directions, until either end closes, the visitor is refused or the service stops: how to close, and why."""
 
     async def up() -> None:
+        pace = Pace()
         while (message := await socket.receive())["type"] != "websocket.disconnect":
-            await back.send(message.get("bytes") or message.get("text") or b"")
+            given = message.get("bytes") or message.get("text") or b""
+            if reason := refusal(given):
+                raise RefusedMessageError(reason)
+            await pace.wait()
+            await back.send(given)
 
     async def down() -> None:
         async for message in back:
             await socket.send_bytes(message if isinstance(message, bytes) else message.encode())
 
-    tasks = [asyncio.create_task(work) for work in (up(), down(), stopping.wait())]
+    async def admitted() -> None:
+        while await socket.state.still():
+            await asyncio.sleep(CHECK_PERIOD)
+        raise RefusedMessageError("signed out")
+
+    tasks = [asyncio.create_task(work) for work in (up(), down(), admitted(), stopping.wait())]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         for task in tasks:
             task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        ended = await asyncio.gather(*tasks, return_exceptions=True)
+    refused = next((str(error) for error in ended if isinstance(error, RefusedMessageError)), None)
+    return (GOING_AWAY, "") if refused is None else (REFUSED, refused)

@@ -7,10 +7,15 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from collections import Counter
 from dataclasses import dataclass
+
+from anyio import CapacityLimiter
 
 from backend.db.access import Visitor
 from backend.scenes.viewer import Viewer
+
+THREADS = 8
 
 
 @dataclass(frozen=True)
@@ -25,28 +30,39 @@ class Handle:
 class Viewers:
     """Counts the viewers that are open, and finds those that were opened with a key."""
 
-    def __init__(self, most: int) -> None:
-        self.open, self.most = 0, most
+    def __init__(self, most: int, most_each: int) -> None:
+        """most, most_each: how many may be open at a time, in all and of one session or token."""
+        self.open, self.most, self.most_each = 0, most, most_each
+        self.threads = CapacityLimiter(THREADS)
+        """Those that build and clear viewers away."""
+        self._of: Counter[str] = Counter()
         self.stopping = asyncio.Event()
         """Set when all of them are to end."""
         self.steered: dict[Handle, Viewer] = {}
         self._changed = asyncio.Event()
 
-    def enter(self) -> bool:
-        """Whether there is room for one more, which then counts."""
-        if self.full:
+    def enter(self, visitor: Visitor) -> bool:
+        """Whether there is room for one more of this visitor, which then counts."""
+        if self.full(visitor):
             return False
         self.open += 1
+        self._of[visitor.key] += 1
         return True
 
-    def leave(self) -> None:
-        """One is gone."""
+    def leave(self, visitor: Visitor) -> None:
+        """One of this visitor is gone."""
         self.open -= 1
+        self._of[visitor.key] -= 1
+        if not self._of[visitor.key]:
+            del self._of[visitor.key]
 
-    @property
-    def full(self) -> bool:
-        """Whether there is no room for one more."""
-        return self.open >= self.most
+    def full(self, visitor: Visitor) -> str:
+        """Why there is no room for one more of this visitor; empty where there is."""
+        if self.open >= self.most:
+            return f"{self.most} 3D views are open, and no more may be at a time"
+        if self._of[visitor.key] >= self.most_each:
+            return f"{self.most_each} 3D views of your session or token are open, and no more may be at a time"
+        return ""
 
     def stop(self) -> None:
         """End all of them, and let none in any more."""

@@ -21,7 +21,7 @@ ROWS = 800
 """A drawn flight has at most so many points."""
 
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
-_TRACK = re.compile(r"obstacle\.(\d+)\.x")
+_TRACK = re.compile(r"obstacle\.([0-9]+)\.x")
 
 
 @dataclass(frozen=True)

@@ -158,7 +158,7 @@ class Obstacles:
     def _flat(self, group: _Group, colour: Rgb) -> None:
         """In the plane: a body some way up, the disc that must stay free, its edge dashed."""
         unit, name, body = self._world.frame.unit, group.name, group.body
-        height, threshold = 1.2 * unit, self._setting.threshold
+        height = 1.2 * unit
         if body.flight is None:
             self._solids.cylinder(f"{name}/core", 0.12 * unit, height, colour, 1.0)
         if body.kind == "box":
@@ -167,26 +167,34 @@ class Obstacles:
             self._solids.cylinder(
                 f"{name}/body", body.size[0], height if body.flight is None else 0.4 * unit, colour, 0.45
             )
-        self._solids.cylinder(f"{name}/safety", threshold, 0.02 * height, colour, 0.25)
-        ring = shapes.circle(np.array([0.0, 0.0, 0.03 * height]), threshold, dashes=24)
+        middle = np.array([0.0, 0.0, 0.03 * height])
+        if self._setting.to_surface and body.kind == "box":
+            ring = shapes.rounded(middle, body.size[:2], body.turn, self._setting.free(0.0))
+        else:
+            free = self._setting.free(body.size[0])
+            self._solids.cylinder(f"{name}/safety", free, 0.02 * height, colour, 0.25)
+            ring = shapes.circle(middle, free, dashes=24)
         self._solids.line(f"{name}/ring", ring, rgb(self._palette.ink))
 
     def _solid(self, group: _Group, colour: Rgb) -> None:
-        """In space: the body itself, and what must stay free about its centre as a wire frame."""
-        unit, name, body, threshold = self._world.frame.unit, group.name, group.body, self._setting.threshold
+        """In space: the body itself, and what must stay free as a wire frame where that is a ball or a capsule."""
+        unit, name, body = self._world.frame.unit, group.name, group.body
         if body.kind == "box":
             self._solids.box(f"{group.name}/body", body.size, 0.0, group.body.turn, colour)
         elif body.kind == "cylinder":
             self._solids.cylinder(f"{name}/body", body.size[0], body.size[1], colour, 0.45, lift=0.0)
-            capsule = shapes.capsule(threshold, body.size[1])
+            if self._setting.to_surface:
+                return
+            capsule = shapes.capsule(self._setting.threshold, body.size[1])
             self._solids.mesh(f"{name}/safety", capsule, colour, wireframe=True, opacity=0.25)
             return
         elif body.size[0] > 0.2 * unit:
             self._solids.ball(f"{name}/body", body.size[0], colour, opacity=0.45)
         if body.flight is None and body.reach <= 0.2 * unit:
             self._solids.ball(f"{name}/core", 0.2 * unit, colour)
-        if threshold > 0:
-            self._solids.ball(f"{name}/safety", threshold, colour, wireframe=True, opacity=0.25)
+        free = 0.0 if self._setting.to_surface and body.kind == "box" else self._setting.free(body.size[0])
+        if free > 0:
+            self._solids.ball(f"{name}/safety", free, colour, wireframe=True, opacity=0.25)
 
     def _track(self, group: _Group, colour: Rgb) -> None:
         """What says that it moves: its way in dashes, and a sign that looks along it."""
@@ -222,7 +230,8 @@ class Obstacles:
             return
         # Below its safety radius; where flights differ in it and both are near, the second stands above.
         second = "-" in group.name
-        off = setting.threshold + (body.size[1] / 2 if body.kind == "cylinder" else 0.0)
+        off = setting.threshold + (body.reach if setting.to_surface else 0.0)
+        off += body.size[1] / 2 if body.kind == "cylinder" else 0.0
         off = off if second else -off
         self._scene.add_label(
             f"{group.name}/label",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from backend.scenes.drawing.axes import rotated
 
 Floats = NDArray[np.float64]
 
@@ -121,6 +124,19 @@ def circle(centre: Floats, radius: float, dashes: int | None = None, steps: int 
         return segments
     drawn: Floats = segments[(np.arange(steps) * 2 * dashes // steps) % 2 == 0]
     return drawn
+
+
+def rounded(centre: Floats, size: Sequence[float], turn: Floats, radius: float, dashes: int = 24) -> Floats:
+    """What is `radius` away from a horizontal rectangle of that length and width, dashed; turned by w, x, y, z."""
+    quarter = np.linspace(0, np.pi / 2, 25)
+    corners = []
+    for k, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        angles = quarter + k * np.pi / 2
+        arc = radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+        corners.append(arc + 0.5 * np.array([sx * size[0], sy * size[1], 0.0]))
+    points = np.vstack([*corners, corners[0][:1]])
+    outline = np.array([centre + rotated(turn, p) for p in points])
+    return dashed(outline, float(np.linalg.norm(np.diff(outline, axis=0), axis=1).sum()) / (2 * dashes))
 
 
 def polyline(points: Floats) -> Floats:

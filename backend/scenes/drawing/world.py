@@ -109,7 +109,7 @@ class World:
         for number, moving in enumerate(setting.moving):
             if not moving:
                 body = body_of(number, setting.values, setting.axes, None)
-                far = max(setting.threshold, body.reach)
+                far = setting.free(body.reach) if setting.to_surface else max(setting.threshold, body.reach)
                 yield from (body.place - far, body.place + far)
         for flight in flights:
             yield flight.position

@@ -1,6 +1,6 @@
 """Recordings on demand, and the page at /view/R-0001/F1/recorded/ that plays one without a viewer's server behind it.
 
-A few are made at a time and the last few are kept. Start reading at `Recordings.page`.
+The last few are kept. Start reading at `Recordings.page`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 import viser
 from fastapi import APIRouter, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
+from backend.capacity import Capacity, Gone
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument
@@ -31,9 +33,6 @@ from campaigns.version import VERSION
 
 router = APIRouter(include_in_schema=False)
 
-AT_ONCE = 2
-PATIENCE = 20.0
-"""How long a request waits for its turn [s]."""
 KEPT = 8
 """Pages kept, each about 0.9 MB."""
 
@@ -56,38 +55,37 @@ class _Asked:
 
 
 class Recordings:
-    """Makes recordings from stored flights; safe to use from any thread."""
+    """Makes recordings from stored flights, as many at a time as the capacity allows."""
 
-    def __init__(self, engine: sa.Engine) -> None:
-        self._engine = engine
-        self._turns = threading.BoundedSemaphore(AT_ONCE)
+    def __init__(self, engine: sa.Engine, capacity: Capacity) -> None:
+        self._engine, self._capacity = engine, capacity
         self._lock = threading.Lock()
         self._kept: OrderedDict[str, str] = OrderedDict()
 
-    def page(self, run_id: int, flight: str, dark: bool = False, known: str = "") -> Recorded | str:
+    async def page(
+        self, run_id: int, flight: str, dark: bool = False, known: str = "", gone: Gone | None = None
+    ) -> Recorded | str:
         """The page of a flight, "F1" or "nominal"; its tag alone where that is among the known ones.
 
-        404 for no run or no such stored flight; 503 when too many are being made.
+        404 for no run or no such stored flight; 503 when too many are being made. gone: as `Capacity.run` has it.
         """
-        with read(self._engine) as reader:
-            asked = _asked(reader, run_id, flight, dark)
+        asked = await run_in_threadpool(self._look, run_id, flight, dark)
         if asked.tag in known:
             return asked.tag
         page = self._recall(asked.tag)
         if page is None:
-            page = self._made(asked, dark)
+            page = await self._capacity.run(lambda: self._made(asked, dark), gone)
         return Recorded(page, asked.tag, named(asked.told.run, asked.told.name, f"flight-{flight}.html"))
 
+    def _look(self, run_id: int, flight: str, dark: bool) -> _Asked:
+        with read(self._engine) as reader:
+            return _asked(reader, run_id, flight, dark)
+
     def _made(self, asked: _Asked, dark: bool) -> str:
-        if not self._turns.acquire(timeout=PATIENCE):
-            raise RefusedError(503, "busy", f"{AT_ONCE} recordings are being made: ask again in a few seconds")
-        try:
-            page = self._recall(asked.tag)  # made while this one waited
-            if page is None:
-                made = record(asked.setting, asked.cast, dark)
-                page = with_caption(made, asked.setting, asked.cast, asked.told, dark)
-        finally:
-            self._turns.release()
+        page = self._recall(asked.tag)  # made while this one waited
+        if page is None:
+            made = record(asked.setting, asked.cast, dark)
+            page = with_caption(made, asked.setting, asked.cast, asked.told, dark)
         with self._lock:
             self._kept[asked.tag] = page
             if len(self._kept) > KEPT:
@@ -123,7 +121,7 @@ def recorded_without_slash(run: str, flight: str, request: Request) -> Response:
 
 
 @router.get("/view/{run}/{flight}/recorded/{rest:path}")
-def recorded_page(run: str, flight: str, rest: str, request: Request) -> Response:
+async def recorded_page(run: str, flight: str, rest: str, request: Request) -> Response:
     """A flight's recording; `dark` behind the slash for the dark theme. Everything it plays is in the page itself."""
     if request.query_params:
         detail = "the address of a recording takes no query: it plays what is in its own page and nothing else"
@@ -132,13 +130,13 @@ def recorded_page(run: str, flight: str, rest: str, request: Request) -> Respons
         raise RefusedError(
             404, "not-found", f"{rest!r} is not part of a recording's address: /view/RUN/F1/recorded/dark/"
         )
-    return answer(request, run, flight, dark=parse(rest).dark, how="inline")
+    return await answer(request, run, flight, dark=parse(rest).dark, how="inline")
 
 
-def answer(request: Request, run: str, flight: str, dark: bool, how: str) -> Response:
+async def answer(request: Request, run: str, flight: str, dark: bool, how: str) -> Response:
     """The recording as a page or a file; 304 where the visitor has it already."""
     known = request.headers.get("if-none-match", "")
-    found = request.app.state.recordings.page(number(run), flight, dark, known)
+    found = await request.app.state.recordings.page(number(run), flight, dark, known, request.is_disconnected)
     headers = {"Cache-Control": "private, no-cache", "ETag": found if isinstance(found, str) else found.tag}
     if isinstance(found, str):
         return Response(status_code=304, headers=headers)

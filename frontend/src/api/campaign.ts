@@ -60,7 +60,7 @@ export interface Campaign {
   }
   uncertain: Record<string, Uncertain>
   correlations?: Correlation[]
-  criterion: { component: string; parameters?: Record<string, Raw>; threshold: Raw }
+  criterion: { component: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean }
   objectives?: Part[]
   stages: {
     sensitivity?: {

@@ -304,6 +304,7 @@ export interface Provenance {
   packages?: Record<string, string>
   system?: string
   cpu?: string | { model?: string; target?: string; features?: string }
+  code?: string
   loop?: string
   lanes?: number
   step?: number

@@ -12,12 +12,11 @@ export function SignedOut() {
         <BrandMark />
         <h1>Sign in with the login link</h1>
         <p>
-          Clearance prints a login link when it starts. Open that link in this browser; it works once and keeps you
-          signed in.
+          Clearance prints a login link when it starts. Open that link in this browser within 15 minutes; it works once
+          and keeps you signed in.
         </p>
         <p>
-          To get a new one, run this on the machine where Clearance runs, or look at the log of{' '}
-          <code>clearance serve</code>:
+          To get a new one, run this on the machine where Clearance runs; earlier unused links are then void:
         </p>
         <pre className="mono">clearance login-link</pre>
         <p className="small mut">Programs use an API token instead, made with clearance token create NAME.</p>

@@ -5,6 +5,7 @@ import { Loading } from '../app/Trouble'
 import { useTitle } from '../app/useTitle'
 import { CopyButton } from '../ui/files'
 import { Change } from './Change'
+import { Code } from './Code'
 import './compare.css'
 import { Definition } from './Definition'
 import { type Comparison, useCompared } from './data'
@@ -88,6 +89,7 @@ function Compared({ comparison, all, onAll }: ComparedProps) {
         </div>
         <div className="stack c5 wide">
           <Ranges runs={runs} className="" />
+          <Code runs={runs} className="" />
         </div>
       </div>
     </>

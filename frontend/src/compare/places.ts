@@ -10,6 +10,8 @@ interface Obstacle {
   title?: string
   position?: number[]
   radius?: number
+  /** Null where what must stay free is no disc; flights stored earlier do not have it. */
+  free_radius?: number | null
   moving?: boolean
 }
 
@@ -117,8 +119,9 @@ export function bodiesOf(flights: readonly Drawable[]): Body[] {
       if (!position || (obstacle.moving && !met)) return
       const at = placeOf(position, frame)
       const track = obstacle.moving ? trackOf(trace, `obstacle.${i}.`) : []
-      const name = [at.east.toFixed(3), at.north.toFixed(3), obstacle.radius, threshold].join(' ')
-      if (!found.has(name)) found.set(name, { key: `${key} ${i}`, at, radius: obstacle.radius ?? 0, reach: threshold ?? 0, track })
+      const reach = obstacle.free_radius === undefined ? (threshold ?? 0) : (obstacle.free_radius ?? 0)
+      const name = [at.east.toFixed(3), at.north.toFixed(3), obstacle.radius, reach].join(' ')
+      if (!found.has(name)) found.set(name, { key: `${key} ${i}`, at, radius: obstacle.radius ?? 0, reach, track })
     })
   }
   return [...found.values()]

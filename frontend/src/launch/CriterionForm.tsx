@@ -1,7 +1,9 @@
 // What is judged: the criterion that decides, and further criteria that every evaluation is read for as well.
 import type { Campaign, List } from '../api/campaign'
 import type { Catalogue } from '../client'
+import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
+import { toSurfaces, withinOf } from './extents'
 import { Fold } from './Fold'
 import { PartBody, PartCard, type SetValue } from './PartCard'
 import { sectionsOf } from './parameters'
@@ -28,6 +30,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
         {decides && (
           <div style={{ maxWidth: 480 }}>
             <PartBody section={decides} {...shared} />
+            <Centres {...shared} />
           </div>
         )}
         <Fold title="Further criteria" digest={told || none} fields={['objectives']}>
@@ -50,5 +53,35 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
         </Fold>
       </div>
     </Card>
+  )
+}
+
+/** Of a distance to centres that ends within an obstacle: what to do, or that it is stated to be meant. */
+function Centres({ campaign, catalogue, set }: Omit<CriterionFormProps, 'remove'>) {
+  const { criterion } = campaign
+  const within = [...withinOf(campaign, catalogue).values()]
+  if (criterion.from_centre)
+    return (
+      <p className="small">
+        Stated: distances to the obstacles' centres are meant.{' '}
+        <button type="button" className="btn s" onClick={() => set(['criterion', 'from_centre'], undefined)}>
+          Withdraw
+        </button>
+      </p>
+    )
+  if (within.length === 0) return null
+  return (
+    <div className="small" role="note">
+      <p>
+        An obstacle reaches {plain(Math.max(...within))} m from its centre, beyond the threshold: the vehicle could be
+        inside it and the flight clear.
+      </p>
+      <button type="button" className="btn s" onClick={() => set(['criterion'], toSurfaces(criterion, catalogue))}>
+        Measure to surfaces
+      </button>{' '}
+      <button type="button" className="btn s" onClick={() => set(['criterion', 'from_centre'], true)}>
+        Centres are meant
+      </button>
+    </div>
   )
 }

@@ -53,6 +53,7 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
     const next = catalogue.components.find((c) => c.role === role && c.name === name)
     set([...at, 'component'], name)
     set([...at, 'parameters'], {})
+    if (at[0] === 'criterion') set(['criterion', 'from_centre'], undefined)
     if (role === 'fault' && next?.path !== 'actuator') set([...at, 'on'], undefined)
   }
   return (

@@ -2,8 +2,8 @@
 // those that move. Nothing is simulated. The geometry is in plan.ts.
 import type { Campaign } from '../api/campaign'
 import type { Catalogue } from '../client'
-import { numberOf } from './parameters'
-import { extentOf, fit, type Place, type PlanBody, planOf, type Window } from './plan'
+import { Free } from './Free'
+import { extentOf, fit, type Place, type PlanBody, planOf, reachOf, type Window } from './plan'
 
 interface PlanViewProps {
   campaign: Campaign
@@ -15,7 +15,7 @@ const WIDTH = 280
 
 export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
   const plan = planOf(campaign, catalogue)
-  const reach = numberOf(campaign.criterion.threshold) ?? 0
+  const reach = reachOf(campaign)
   const view = fit(extentOf(plan, reach), WIDTH, height, { x: 24, y: 18 })
   const moving = plan.bodies.filter((body) => body.track.length > 1).length
   const { start, goal } = plan
@@ -40,7 +40,7 @@ export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
       />
       {!goal && <Head way={plan.way} view={view} colour="var(--c-nom)" />}
       {plan.bodies.map((body, i) => (
-        <Body key={i} body={body} reach={reach} view={view} />
+        <Body key={i} body={body} reach={reach} surface={plan.surface} view={view} />
       ))}
       <g transform={`translate(${view.x(start)} ${view.y(start)}) rotate(${degrees(-plan.heading)})`}>
         <path
@@ -63,7 +63,7 @@ export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
 }
 
 /** An obstacle with its safety radius at the start; a moving one with its way and where it leads. */
-function Body({ body, reach, view }: { body: PlanBody; reach: number; view: Window }) {
+function Body({ body, reach, surface, view }: { body: PlanBody; reach: number; surface: boolean; view: Window }) {
   const { at, radius, rectangle, track } = body
   const [x, y] = [view.x(at), view.y(at)]
   const look = { fill: 'var(--c-obs)', fillOpacity: 0.22, stroke: 'var(--c-obs)', strokeWidth: 1.4 }
@@ -88,7 +88,7 @@ function Body({ body, reach, view }: { body: PlanBody; reach: number; view: Wind
       ) : (
         <circle cx={x} cy={y} r={Math.max(3, radius * view.scale)} {...look} />
       )}
-      <circle cx={x} cy={y} r={reach * view.scale} fill="none" stroke="var(--c-crit)" strokeDasharray="4 3" />
+      <Free body={body} reach={reach} surface={surface} x={x} y={y} scale={view.scale} />
     </g>
   )
 }

@@ -10,8 +10,7 @@ import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import { flownOf } from './flown'
-import { numberOf } from './parameters'
-import { planOf } from './plan'
+import { planOf, reachOf } from './plan'
 import { PreviewPlan } from './PreviewPlan'
 import { hasHeights, PreviewSide } from './PreviewSide'
 import { rangesOf } from './ranges'
@@ -30,6 +29,8 @@ interface PreviewCardProps {
   live: LivePreview
 }
 
+const FROM = { '': '', centre: ' from centres', surface: ' from surfaces' }
+
 export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live }: PreviewCardProps) {
   const [holder, width] = useWidth(300)
   const drawn = useMemo(() => {
@@ -38,7 +39,7 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
   }, [campaign, catalogue])
   const flown = useMemo(() => (live.flown ? flownOf(live.flown) : null), [live.flown])
   const kept = criterion?.unit === 'm' && criterion.of !== 'goal' && criterion.of !== 'flight'
-  const reach = kept ? (numberOf(campaign.criterion.threshold) ?? 0) : 0
+  const reach = kept ? reachOf(campaign) : 0
   const shared = { ...drawn, reach, flown, stale: live.stale, width }
   const bodies = drawn.plan.bodies
   const label = `${campaign.name}: start, ${drawn.plan.goal ? 'goal' : 'course'} and ${bodies.length} obstacles, ${bodies.filter((body) => body.moving).length} of them moving`
@@ -48,7 +49,7 @@ export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live
       <div ref={holder}>
         <PreviewPlan {...shared} label={`Seen from above, ${label}`} />
         {hasHeights(shared) && <PreviewSide {...shared} label={`Seen from the side, ${label}`} />}
-        <Legend flown={flown !== null} moving={bodies.some((body) => body.moving)} reach={reach} ranges={ranges} />
+        <Legend flown={flown !== null} moving={bodies.some((body) => body.moving)} reach={reach} from={FROM[criterion?.measured_to ?? '']} ranges={ranges} />
         <Flight ok={ok} live={live} criterion={criterion} />
       </div>
     </Card>
@@ -59,10 +60,12 @@ interface LegendProps {
   flown: boolean
   moving: boolean
   reach: number
+  /** Where the distance that must be kept ends. */
+  from: string
   ranges: number
 }
 
-function Legend({ flown, moving, reach, ranges }: LegendProps) {
+function Legend({ flown, moving, reach, from, ranges }: LegendProps) {
   const key = (d: string, colour: string, dash?: string) => (
     <svg width={18} height={8} aria-hidden>
       <path d={d} stroke={colour} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
@@ -72,7 +75,7 @@ function Legend({ flown, moving, reach, ranges }: LegendProps) {
     <p className="legend micro mut">
       {flown && <span>{key('M0 4h18', 'var(--c-nom)')} Nominal flight</span>}
       {moving && <span>{key('M0 4h18', 'var(--c-obs)', '5 3')} {flown ? 'Flown by the obstacle' : 'Intended way'}</span>}
-      {reach > 0 && <span>{key('M0 4h18', 'var(--c-crit)', '3 2')} Distance {plain(reach)} m</span>}
+      {reach > 0 && <span>{key('M0 4h18', 'var(--c-crit)', '3 2')} Distance {plain(reach)} m{from}</span>}
       {ranges > 0 && (
         <span>
           <i className="swatch" aria-hidden /> Uncertain

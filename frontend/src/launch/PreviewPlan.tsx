@@ -2,8 +2,9 @@
 // what is uncertain about places, and the nominal flight once it is flown. Start reading at `PreviewPlan`.
 import { fixed, plain } from '../format/numbers'
 import type { Flown } from './flown'
+import { Free } from './Free'
 import { type Area, Axes2, degrees, Head, type Pixels, timesOf, Way } from './frame'
-import { extentOf, fit, type Plan, type PlanBody } from './plan'
+import { extentOf, fit, freeOf, type Plan, type PlanBody } from './plan'
 import type { FanRange, Ranges } from './ranges'
 import type { Step } from './ways'
 
@@ -43,10 +44,10 @@ export function PreviewPlan({ plan, ranges, reach, flown, stale, width, label }:
         <Way way={plan.way} pixels={pixels} colour="var(--c-nom)" dashed={plan.goal !== null} faint={flown !== null} />
         {!plan.goal && !flown && <Head way={plan.way} pixels={pixels} colour="var(--c-nom)" />}
         {plan.bodies.map((body, i) => (
-          <Obstacle key={i} body={body} way={flown?.intruders.get(i) ?? body.track} times={times} reach={reach} {...shared} />
+          <Obstacle key={i} body={body} way={flown?.intruders.get(i) ?? body.track} times={times} reach={reach} surface={plan.surface} {...shared} />
         ))}
         {flown && <Way way={flown.path} pixels={pixels} colour="var(--c-nom)" times={times} faint={stale} below />}
-        {flown && <Closest flown={flown} reach={reach} stale={stale} {...shared} />}
+        {flown && <Closest flown={flown} plan={plan} reach={reach} stale={stale} {...shared} />}
         <Start plan={plan} pixels={pixels} />
         {plan.goal && <Goal x={pixels.x(plan.goal)} y={pixels.y(plan.goal)} />}
       </g>
@@ -73,10 +74,11 @@ interface ObstacleProps extends Shared {
   way: readonly Step[]
   times: readonly number[]
   reach: number
+  surface: boolean
 }
 
 /** An obstacle at the start with the distance that must be kept; a moving one with its way. */
-function Obstacle({ body, way, times, reach, pixels, scale }: ObstacleProps) {
+function Obstacle({ body, way, times, reach, surface, pixels, scale }: ObstacleProps) {
   const { at, radius, rectangle } = body
   const [x, y] = [pixels.x(at), pixels.y(at)]
   return (
@@ -95,7 +97,7 @@ function Obstacle({ body, way, times, reach, pixels, scale }: ObstacleProps) {
       ) : (
         <circle cx={x} cy={y} r={Math.max(3, radius * scale)} {...OBSTACLE} />
       )}
-      {reach > 0 && <circle cx={x} cy={y} r={reach * scale} fill="none" stroke="var(--c-crit)" strokeDasharray="4 3" />}
+      <Free body={body} reach={reach} surface={surface} x={x} y={y} scale={scale} />
     </g>
   )
 }
@@ -137,15 +139,17 @@ function sector({ at, from, to }: FanRange, pixels: Pixels, radius: number): str
 }
 
 /** Both at the time of the closest approach, with the distance that must be kept about the obstacle. */
-function Closest({ flown, reach, stale, pixels, scale }: Shared & { flown: Flown; reach: number; stale: boolean }) {
+function Closest({ flown, plan, reach, stale, pixels, scale }: Shared & Pick<DrawnProps, 'plan' | 'reach' | 'stale'> & { flown: Flown }) {
   if (!flown.closest) return null
-  const { at, other, value, time } = flown.closest
+  const body = plan.bodies[flown.closest.obstacle]
+  const free = plan.surface && body?.rectangle ? 0 : body ? freeOf(body, reach, plan.surface) : reach
+  const { at, other, value, time, clear } = flown.closest
   const [x0, y0, x1, y1] = [pixels.x(at), pixels.y(at), pixels.x(other), pixels.y(other)]
-  const colour = value > reach ? 'var(--ink)' : 'var(--c-worst)'
+  const colour = clear ? 'var(--ink)' : 'var(--c-worst)'
   return (
     <g opacity={stale ? 0.45 : 1} data-testid="closest">
       <title>{`Closest approach: ${plain(value)} after ${fixed(time, 2)} s`}</title>
-      {reach > 0 && <circle cx={x1} cy={y1} r={reach * scale} fill="var(--c-obs)" fillOpacity={0.07} stroke="var(--c-crit)" strokeDasharray="4 3" />}
+      {free > 0 && <circle cx={x1} cy={y1} r={free * scale} fill="var(--c-obs)" fillOpacity={0.07} stroke="var(--c-crit)" strokeDasharray="4 3" />}
       <path d={`M${x0} ${y0}L${x1} ${y1}`} stroke={colour} strokeWidth={1.6} />
       <circle cx={x0} cy={y0} r={3.4} fill={colour} />
       <circle cx={x1} cy={y1} r={3} fill="var(--c-obs)" stroke={colour} />

@@ -1,7 +1,7 @@
 // The scenario from the side, heights over the distance along the vehicle's way, where heights differ at all.
 import { padded } from '../charts/ticks'
 import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
-import type { Plan } from './plan'
+import { freeOf, type Plan } from './plan'
 import { type DrawnProps, flownPoints } from './PreviewPlan'
 import type { Step } from './ways'
 
@@ -20,7 +20,8 @@ export function PreviewSide(props: DrawnProps) {
   const along = alongOf(plan)
   const places = [...placesOf(plan), ...flownPoints(flown)]
   const around = plan.bodies.flatMap(({ at, height, radius }) => {
-    const far = Math.max(reach, radius, (height ?? 0) / 2)
+    const tall = height === null ? radius : height / 2
+    const far = plan.surface ? tall + reach : Math.max(reach, radius, tall)
     return [at.up - far, at.up + far]
   })
   const wide = plan.bodies.flatMap(({ at, radius }) => [along(at) - Math.max(reach, radius), along(at) + Math.max(reach, radius)])
@@ -53,6 +54,8 @@ export function PreviewSide(props: DrawnProps) {
           const way = flown?.intruders.get(i) ?? body.track
           const [x, y] = [pixels.x(body.at), pixels.y(body.at)]
           const tall = (body.height ?? 2 * body.radius) * ky
+          // Of what has a height the outline that must stay free is not drawn from the side.
+          const free = plan.surface && body.height !== null ? 0 : freeOf(body, reach, plan.surface)
           const broad = Math.max(6, 2 * body.radius * kx)
           return (
             <g key={i}>
@@ -63,8 +66,8 @@ export function PreviewSide(props: DrawnProps) {
               ) : (
                 <rect x={x - broad / 2} y={y - tall / 2} width={broad} height={tall} fill="var(--c-obs)" fillOpacity={0.25} stroke="var(--c-obs)" />
               )}
-              {reach > 0 && (
-                <ellipse cx={x} cy={y} rx={reach * kx} ry={reach * ky} fill="none" stroke="var(--c-crit)" strokeDasharray="4 3" />
+              {free > 0 && (
+                <ellipse cx={x} cy={y} rx={free * kx} ry={free * ky} fill="none" stroke="var(--c-crit)" strokeDasharray="4 3" />
               )}
             </g>
           )

@@ -2,6 +2,7 @@
 import { Select } from '@mantine/core'
 import { type Campaign, type List, LISTS, listAt } from '../api/campaign'
 import type { Catalogue } from '../client'
+import { criterionFor } from './extents'
 import { PartCard, type SetValue } from './PartCard'
 import { ROLE_OF, sectionsOf } from './parameters'
 import { FieldErrors, idOf } from './problems'
@@ -90,7 +91,11 @@ export function AddPart({ list, campaign, catalogue, set }: AddPartProps) {
   const add = (name: string) => {
     const last = parts.at(-1)
     const copied = list === 'obstacles' && last?.component === name ? structuredClone(last) : null
-    set(listAt(list), [...parts, copied ?? { component: name, parameters: {} }])
+    const next = [...parts, copied ?? { component: name, parameters: {} }]
+    set(listAt(list), next)
+    if (list !== 'obstacles') return
+    const criterion = criterionFor(campaign, next, catalogue)
+    if (criterion !== campaign.criterion) set(['criterion'], criterion)
   }
   return (
     <Select

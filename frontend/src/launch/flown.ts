@@ -7,7 +7,7 @@ export interface Flown {
   path: Step[]
   /** The ways of moving obstacles, by their number. */
   intruders: Map<number, Step[]>
-  closest: { at: Step; other: Step; obstacle: number; time: number; value: number } | null
+  closest: { at: Step; other: Step; obstacle: number; time: number; value: number; clear: boolean } | null
 }
 
 type Column = readonly (number | null)[]
@@ -32,6 +32,7 @@ export function flownOf(preview: Preview): Flown {
       obstacle: closest.obstacle,
       time: closest.time,
       value: closest.value,
+      clear: closest.value > preview.threshold,
     },
   }
 }

@@ -4,7 +4,7 @@
 import type { Campaign } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { numberOf, parametersOf } from './parameters'
-import { courseOf, placeOf, type Step, type Values, wayOf } from './ways'
+import { courseOf, liftOf, placeOf, type Step, type Values, wayOf } from './ways'
 
 export interface Place {
   x: number
@@ -34,6 +34,8 @@ export interface Plan {
   way: Step[]
   bodies: PlanBody[]
   axes: Axes
+  /** Whether the criterion's distances end at the surfaces of obstacles, not at their centres. */
+  surface: boolean
   /** Whether the vehicle lives in space and not in a plane. */
   space: boolean
   horizon: number
@@ -67,7 +69,8 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
   const start = of('start')
   const from = { x: start('x') ?? 0, y: start('y') ?? 0, up: sign * (start('z') ?? 0) + 0, t: 0 }
   const goal = placeOf(of('goal'), '', sign)
-  const end = goal ?? courseOf(of('goal'), from, horizon)
+  const avoider = entry('avoider', scenario.avoider.component)
+  const end = goal ?? courseOf(of('goal'), from, horizon, liftOf(avoider?.written_in, axes.ned))
   return {
     start: axes.map(from),
     heading: axes.turned(start('psi') ?? start('theta') ?? start('heading') ?? 0),
@@ -75,9 +78,11 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
     way: end ? [axes.map(from), axes.map(end)] : [],
     bodies: (scenario.obstacles ?? []).map((part, i) => {
       const values = of(`obstacles.${i}`)
-      return bodyOf(values, wayOf(values, horizon, sign), entry('obstacle', part.component)?.moving, axes)
+      const known = entry('obstacle', part.component)
+      return bodyOf(values, wayOf(values, horizon, sign, liftOf(known?.written_in, axes.ned)), known?.moving, axes)
     }),
     axes,
+    surface: entry('criterion', campaign.criterion.component)?.measured_to === 'surface',
     space: vehicle?.dimension === 3,
     horizon,
   }
@@ -139,10 +144,19 @@ export function fit(points: Place[], width: number, height: number, air: { x: nu
   }
 }
 
+/** The distance that must be kept from obstacles' centres or surfaces, from a point of the vehicle's [m]. */
+export const reachOf = (campaign: Campaign): number =>
+  (numberOf(campaign.criterion.threshold) ?? 0) + (numberOf(campaign.criterion.parameters?.body_radius) ?? 0)
+
+/** The radius about the centre of a round obstacle, or of a rectangle's corners, that must stay free [m]. */
+export const freeOf = (body: PlanBody, reach: number, surface: boolean): number =>
+  surface && reach > 0 ? (body.rectangle ? 0 : body.radius) + reach : reach
+
 /** What the picture has to hold. */
 export function extentOf(plan: Plan, reach: number): Place[] {
   const around = plan.bodies.flatMap(({ at, radius, rectangle }) => {
-    const far = Math.max(reach, radius, rectangle ? Math.hypot(rectangle.length, rectangle.width) / 2 : 0)
+    const extent = Math.max(radius, rectangle ? Math.hypot(rectangle.length, rectangle.width) / 2 : 0)
+    const far = plan.surface ? extent + reach : Math.max(reach, extent)
     return [
       { x: at.x - far, y: at.y - far },
       { x: at.x + far, y: at.y + far },

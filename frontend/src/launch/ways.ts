@@ -14,8 +14,8 @@ export type Values = (name: string) => number | null
 
 const POINTS = 64
 
-/** `sign` turns z into height: -1 where z points down. */
-export function wayOf(values: Values, horizon: number, sign: number): Step[] {
+/** `sign` turns z into height: -1 where z points down. `lift`: what a climb angle does to the height, see `liftOf`. */
+export function wayOf(values: Values, horizon: number, sign: number, lift: number): Step[] {
   if (placeOf(values, 'centre', sign)) return roundOf(values, horizon, sign)
   const from = placeOf(values, 'position', sign)
   if (!from) return []
@@ -26,7 +26,7 @@ export function wayOf(values: Values, horizon: number, sign: number): Step[] {
   if (given.length > 0) return within([from, ...given], speed, horizon)
   const goal = placeOf(values, 'goal', sign)
   if (goal) return within([from, goal], speed, horizon)
-  const course = courseOf(values, from, horizon)
+  const course = courseOf(values, from, horizon, lift)
   if (course) return course.x !== from.x || course.y !== from.y || course.up !== from.up ? [from, course] : []
   const velocity = placeOf(values, 'velocity', sign)
   if (!velocity || !(velocity.x || velocity.y || velocity.up)) return []
@@ -42,8 +42,17 @@ export function placeOf(values: Values, prefix: string, sign: number): Step | nu
   return x === null || y === null ? null : { x, y, up: sign * (values(`${name}z`) ?? 0) + 0, t: 0 }
 }
 
+/**
+ * Which way a positive climb angle leads: 1 up, -1 down. It goes up in the axes that the component is written for; what
+ * flies it in others sinks, and is drawn so. 0 where the component does not say: its height is then known once it is flown.
+ */
+export function liftOf(writtenIn: string | undefined, ned: boolean): number {
+  if (!writtenIn) return ned ? 1 : 0
+  return (writtenIn === 'ned') === ned ? 1 : -1
+}
+
 /** Where a speed, a heading and a climb angle lead within a time. */
-export function courseOf(values: Values, from: Step, time: number): Step | null {
+export function courseOf(values: Values, from: Step, time: number, lift: number): Step | null {
   const [speed, heading] = [values('speed'), values('heading')]
   if (speed === null || heading === null) return null
   const climb = values('climb') ?? 0
@@ -51,7 +60,7 @@ export function courseOf(values: Values, from: Step, time: number): Step | null 
   return {
     x: from.x + reach * Math.cos(heading),
     y: from.y + reach * Math.sin(heading),
-    up: from.up + speed * time * Math.sin(climb),
+    up: from.up + lift * speed * time * Math.sin(climb),
     t: time,
   }
 }

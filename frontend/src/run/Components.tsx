@@ -25,6 +25,7 @@ export function Components({ run, className }: { run: RunDetail; className: stri
     >
       <div className="stack">
         <Origin told={data} />
+        <Code told={data} />
         {open && (
           <Suspense>
             <Described catalogue={data.catalogue} />
@@ -35,7 +36,53 @@ export function Components({ run, className }: { run: RunDetail; className: stri
   )
 }
 
-function Origin({ told: { digest, catalogue, changes } }: { told: RunComponents }) {
+/** Texts alone do not say what flies: only the same code does. */
+const sameCode = ({ code, code_installed }: RunComponents) => code !== null && code === code_installed
+
+function Code({ told }: { told: RunComponents }) {
+  const { code, code_installed: installed, code_changes: modules } = told
+  if (!code)
+    return <p className="sec">No code digest is stored with this run, so its code cannot be compared with the installed one.</p>
+  if (!installed)
+    return (
+      <p className="sec">
+        Flown by code <Digest of={code} />. No worker has published the code that is installed now.
+      </p>
+    )
+  if (sameCode(told))
+    return (
+      <p className="sec">
+        Flown by code <Digest of={code} />, which is what is installed now.
+      </p>
+    )
+  return (
+    <div className="note warn">
+      <div>
+        <p className="m">
+          The code differs: <Digest of={code} /> flew this run, <Digest of={installed} /> is installed now. The same
+          campaign may give other results.
+        </p>
+        {modules.length > 0 && (
+          <p className="small">
+            Modules that differ: {modules.slice(0, MOST).join(', ')}
+            {modules.length > MOST && ` and ${modules.length - MOST} more`}.
+          </p>
+        )}
+      </div>
+    </div>
+  )
+}
+
+const MOST = 8
+
+const Digest = ({ of }: { of: string }) => (
+  <span className="mono" title={of}>
+    {of.slice(0, 12)}
+  </span>
+)
+
+function Origin({ told }: { told: RunComponents }) {
+  const { digest, catalogue, changes } = told
   if (!digest)
     return (
       <p className="sec">
@@ -50,7 +97,7 @@ function Origin({ told: { digest, catalogue, changes } }: { told: RunComponents 
         <span className="mono" title={digest}>
           {digest.slice(0, 16)}
         </span>
-        .{changes.length === 0 && ' What is installed now says the same.'}
+        .{changes.length === 0 && (sameCode(told) ? ' What is installed now says the same.' : ' The texts are the same now.')}
       </p>
       {changes.length > 0 && (
         <div className="note warn">

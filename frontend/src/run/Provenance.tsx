@@ -14,7 +14,7 @@ import type { RunData } from './data'
 
 export function Provenance({ data, className }: { data: RunData; className: string }) {
   const { run } = data
-  const origin = summaryOf(run).provenance ?? {}
+  const origin: Origin = { ...(run.flown as Origin | null), ...summaryOf(run).provenance }
   const download = useMutation({
     mutationFn: () => getRunText(run.id),
     onSuccess: (text) => save(`${run.id}-campaign.yaml`, text, 'application/yaml'),
@@ -75,6 +75,7 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
   const period = Number(campaign.scenario.guidance?.period ?? 0)
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
+    ['Code', <span key="o">sha256 {hash(run.flown?.code ?? undefined)}</span>],
     ['Simulation kernel', <span key="k">{hash(origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     [

@@ -9,7 +9,7 @@ import type { TraceData } from '../client'
 import { decimalsFor, fixed, plain } from '../format/numbers'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { calledOf } from './chosen'
-import { measuredOf, type RunData } from './data'
+import type { RunData } from './data'
 import { closestOf, curveOf, extentOf, firstOf, noiseOf, spanOf, TIME } from './flown'
 import { useAddress } from './useAddress'
 
@@ -54,9 +54,11 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   const [shown, setShown] = useShown(run.id)
   const [hidden, toggle] = useHidden()
   const { nominalTrace, findingTrace, chosen } = data
+  const { threshold, unit } = run
+  const measured = run.criteria[0]?.measured_to ?? ''
   const spec = useMemo(
-    () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), run.threshold, run.unit, shown, height),
-    [nominalTrace, findingTrace, chosen, run.threshold, run.unit, shown, height],
+    () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), { threshold, unit, measured }, shown, height),
+    [nominalTrace, findingTrace, chosen, threshold, unit, measured, shown, height],
   )
   const noises = flownOf(data).flatMap(({ label, trace }) => (noiseOf(trace) ? [`${label}: ${noiseOf(trace)}`] : []))
   const keys: Key[] = [
@@ -71,7 +73,7 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   return (
     <ChartCard
       title="Separation over time"
-      note={[measuredOf(data), ...noises, 'The flight in 3D goes with the pointer'].join('. ')}
+      note={[...noises, `${ENDS[measured].note}The flight in 3D goes with the pointer`].join('. ')}
       className={className}
       id="separation"
       run={run.id}
@@ -88,7 +90,20 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   )
 }
 
-function specOf(all: Flown[], threshold: number | null, unit: string, shown: Shown, height: number): PlotSpec {
+/** What the criterion's distances are, by the point of an obstacle that they end at. */
+const ENDS = {
+  '': { note: '', axis: 'Value of the criterion' },
+  centre: { note: "Distance to the nearest obstacle's centre. ", axis: 'Separation from centres' },
+  surface: { note: "Distance to the nearest obstacle's surface, negative inside. ", axis: 'Separation from surfaces' },
+}
+
+interface Judged {
+  threshold: number | null
+  unit: string
+  measured: keyof typeof ENDS
+}
+
+function specOf(all: Flown[], { threshold, unit, measured }: Judged, shown: Shown, height: number): PlotSpec {
   const drawn = all.map((flown) => ({ ...flown, curve: curveOf(flown.trace, firstOf(flown.trace, 'separation')) }))
   const xs = union(drawn.map(({ curve }) => curve))
   const decimals = decimalsFor([Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))])
@@ -112,10 +127,11 @@ function specOf(all: Flown[], threshold: number | null, unit: string, shown: Sho
     x: xs,
     lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.8 })),
     points,
-    yTitle: `Separation, ${unit}`,
+    yTitle: `${ENDS[measured].axis}, ${unit}`,
     xTitle: 'Time since start, s',
     xRange,
-    yRange: [0, (extent?.[1] ?? 0) * 1.04 || 1],
+    // Distances to surfaces are negative inside an obstacle.
+    yRange: [Math.min(0, (extent?.[0] ?? 0) * 1.04), (extent?.[1] ?? 0) * 1.04 || 1],
     criterion:
       threshold === null
         ? undefined

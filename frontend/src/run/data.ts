@@ -154,15 +154,6 @@ export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined
   })
 }
 
-/** What the criterion measures, in its own words: they say whether to obstacles' centres or surfaces. */
-export function measuredOf({ campaign, catalogue }: Pick<RunData, 'campaign' | 'catalogue'>): string {
-  const { component } = campaign.criterion
-  const entry = catalogue?.components.find((c) => c.role === 'criterion' && c.name === component)
-  const first = entry?.text.trim().split(/\n\s*\n/)[0]?.replace(/\s+/g, ' ') ?? ''
-  const said = first.startsWith(`${entry?.title}: `) ? first.slice((entry?.title.length ?? 0) + 2) : first
-  return said ? `${said.charAt(0).toUpperCase()}${said.slice(1).replace(/\.$/, '')}` : 'The value of the criterion at each time'
-}
-
 export interface SearchStage {
   stage: StageProgress
   result: SearchResult | null

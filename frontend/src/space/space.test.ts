@@ -58,7 +58,7 @@ it('puts all stages into columns', () => {
 
 it('has further criteria between the value and the parameters', () => {
   const told = { ...series(2, [3, 1, null], [1, 2, 3], ['ok', 'ok', 'failed']), further: { miss: [7, 9, null] } }
-  const criterion = { name: 'miss', component: 'miss', title: 'Miss', quantity: 'd', unit: 'm', worse: 'high' } as const
+  const criterion = { name: 'miss', component: 'miss', title: 'Miss', quantity: 'd', unit: 'm', worse: 'high', measured_to: '' } as const
   const further = criterionAxis({ criteria: [criterion], stages: [told], failures: [] }, criterion)
   expect([further.key, further.worse, further.low < 7, further.high > 9]).toEqual(['miss', 'high', true, true])
   const axes = [axis(VALUE), further, axis('a')]

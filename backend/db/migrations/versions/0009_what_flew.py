@@ -1,0 +1,33 @@
+"""what flew a run, stored as its first stage begins; the code that workers publish; earlier runs have nothing stored
+
+Revision ID: 0009
+Revises: 0008
+"""
+
+from __future__ import annotations
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0009"
+down_revision = "0008"
+branch_labels = None
+depends_on = None
+
+
+def upgrade() -> None:
+    op.create_table(
+        "code_versions",
+        sa.Column("digest", sa.String(length=64), nullable=False),
+        sa.Column("modules", sa.JSON(), nullable=False),
+        sa.Column("created", sa.Double(), nullable=False),
+        sa.PrimaryKeyConstraint("digest"),
+    )
+    op.add_column("runs", sa.Column("flown", sa.JSON(), nullable=True))
+    op.add_column("catalogue", sa.Column("code", sa.String(length=64), nullable=True))
+
+
+def downgrade() -> None:
+    op.drop_column("catalogue", "code")
+    op.drop_column("runs", "flown")
+    op.drop_table("code_versions")

@@ -1,0 +1,83 @@
+"""Keeps what the service and its workers store from other users of the machine: POSIX modes of folders and files.
+
+Start reading at `keep_private`.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+import sqlalchemy as sa
+
+UMASK = 0o077
+FOLDER = 0o700
+FILE = 0o600
+
+OWN = ("clearance.sqlite3*", "serve.lock", "login-link", "service-address")
+"""The service's own files in its data folder; the user's other files there are left as they are."""
+
+_log = logging.getLogger(__name__)
+
+
+class SharedFolderError(ValueError):
+    """The data folder belongs to every user of the machine, such as /tmp; the message says what to do."""
+
+
+def keep_private(data: Path, database: str = "") -> None:
+    """Make the data folder, and close it and what is in it to other users; from now on files are created closed, too.
+
+    data: made where it is missing. database: a URL; an SQLite file may lie elsewhere. Raises `SharedFolderError` and
+    `OSError`. A mode that cannot be changed, because another user owns the file, is logged.
+    """
+    os.umask(UMASK)
+    data.mkdir(mode=FOLDER, parents=True, exist_ok=True)
+    if data.stat().st_mode & stat.S_ISVTX:
+        raise SharedFolderError(f"the data folder {data} is shared by all users of this machine: name one of your own")
+    for path in [data.resolve(), *_files(data, database)]:
+        _tighten(path)
+
+
+def create_private(file: Path) -> None:
+    """Create an empty file that only its owner may read, where there is none."""
+    file.parent.mkdir(mode=FOLDER, parents=True, exist_ok=True)
+    try:
+        os.close(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, FILE))
+    except FileExistsError:
+        return
+
+
+def write_private(path: Path, text: str) -> None:
+    """Write a file whole or not at all, never readable by other users."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, FILE), "w", encoding="utf-8") as file:
+        file.write(text)
+    draft.replace(path)
+
+
+def _files(data: Path, database: str) -> Iterator[Path]:
+    for pattern in OWN:
+        yield from data.glob(pattern)
+    logs = data / "logs"
+    if logs.is_dir():
+        yield logs
+        yield from logs.glob("*.log")
+    named = sa.make_url(database).database if database.startswith("sqlite") else None
+    if named:
+        yield from (Path(named + suffix) for suffix in ("", "-wal", "-shm"))
+
+
+def _tighten(path: Path) -> None:
+    """Take all rights of other users away. A symbolic link is left alone: what it points to may be anybody's."""
+    if path.is_symlink() or not path.exists():
+        return
+    mode = stat.S_IMODE(path.stat().st_mode)
+    if not mode & UMASK:
+        return
+    try:
+        path.chmod(mode & ~UMASK)
+    except PermissionError:
+        _log.warning("%s can be read by other users and belongs to another one: change its owner or its mode", path)

@@ -1,0 +1,98 @@
+"""Looks up who a request comes from, in threads and over connections of its own: it answers while the rest is busy.
+
+Reading never waits for a writer. That a token was used is written beside the request, which neither waits for it nor
+fails with it. Start reading at `Door`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+import logging
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+import sqlalchemy as sa
+from anyio import CapacityLimiter, to_thread
+from starlette.requests import HTTPConnection
+
+from backend.db import access
+from backend.db.access import Visitor
+from backend.db.engine import connect, read
+
+Result = TypeVar("Result")
+
+THREADS = 8
+NOTE_PATIENCE = 0.2
+"""How long the note of a token's use may wait for other writers [s]."""
+
+_log = logging.getLogger(__name__)
+
+
+class Door:
+    """Visitors by their cookie or token; used on one event loop."""
+
+    def __init__(self, database: str, cookie: str) -> None:
+        self.cookie = cookie
+        self._engine = connect(database)
+        self._notes = connect(database, NOTE_PATIENCE)
+        self._threads, self._health, self._noting = CapacityLimiter(THREADS), CapacityLimiter(2), CapacityLimiter(1)
+        self._noted: dict[str, float] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    async def visitor(self, connection: HTTPConnection) -> Visitor | None:
+        """Who sent this, or None. A header `Authorization` counts alone, even beside a good cookie."""
+        scheme, _, token = connection.headers.get("authorization", "").partition(" ")
+        if scheme:
+            return await self._by_token(token.strip()) if scheme.lower() == "bearer" else None
+        cookie = connection.cookies.get(self.cookie)
+        return await self.ask(lambda reader: access.by_session(reader, cookie)) if cookie else None
+
+    async def still(self, connection: HTTPConnection) -> bool:
+        """Whether who sent this would be let in now; a database that cannot be read changes nothing."""
+        try:
+            return await self.visitor(connection) is not None
+        except sa.exc.SQLAlchemyError:
+            _log.exception("a visitor's access could not be checked again; trying again later")
+            return True
+
+    async def healthy(self) -> None:
+        """Returns once the database answers."""
+        await to_thread.run_sync(self._read, lambda reader: reader.execute(sa.select(1)), limiter=self._health)
+
+    async def ask(self, question: Callable[[sa.Connection], Result]) -> Result:
+        """What the database says; never waits for writers."""
+        return await to_thread.run_sync(functools.partial(self._read, question), limiter=self._threads)
+
+    def close(self) -> None:
+        """Give the connections back."""
+        self._engine.dispose()
+        self._notes.dispose()
+
+    def _read(self, question: Callable[[sa.Connection], Result]) -> Result:
+        with read(self._engine) as reader:
+            return question(reader)
+
+    async def _by_token(self, token: str) -> Visitor | None:
+        found = await self.ask(lambda reader: access.by_token(reader, token))
+        if found is None:
+            return None
+        visitor, due = found
+        at = time.monotonic()
+        if due and at - self._noted.get(visitor.user, -access.USE_NOTED) >= access.USE_NOTED:
+            self._noted[visitor.user] = at  # once a minute, written or not
+            task = asyncio.create_task(self._note(visitor.user))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+        return visitor
+
+    async def _note(self, name: str) -> None:
+        def write() -> None:
+            with self._notes.begin() as writer:
+                access.note_use(writer, name)
+
+        try:
+            await to_thread.run_sync(write, limiter=self._noting)
+        except sa.exc.SQLAlchemyError as error:
+            _log.info("the use of token %r was not noted: %s", name, error)

@@ -1,0 +1,43 @@
+"""HEAD is answered like GET, without the body, at every address that answers GET (RFC 9110, section 9.3.2).
+
+Pure ASGI. A stream is ended once its head is known. Start reading at `Heads`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+OWN = frozenset({"/login"})
+"""Addresses that tell HEAD from GET themselves."""
+
+
+class Heads:
+    """Has HEAD answered as GET by what is inside."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or scope["method"] != "HEAD" or scope["path"] in OWN:
+            await self.app(scope, receive, send)
+            return
+        answered = asyncio.Event()
+
+        async def head_only(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                await send(message)
+                await send({"type": "http.response.body", "body": b"", "more_body": False})
+                answered.set()
+
+        async def until_answered() -> Message:
+            # The request itself once; afterwards the client wants nothing more, which ends a stream.
+            if not asked:
+                asked.append(True)
+                return {"type": "http.request", "body": b"", "more_body": False}
+            await answered.wait()
+            return {"type": "http.disconnect"}
+
+        asked: list[bool] = []
+        await self.app({**scope, "method": "GET"}, until_answered, head_only)

@@ -1,0 +1,78 @@
+"""What all requests' and answers' models have in common; what a request may hold is decided here, once for all.
+
+Start reading at `Given`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar
+
+from fastapi import Path
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+
+from campaigns.reading import LONGEST_KEY, Place, field
+
+LARGEST_WHOLE = 2**63 - 1
+"""What a database's largest whole number holds."""
+
+RunName = Annotated[str, Path(description="The run by its name, such as R-0001.")]
+DraftName = Annotated[str, Path(description="The draft by its name, such as D-0001.")]
+FlightName = Annotated[str, Path(description="A stored flight: `nominal`, or a finding by its label, such as F1.")]
+Number32 = Annotated[int, Field(ge=1, le=2**31 - 2)]
+"""A whole number that fits a column of 32 bits, and the next one, too."""
+Seconds = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Schema(BaseModel):
+    """Nothing unknown in it; what stands below a field describes it in the OpenAPI document."""
+
+    model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
+
+
+class Given(Schema):
+    """A request's body: no text in it that no database can hold, and no number."""
+
+    checked_elsewhere: ClassVar[frozenset[str]] = frozenset()
+    """Keys whose values have rules of their own."""
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _storable(cls, given: Any, info: ValidationInfo) -> Any:
+        if info.field_name not in cls.checked_elsewhere:
+            for reason in _unstorable(given):
+                raise ValueError(reason)
+        return given
+
+
+def _unstorable(value: Any) -> Iterator[str]:
+    """What no database can hold of a value from JSON, as sentences."""
+    waiting: list[tuple[Place, Any]] = [(None, value)]
+    while waiting:
+        place, value = waiting.pop()
+        if isinstance(value, dict):
+            waiting += [((place, key), inner) for key, inner in value.items()]
+            waiting += [((place, "a key"), key) for key in value]
+        elif isinstance(value, list):
+            waiting += [((place, i), inner) for i, inner in enumerate(value)]
+        elif (reason := _reason(value)) is not None:
+            yield f"{field(place)[:LONGEST_KEY]}: {reason}" if place else reason
+
+
+def _reason(value: Any) -> str | None:
+    if isinstance(value, str):
+        return unstorable_text(value)
+    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        return "a whole number of more than 64 bits"
+    return None
+
+
+def unstorable_text(text: str) -> str | None:
+    """Why a text cannot be stored or answered with; None for all Unicode text without null characters."""
+    if "\0" in text:
+        return "text has no null characters"
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return "this text holds half a surrogate pair, which is no Unicode text"
+    return None

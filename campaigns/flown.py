@@ -1,0 +1,109 @@
+"""What flew a run: the code, the compiled loop, the packages, the machine; and what differs between two of them.
+
+Everything that can change a number and is not in the campaign. Stored when the first stage of a run begins; nothing
+else resumes or continues that run. Start reading at `differences`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict
+
+SHORT = 12
+"""Digits of a digest that a sentence gives."""
+
+MOST = 3
+"""Modules that a sentence names."""
+
+
+@dataclass(frozen=True)
+class Code:
+    """The code of an installation that can change a number, without comments and docstrings."""
+
+    digest: str
+    """SHA-256 over the digests of the modules, 64 hexadecimal digits."""
+    modules: dict[str, str]
+    """The digest of each module by its name."""
+
+
+class Processor(BaseModel):
+    """The processor, and what the compiler used of it."""
+
+    model_config = ConfigDict(frozen=True)
+    model: str = ""
+    target: str = ""
+    features: str = ""
+
+
+class Flown(BaseModel):
+    """What flew a run, as it was loaded when its first stage began; None or empty: not stored (by earlier versions)."""
+
+    model_config = ConfigDict(frozen=True)
+    code: str | None = None
+    """Digest of the sources of components, search methods and stages, without comments and docstrings."""
+    loop: str | None = None
+    """Digest of the compiled closed loop: every function and constant in it, by value."""
+    packages: dict[str, str] = {}
+    """Version of each package that can change a number."""
+    clearance: str | None = None
+    python: str | None = None
+    system: str | None = None
+    cpu: Processor | None = None
+    lanes: int | None = None
+    """Simulations that one call of the loop flies at once."""
+    step: float | None = None
+    """[s]"""
+    integrator: str | None = None
+
+    @staticmethod
+    def of(document: Any) -> Flown:
+        """From a stored document; of earlier versions' provenance, what it has of it."""
+        known = document if isinstance(document, dict) else {}
+        cpu = known.get("cpu")
+        return Flown.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})
+
+
+def differences(then: Flown, now: Flown, modules: list[str] | None = None) -> list[str]:
+    """What flies otherwise now and may change a number, as clauses; what either did not store is not compared.
+
+    `modules` are those that differ, where that is known. The processor is left out: a run may move between machines,
+    and every replayed evaluation is compared to the bit.
+    """
+    found = []
+    if then.code and now.code and then.code != now.code:
+        found.append(f"the code digest was {short(then.code)}, here it is {short(now.code)}{_named(modules or [])}")
+    if then.loop and now.loop and then.loop != now.loop:
+        found.append(f"the loop digest was {short(then.loop)}, here it is {short(now.loop)}")
+    if then.python and now.python and then.python != now.python:
+        found.append(f"Python was {then.python}, here it is {now.python}")
+    for name, version in then.packages.items():
+        if name in now.packages and now.packages[name] != version:
+            found.append(f"{name} was {version}, here it is {now.packages[name]}")
+    return found
+
+
+def other_code(run: str, clauses: list[str]) -> str:
+    """The sentence that refuses to go on with a run."""
+    return (
+        f"{run} was begun by other code: {'; '.join(clauses)}. One run must not mix the results of two: "
+        "start the campaign again as a new run"
+    )
+
+
+def differing(then: dict[str, str], now: dict[str, str]) -> list[str]:
+    """The modules that only one has, or that are not the same in both, in order."""
+    return sorted(name for name in {**then, **now} if then.get(name) != now.get(name))
+
+
+def short(digest: str) -> str:
+    """The first digits of a digest, enough to distinguish it by eye."""
+    return digest[:SHORT]
+
+
+def _named(modules: list[str]) -> str:
+    if not modules:
+        return ""
+    rest = len(modules) - MOST
+    return f" (modules: {', '.join(modules[:MOST])}{f' and {rest} more' if rest > 0 else ''})"

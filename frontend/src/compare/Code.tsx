@@ -1,0 +1,55 @@
+// What code flew each run: digests, packages, machine, and a warning where one campaign was flown by different code.
+import { Card } from '../ui/Card'
+import { codeRows, sameCampaignOtherCode } from './code'
+import type { Compared } from './data'
+import { RunHeads } from './Picks'
+
+export function Code({ runs, className }: { runs: Compared[]; className: string }) {
+  const told = runs.map(({ run }) => run)
+  const rows = codeRows(told)
+  const missing = runs.filter(({ run }) => !run.flown?.code)
+  return (
+    <Card title="Code and packages" note="As loaded when the first stage began" className={className} flush id="code">
+      {sameCampaignOtherCode(told) && (
+        <div className="note warn" data-testid="other-code">
+          <div>
+            <p className="m">Same campaign, different code.</p>
+            <p>The results may differ for that reason alone. The rows that differ are marked.</p>
+          </div>
+        </div>
+      )}
+      <table className="tight">
+        <thead>
+          <tr>
+            <th />
+            <RunHeads runs={runs} />
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map(({ key, name, values, differs, digest }) => (
+            <tr key={key} data-code={key}>
+              <td>{name}</td>
+              {values.map((value, i) => (
+                <td key={i} className={differs && value !== undefined && value !== values[0] ? 'num other' : 'num'}>
+                  {value === undefined ? (
+                    <span className="mut">not stored</span>
+                  ) : (
+                    <span className={digest ? 'mono' : ''} title={value}>
+                      {digest ? value.slice(0, 12) : value}
+                    </span>
+                  )}
+                </td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {missing.length > 0 && (
+        <p className="fig">
+          {missing.map(({ letter }) => letter).join(', ')}: the code was not stored when the run began, so it cannot be
+          compared.
+        </p>
+      )}
+    </Card>
+  )
+}

@@ -1,0 +1,46 @@
+// What code flew the compared runs, row by row. Start reading at `codeRows`; `sameCampaignOtherCode` is the warning.
+import type { Flown, RunDetail } from '../client'
+
+type Told = Pick<RunDetail, 'campaign_digest' | 'flown'>
+
+export interface CodeRow {
+  key: string
+  name: string
+  /** One for each run; undefined where the run did not store it. */
+  values: (string | undefined)[]
+  /** Whether two runs that stored it have different values. */
+  differs: boolean
+  digest: boolean
+}
+
+const ROWS: { key: string; name: string; digest?: boolean; of: (flown: Flown) => string | null | undefined }[] = [
+  { key: 'code', name: 'Code digest', digest: true, of: (flown) => flown.code },
+  { key: 'loop', name: 'Simulation kernel', digest: true, of: (flown) => flown.loop },
+  { key: 'clearance', name: 'Clearance', of: (flown) => flown.clearance },
+  { key: 'python', name: 'Python', of: (flown) => flown.python },
+  { key: 'cpu', name: 'Processor', of: (flown) => [flown.cpu?.model, flown.cpu?.target].filter(Boolean).join(', ') },
+]
+/** What may change a number: a version of Clearance or another processor alone is not other code. */
+const CODE = new Set(['code', 'loop', 'python'])
+
+export function codeRows(runs: readonly Told[]): CodeRow[] {
+  const flown = runs.map((run) => run.flown ?? null)
+  const packages = [...new Set(flown.flatMap((one) => Object.keys(one?.packages ?? {})))]
+  const all = [
+    ...ROWS,
+    ...packages.map((name) => ({ key: `packages.${name}`, name, digest: false, of: (one: Flown) => one.packages?.[name] })),
+  ]
+  return all.map(({ key, name, digest = false, of }) => {
+    const values = flown.map((one) => (one ? of(one) || undefined : undefined))
+    const known = new Set(values.filter((value) => value !== undefined))
+    return { key, name, digest, values, differs: known.size > 1 }
+  })
+}
+
+/** Whether runs of one campaign were flown by different code or packages. */
+export function sameCampaignOtherCode(runs: readonly Told[]): boolean {
+  const campaigns = [...new Set(runs.map((run) => run.campaign_digest))]
+  return campaigns.some((campaign) =>
+    codeRows(runs.filter((run) => run.campaign_digest === campaign)).some(({ key, differs }) => differs && (CODE.has(key) || key.startsWith('packages.'))),
+  )
+}

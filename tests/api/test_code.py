@@ -1,0 +1,139 @@
+"""What flew a run: stored as it begins, compared when another worker takes it over, shown wherever the run is."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import httpx
+import pytest
+import sqlalchemy as sa
+from alembic import command
+
+from backend.db import workers
+from backend.db.engine import connect, default_url, migrate, migration_lock, read
+from backend.db.migrate import config
+from backend.db.queue import Queue
+from backend.db.store import OtherCode, RunStore
+from backend.db.tables import CatalogueDocument, Run
+from campaigns.flown import Code, Flown, differences
+from tests.api.catalogue import CATALOGUE
+from tests.api.finished import search
+from tests.api.flown import CODE, FLOWN, OTHER
+from tests.api.reported import PLAN, finish_fully
+from tests.api.server import Service
+from tests.api.test_runs import submit
+
+
+def claimed(service: Service) -> RunStore:
+    claim = Queue(service.engine).claim("w")
+    assert claim is not None
+    store = RunStore(service.engine, claim)
+    store.plan(PLAN)
+    return store
+
+
+def taken_over(service: Service, store: RunStore) -> RunStore:
+    Queue(service.engine).give_back(store.claim)
+    return claimed(service)
+
+
+def flown(service: Service) -> Flown:
+    with read(service.engine) as reader:
+        return Flown.of(reader.scalar(sa.select(Run.flown)))
+
+
+OTHERWISE = [
+    ({"code": OTHER.digest}, "the code digest was c0dec0dec0de, here it is beefbeefbeef (modules: worker.vehicles."),
+    ({"loop": "fedcba9876543210"}, "the loop digest was 0123456789ab, here it is fedcba987654"),
+    ({"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}}, "numpy was 2.4.6, here it is 2.5.0"),
+    ({"python": "3.12.1"}, "Python was 3.11.7, here it is 3.12.1"),
+]
+
+
+@pytest.mark.parametrize(("change", "said"), OTHERWISE)
+def test_a_run_begun_by_other_code_is_refused_and_says_what_differs(
+    service: Service, client: httpx.Client, change: dict[str, object], said: str
+) -> None:
+    submit(client)
+    first = claimed(service)
+    first.flies(FLOWN, CODE)
+    first.begin(0)
+    second = taken_over(service, first)
+    second.flies(FLOWN, CODE)
+    here = FLOWN.model_copy(update=change)
+    with pytest.raises(OtherCode) as refused:
+        second.flies(here, OTHER if "code" in change else CODE)
+    assert str(refused.value).startswith(f"R-0001 was begun by other code: {said}")
+    assert "start the campaign again as a new run" in str(refused.value)
+    assert flown(service) == FLOWN
+
+
+def test_what_cannot_change_a_number_is_no_other_code() -> None:
+    assert differences(FLOWN, FLOWN.model_copy(update={"clearance": "9", "system": "other", "cpu": None})) == []
+    assert differences(Flown(), FLOWN) == differences(FLOWN, Flown()) == []
+    earlier = Flown.of({"loop": FLOWN.loop, "packages": {"numpy": "2.4.6"}, "cpu": "a name", "seed": 1})
+    assert differences(earlier, FLOWN) == []
+
+
+def test_before_the_first_stage_other_code_may_begin(service: Service, client: httpx.Client) -> None:
+    submit(client)
+    first = claimed(service)
+    first.flies(FLOWN, CODE)
+    here = FLOWN.model_copy(update={"code": OTHER.digest})
+    taken_over(service, first).flies(here, OTHER)
+    assert flown(service) == here
+
+
+def test_a_run_begun_before_this_was_stored_goes_on_and_stores_nothing(service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    first = claimed(service)
+    first.begin(2)
+    first.append(2, 0, search(0, 10))
+    taken_over(service, first).flies(FLOWN, CODE)
+    assert client.get(f"/api/v1/runs/{run}").json()["flown"] is None
+    assert client.get(f"/api/v1/runs/{run}/components").json()["code"] is None
+    assert "not stored when the run began" in client.get(f"/api/v1/runs/{run}/report.html").text
+
+
+def test_page_report_and_files_tell_the_code_and_whether_it_is_installed(
+    service: Service, client: httpx.Client
+) -> None:
+    run = f"/api/v1/runs/{submit(client)}"
+    finish_fully(service)
+    assert client.get(run).json()["flown"]["code"] == CODE.digest
+    told = client.get(f"{run}/components").json()
+    assert (told["code"], told["code_installed"], told["code_changes"]) == (CODE.digest, CODE.digest, [])
+    with service.engine.begin() as writer:
+        workers.publish(writer, CATALOGUE, OTHER)
+    told = client.get(f"{run}/components").json()
+    assert (told["code"], told["code_installed"]) == (CODE.digest, OTHER.digest)
+    assert (told["changes"], told["code_changes"]) == ([], ["worker.vehicles.unicycle"])
+    export = client.get(f"{run}/exports/run.json").json()
+    assert (export["run"]["flown"]["code"], export["components"]["code_installed"]) == (CODE.digest, OTHER.digest)
+    assert f"sha256 {CODE.digest}" in client.get(f"{run}/report.html").text
+    with service.engine.begin() as writer:
+        workers.publish(writer, CATALOGUE)
+        assert writer.scalar(sa.select(CatalogueDocument.code)) is None
+
+
+def test_a_database_of_the_migration_before_keeps_its_runs(tmp_path: Path, migrated: Path) -> None:
+    shutil.copytree(migrated, tmp_path / "data")
+    url = default_url(tmp_path / "data")
+    engine = connect(url)
+    with migration_lock(engine) as connection:
+        command.downgrade(config(connection), "0008")
+    with engine.begin() as writer:
+        writer.execute(sa.text("insert into catalogue (id, document, published) values (1, '{}', 0)"))
+        writer.execute(sa.text("insert into campaigns (digest, name, document, created) values ('d', 'c', '{}', 0)"))
+        columns = "campaign_digest, name, tags, owner, state, created, priority, attempts, max_attempts, not_before,"
+        columns += "lease_until, fence, cancel, summary, evaluations, planned, failed_evaluations"
+        values = "'d', 'old', '[]', '', 'done', 0, 0, 1, 3, 0, 0, 1, 0, '{}', 5, 5, 0"
+        writer.execute(sa.text(f"insert into runs ({columns}) values ({values})"))
+    migrate(url)
+    with engine.begin() as connection:
+        row = connection.execute(sa.select(Run.name, Run.evaluations, Run.flown)).one()
+        assert tuple(row) == ("old", 5, None)
+        assert connection.scalar(sa.select(CatalogueDocument.code)) is None
+        workers.publish(connection, CATALOGUE, Code("a" * 64, {"m": "1"}))
+    engine.dispose()

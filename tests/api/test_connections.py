@@ -1,0 +1,219 @@
+"""How many connections may be open, and how long a client may take: to send, to read, and to stay once signed out."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from backend.db.access import revoke_token
+from backend.events import endpoints as events
+from backend.events import hub
+from backend.settings import Settings
+from tests.api.conftest import Fresh, running
+from tests.api.server import Service, until
+from tests.api.test_access import problem
+from tests.api.test_runs import submit
+from tests.api.viewing import viewing
+
+PATIENCE = 0.4
+MOST = 6
+POST = b"POST /api/v1/campaigns/check HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
+
+
+@pytest.fixture(scope="module")
+def strict(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """A service with little patience and room for few connections."""
+    folder: Path = tmp_path_factory.mktemp("strict")
+    with running(fresh, folder, request_patience=PATIENCE, max_connections=MOST) as service:
+        service.publish()
+        yield service
+
+
+def opened(service: Service) -> socket.socket:
+    return socket.create_connection(("127.0.0.1", service.port), timeout=10)
+
+
+def rest(connection: socket.socket) -> bytes:
+    """What comes until the service closes the connection."""
+    received = b""
+    try:
+        while part := connection.recv(65536):
+            received += part
+    except ConnectionResetError:
+        pass
+    return received
+
+
+def cookie(service: Service, client: httpx.Client) -> bytes:
+    name = service.settings.cookie
+    return f"Cookie: {name}={client.cookies[name]}\r\n".encode()
+
+
+@pytest.mark.parametrize("half", [b"", b"GET / HTTP/1.1\r\nHost: x\r\nX-A: ", b"G"], ids=["silent", "head", "a byte"])
+def test_a_request_that_does_not_come_is_not_waited_for(strict: Service, half: bytes) -> None:
+    begun = time.monotonic()
+    with opened(strict) as connection:
+        connection.sendall(half)
+        answer = rest(connection)
+    assert PATIENCE * 0.8 < time.monotonic() - begun < 5
+    assert answer.startswith(b"HTTP/1.1 408 ") if half else answer == b""
+
+
+def test_a_byte_now_and_then_does_not_prolong_it(strict: Service) -> None:
+    begun = time.monotonic()
+    with opened(strict) as connection:
+        connection.settimeout(0.02)
+        closed = b""
+        for byte in b"GET / HTTP/1.1\r\nHost: " + 1000 * b"x":
+            connection.sendall(bytes([byte]))
+            try:
+                closed = connection.recv(100)
+                break
+            except TimeoutError:
+                continue
+    assert closed.startswith(b"HTTP/1.1 408 ")
+    assert time.monotonic() - begun < 5
+
+
+def test_a_body_that_does_not_come_is_not_waited_for(strict: Service) -> None:
+    with strict.signed_in() as client, opened(strict) as connection:
+        connection.sendall(POST + cookie(strict, client) + b"Content-Length: 1000\r\n\r\n{")
+        assert rest(connection) == b""
+        until(lambda: not strict.server.server_state.tasks)
+        assert client.get("/api/v1/session").status_code == 200
+
+
+def test_the_next_request_of_a_connection_has_its_own_time(strict: Service) -> None:
+    with opened(strict) as connection:
+        for _ in range(2):
+            connection.sendall(b"GET /api/v1/health HTTP/1.1\r\nHost: x\r\n\r\n")
+            received = b""
+            while b'"ok"}' not in received:
+                received += connection.recv(65536)
+            assert received.startswith(b"HTTP/1.1 200 ")
+        connection.sendall(b"GET /api/v1")
+        assert rest(connection).startswith(b"HTTP/1.1 408 ")
+
+
+def test_a_stream_outlives_that_time(strict: Service) -> None:
+    with strict.signed_in() as client, client.stream("GET", "/api/v1/events") as stream:
+        lines = stream.iter_lines()
+        assert next(lines) == "retry: 2000"
+        with opened(strict) as connection:
+            rest(connection)  # one that sends nothing is closed meanwhile, twice
+        with opened(strict) as connection:
+            rest(connection)
+        submit(client)
+        assert next(line for line in lines if line.startswith("event")) == "event: run"
+
+
+def test_a_client_that_does_not_read_is_not_waited_for(strict: Service) -> None:
+    strict._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # connections have it from there
+    with strict.signed_in() as client, socket.socket() as connection:
+        run = submit(client)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+        connection.connect(("127.0.0.1", strict.port))
+        ask = f"GET /view/{run}/ HTTP/1.1\r\nHost: x\r\n".encode() + cookie(strict, client) + b"\r\n"
+        connection.sendall(ask)
+        until(lambda: any(c.flow.write_paused for c in list(strict.server.server_state.connections)))  # type: ignore[union-attr]
+        until(lambda: len(strict.server.server_state.connections) == 1)
+
+
+def test_beyond_so_many_connections_there_is_a_refusal_and_one_gone_makes_room(strict: Service) -> None:
+    connections = strict.server.server_state.connections
+    until(lambda: not connections)
+    with strict.signed_in() as client:
+        streams = [opened(strict) for _ in range(MOST - 1)]
+        for stream in streams:
+            stream.sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: x\r\n" + cookie(strict, client) + b"\r\n")
+        until(lambda: strict.app.state.hub.listeners == MOST - 1)
+        streams.append(opened(strict))
+        streams[-1].sendall(b"GET /api/v1/events HTTP/1.1\r\nHost: x\r\n" + cookie(strict, client) + b"\r\n")
+        until(lambda: strict.app.state.hub.listeners == MOST)
+        with strict.visitor() as late:
+            refused = late.get("/api/v1/health")
+            assert (refused.status_code, refused.json()["type"]) == (503, "urn:clearance:problem:busy")
+            assert refused.headers["retry-after"] == "5"
+            streams.pop().close()
+            until(lambda: len(connections) < MOST)
+            assert late.get("/api/v1/health").status_code == 200
+        for stream in streams:
+            stream.close()
+        until(lambda: strict.app.state.hub.listeners == 0)
+
+
+def test_who_sends_nothing_keeps_nobody_out(strict: Service) -> None:
+    connections = strict.server.server_state.connections
+    until(lambda: not connections)
+    halves = [opened(strict) for _ in range(3 * MOST)]
+    for half in halves:
+        with contextlib.suppress(OSError):  # closed for a later one
+            half.sendall(b"GET /api/v1/health HTTP/1.1\r\nX-A:")
+    with strict.visitor() as client:
+        assert client.get("/api/v1/health").status_code == 200
+    assert len(connections) <= MOST
+    for half in halves:
+        half.close()
+
+
+def test_a_view_outlives_that_time(strict: Service) -> None:
+    with strict.signed_in() as client:
+        run = submit(client)
+        with viewing(strict, client, f"/view/{run}/") as view:
+            for _ in range(2):
+                with opened(strict) as connection:
+                    rest(connection)  # one that sends nothing is closed meanwhile
+            assert view.ping().wait(5)
+    until(lambda: strict.app.state.viewers.open == 0)
+
+
+def test_the_limits_are_settings() -> None:
+    given = {"CLEARANCE_MAX_CONNECTIONS": "50", "CLEARANCE_REQUEST_PATIENCE": "3.5", "CLEARANCE_MAX_VIEWERS_EACH": "2"}
+    settings = Settings.load(given)
+    assert (settings.max_connections, settings.request_patience, settings.max_viewers_each) == (50, 3.5, 2)
+    with pytest.raises(ValueError, match="CLEARANCE_REQUEST_PATIENCE"):
+        Settings.load({"CLEARANCE_REQUEST_PATIENCE": "0"})
+
+
+@pytest.fixture
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Access is checked again very often."""
+    monkeypatch.setattr(events, "CHECK_PERIOD", 0.0)
+    monkeypatch.setattr(hub, "HEARTBEAT", 0.05)
+
+
+def test_a_revoked_token_loses_its_event_stream(service: Service, soon: None) -> None:
+    token = service.token("ci")
+    with service.visitor(authorization=f"Bearer {token}") as program, program.stream("GET", "/api/v1/events") as stream:
+        lines = stream.iter_lines()
+        assert next(line for line in lines if line.startswith(":"))
+        with service.engine.begin() as connection:
+            revoke_token(connection, "ci")
+        for _ in lines:  # ends
+            pass
+        problem(program.get("/api/v1/session"), 401)
+    until(lambda: service.app.state.hub.listeners == 0)
+
+
+def test_whoever_signs_out_loses_the_event_stream_and_others_keep_theirs(service: Service, soon: None) -> None:
+    with (
+        service.signed_in() as leaving,
+        service.signed_in() as staying,
+        leaving.stream("GET", "/api/v1/events") as ends,
+        staying.stream("GET", "/api/v1/events") as lasts,
+    ):
+        until(lambda: service.app.state.hub.listeners == 2)
+        name = service.settings.cookie
+        with service.visitor(cookie=f"{name}={leaving.cookies[name]}") as same:
+            assert same.delete("/api/v1/session").status_code == 204
+        for _ in ends.iter_lines():  # ends
+            pass
+        lines = lasts.iter_lines()
+        assert next(line for line in lines if line.startswith(":"))
+        assert service.app.state.hub.listeners == 1

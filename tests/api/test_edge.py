@@ -1,0 +1,233 @@
+"""Whatever is sent to a route of the API is answered, and as its document says: no fault of ours, a problem document.
+
+The values are those that break readers, drivers and databases: digits that are none of ASCII, numbers beyond 64 bits or
+beyond what Python reads, halves of surrogate pairs, null characters, far too many or too long of everything.
+"""
+
+from __future__ import annotations
+
+import ast
+import base64
+import json
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from backend.db.engine import read
+from backend.db.tables import Run
+from backend.errors import KINDS
+from backend.previews.service import Previews
+from backend.scenes.control.live import Live
+from backend.schema import Given
+from tests.api.catalogue import campaign
+from tests.api.conftest import Fresh, running
+from tests.api.finished import finish
+from tests.api.server import Service
+from tests.api.strange import requests
+from tests.api.test_access import problem
+from tests.api.test_openapi import DOCUMENT, OPERATIONS
+from tests.api.test_previews import STAND_IN
+from tests.api.test_runs import submit
+
+PREFIX = "urn:clearance:problem:"
+JSON = "application/problem+json"
+
+
+@pytest.fixture(scope="module")
+def service(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """One with a finished run, a draft, and a simulation process that only stands in."""
+    folder = tmp_path_factory.mktemp("edge")
+    (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
+    with running(fresh, folder) as service:
+        service.publish()
+        live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
+        service.app.state.previews = Previews(live)
+        with service.signed_in() as client:
+            submit(client)
+            finish(service)
+            submit(client, seed=2)
+            client.post("/api/v1/drafts", json={"name": "", "text": "name:"})
+        yield service
+
+
+@pytest.fixture(scope="module")
+def client(service: Service) -> Iterator[httpx.Client]:
+    with service.visitor(authorization=f"Bearer {service.token()}") as client:
+        yield client
+
+
+def held(answer: httpx.Response, operation: dict[str, Any], elsewhere: bool = False) -> None:
+    """The answer is one of those that the operation declares, its problem's type and its headers included.
+
+    elsewhere: what was put into its path made it the address of something else, or of nothing.
+    """
+    status = str(answer.status_code)
+    assert answer.status_code < 500 or status == "503", answer.text[:400]
+    if answer.status_code >= 400:
+        assert answer.headers["content-type"] == JSON
+        assert answer.json()["status"] == answer.status_code
+        assert len(answer.content) < 100_000
+        answer.content.decode()
+    if elsewhere:
+        return
+    assert status in operation["responses"], (status, answer.text[:300])
+    declared = operation["responses"][status]
+    if answer.status_code >= 400:
+        assert answer.json()["type"] in declared["x-problem-types"]
+    for header in ("Location", "ETag", "Retry-After"):
+        assert header not in answer.headers or header in declared["headers"]
+
+
+@pytest.mark.parametrize(("path", "method", "operation"), OPERATIONS, ids=lambda v: v if isinstance(v, str) else "")
+def test_whatever_is_sent_is_answered_as_described(
+    client: httpx.Client, path: str, method: str, operation: dict[str, Any]
+) -> None:
+    @settings(
+        max_examples=12 if operation.get("parameters") or "requestBody" in operation else 3,
+        deadline=None,
+        derandomize=True,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(requests(path, method, operation))
+    def sent(asked: dict[str, Any]) -> None:
+        request = client.build_request(**asked)
+        answer = client.send(request, stream=True)
+        try:
+            if "text/event-stream" not in answer.headers.get("content-type", ""):
+                answer.read()
+                held(answer, operation, asked["extensions"]["elsewhere"])
+        finally:
+            answer.close()
+
+    sent()
+
+
+NAMED = {
+    "assets of 300 letters": ("GET", "/assets/" + "a" * 300, None, 404),
+    "a page of 300 letters": ("GET", "/" + "a" * 300, None, 404),
+    "Arabic digits": ("GET", "/api/v1/runs/R-%d9%a0%d9%a0%d9%a0%d9%a1", None, 404),
+    "Arabic digits of a draft": ("GET", "/api/v1/drafts/D-%d9%a0%d9%a0%d9%a0%d9%a1", None, 404),
+    "Arabic digits of a view": ("GET", "/view/R-%d9%a0%d9%a0%d9%a0%d9%a1/", None, 404),
+    "3,000 equal keys": ("GET", "/api/v1/runs?" + "&".join(["tag=x"] * 3000), None, 414),
+    "1,000 equal keys": ("GET", "/api/v1/runs?" + "&".join(["tag=x"] * 1000), None, 400),
+    "100 equal keys": ("GET", "/api/v1/runs?" + "&".join(["tag=x"] * 100), None, 422),
+    "a long query": ("GET", "/api/v1/runs?q=" + "x" * 40_000, None, 414),
+    "null in a query": ("GET", "/api/v1/runs?owner=%00", None, 422),
+    "half a pair in a name": ("PATCH", "/api/v1/runs/R-0001", '{"name": "\\ud800"}', 422),
+    "half a pair in notes": ("PATCH", "/api/v1/runs/R-0001", '{"notes": "\\udfff"}', 422),
+    "half a pair in an unknown key": ("PATCH", "/api/v1/runs/R-0001", '{"\\ud800": 1}', 422),
+    "null in a name": ("PATCH", "/api/v1/runs/R-0001", '{"name": "a\\u0000"}', 422),
+    "null in notes": ("PATCH", "/api/v1/runs/R-0001", '{"notes": "a\\u0000"}', 422),
+    "5,000 digits": ("POST", "/api/v1/runs", '{"campaign": {}, "priority": ' + "9" * 5000 + "}", 422),
+    "5,000 digits in a version": ("PUT", "/api/v1/drafts/D-0001", '{"version": ' + "9" * 5000 + "}", 400),
+    "a version of 33 bits": (
+        "PUT", "/api/v1/drafts/D-0001", '{"name": "", "text": "", "version": 4294967296}', 422,
+    ),
+    "a version of 65 bits": ("DELETE", f"/api/v1/drafts/D-0001?version={2**64}", None, 422),
+    "many unknown keys": ("PATCH", "/api/v1/runs/R-0001", json.dumps({f"k{i}": 1 for i in range(9999)}), 422),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_values_that_break_readers_and_databases(client: httpx.Client, name: str) -> None:
+    method, url, body, status = NAMED[name]
+    began = time.process_time()
+    answer = client.request(method, url, content=body, headers={"content-type": "application/json"} if body else {})
+    assert time.process_time() - began < 1.0
+    problem(answer, status)
+    assert len(answer.content) < 50_000
+
+
+@pytest.mark.parametrize("value", [2**63, -(2**63) - 1, "\ud800", "\0", True, {}, []])
+@pytest.mark.parametrize("sort", ["-created", "name", "worst"])
+def test_a_cursor_of_our_form_with_what_no_row_can_have(client: httpx.Client, sort: str, value: Any) -> None:
+    for parts in ([sort, False, value, 1], [sort, False, None, value]):
+        cursor = base64.urlsafe_b64encode(json.dumps(parts).encode()).decode().rstrip("=")
+        problem(client.get("/api/v1/runs", params={"sort": sort, "cursor": cursor}), 422)
+
+
+def test_every_body_is_held_against_the_rules_for_all() -> None:
+    """A new model of a request cannot forget them."""
+    import backend.app  # noqa: F401  has every feature define its models
+
+    named = set()
+    for _, _, operation in OPERATIONS:
+        for content in operation.get("requestBody", {}).get("content", {}).values():
+            named.add(content["schema"].get("$ref", "/").rsplit("/", 1)[-1])
+    waiting, known = [Given], set()
+    while waiting:
+        model = waiting.pop()
+        known.add(model.__name__)
+        waiting += model.__subclasses__()
+    assert named - {"", "CampaignBody"} <= known
+    assert {"RunSubmit", "DraftReplace"} <= known
+
+
+def test_every_refusal_in_the_code_is_of_a_known_type_and_its_status() -> None:
+    seen = set()
+    for file in (Path(__file__).parents[2] / "backend").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "RefusedError":
+                status, kind = node.args[:2]
+                if isinstance(status, ast.Constant) and isinstance(kind, ast.Constant):
+                    assert KINDS[str(kind.value)].status == status.value, f"{file.name}: {kind.value}"
+                    seen.add(kind.value)
+    assert len(seen) > 25
+
+
+def test_nothing_strange_was_stored(service: Service) -> None:
+    with read(service.engine) as reader:
+        for name, notes in reader.execute(Run.__table__.select().with_only_columns(Run.name, Run.notes)):
+            assert "\0" not in name + notes
+            (name + notes).encode()
+
+
+def test_the_document_names_the_problems_of_every_operation() -> None:
+    for path, method, operation in OPERATIONS:
+        for status, response in operation["responses"].items():
+            assert response["description"], (path, method, status)
+            if status.isdigit() and int(status) >= 400:
+                schema = response["content"][JSON]["schema"]
+                assert schema == {"$ref": "#/components/schemas/ProblemDocument"}
+                kinds = [kind.removeprefix(PREFIX) for kind in response["x-problem-types"]]
+                assert kinds
+                assert all(KINDS[kind].status == int(status) for kind in kinds)
+        for parameter in operation.get("parameters", []):
+            assert parameter.get("description"), (path, method, parameter["name"])
+        assert {"400", "414", "422", "500"} <= operation["responses"].keys()
+        assert ("401" in operation["responses"]) == (path != "/api/v1/health")
+        assert ("403" in operation["responses"]) == (method != "get")
+
+
+def test_models_are_described_by_what_stands_below_their_fields() -> None:
+    schemas = DOCUMENT["components"]["schemas"]
+    assert schemas["RunSummary"]["properties"]["upper_bound"]["description"].startswith("Of P(violation)")
+    assert schemas["Scenario"]["properties"]["horizon"]["description"] == "[s]"
+    objects = {name: schema for name, schema in schemas.items() if schema.get("type") == "object"}
+    assert [name for name, schema in objects.items() if not schema.get("description")] == []
+    fields = [field for schema in objects.values() for field in schema.get("properties", {}).values()]
+    assert sum("description" in field for field in fields) > 100
+
+
+def test_headers_that_are_given_are_documented(client: httpx.Client) -> None:
+    queued = client.post("/api/v1/runs", json={"campaign": campaign(seed=9)})
+    assert queued.headers["location"].endswith(queued.json()["id"])
+    for path, method, operation in OPERATIONS:
+        if "/exports/" in path:
+            answer = client.request(method, path.replace("{run}", "R-0001").replace("{flight}", "F1"))
+            assert answer.status_code == 200
+            assert answer.headers["etag"]
+            held(answer, operation)
+            again = client.request(method, answer.request.url, headers={"If-None-Match": answer.headers["etag"]})
+            assert again.status_code == 304
+            held(again, operation)
+    submitted = DOCUMENT["paths"]["/api/v1/runs"]["post"]["responses"]
+    assert submitted["201"]["headers"].keys() == {"Location"}
+    assert "Retry-After" in submitted["503"]["headers"]

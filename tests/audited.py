@@ -1,0 +1,52 @@
+"""Audits a run that a test made, whatever form it is in. Start reading at `audited`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+
+from backend.db.engine import read
+from backend.db.store import plain
+from campaigns import Campaign
+from campaigns.snapshot import snapshot
+from worker.audit.judge import Item, audit, closing
+from worker.audit.record import Columns, Record, of_database, of_folder
+from worker.catalog import catalogue
+from worker.cli._results import evidence
+from worker.cli.run import summary
+from worker.stages import offered
+from worker.store import Conclusion, MemoryStore
+
+
+def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> list[Item]:
+    """Fail unless the verdict follows, with every item audited: of a run in memory, with its campaign; in a folder;
+    or in a database, by its number."""
+    items = audit(recorded(run, campaign, run_id), offered.AT_MOST, offered.SPOT_CHECKS)
+    follows, said = closing(items)
+    assert follows, said + "".join(f"\n{i.name}: {i.given} / {i.recomputed}" for i in items if i.agrees is False)
+    assert all(item.agrees for item in items), said
+    return items
+
+
+def audited_summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
+    """What `clearance run` prints of a run, which is audited first."""
+    audited(store, campaign)
+    return summary(campaign, store, conclusion)
+
+
+def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> Record:
+    """A run as the audit reads it."""
+    if isinstance(run, Path):
+        return of_folder(run)
+    if isinstance(run, sa.Engine):
+        with read(run) as connection:
+            return of_database(connection, run_id)
+    assert campaign is not None
+    assert run.conclusion is not None
+    held = {k: columns for k in range(len(run.stages)) if (columns := run.evaluations(k)) is not None}
+    claims = plain(summary(campaign, run, run.conclusion) | evidence(campaign, run, run.conclusion))
+    claims |= {"digests": {"result": claims["digest"]}}
+    stored = {k: Columns(c.points, c.costs, c.status) for k, c in held.items()}
+    return Record(campaign, snapshot(campaign, catalogue()), stored, claims)

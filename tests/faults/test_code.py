@@ -1,0 +1,121 @@
+"""A component's file is edited while a worker runs: the next run flies the new code, one begun before is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import connect, migrate, read
+from backend.db.queue import submit
+from backend.db.tables import CatalogueDocument, Run, Stage
+from tests.faults.cases import campaign
+from tests.faults.processes import CLEARANCE, REPOSITORY, Started, kill, started, until
+
+POST = '''"""Post: a point in the plane."""
+
+from typing import Annotated, NamedTuple
+
+from worker.kernels.component import Obstacle, Parameter
+from worker.kernels.maths import kernel, norm2
+from worker.kernels.views import Body
+
+SHIFT = 0.0
+
+
+class Post(NamedTuple):
+    x: Annotated[float, Parameter("m", "Position, x", -1e6, 1e6)]
+    y: Annotated[float, Parameter("m", "Position, y", -1e6, 1e6)] = 0.0
+
+
+@kernel
+def body(t, o, q, p):
+    dx, dy = q[0] - p.x - SHIFT, q[1] - p.y
+    d = norm2(dx, dy)
+    return Body(p.x + SHIFT, p.y, 0.0, 0.0, 0.0, d, dx / (d + 1e-12), dy / (d + 1e-12))
+
+
+component = Obstacle(name="post_here", title="Post", dimension=2, parameters=Post, body=body)
+'''
+
+
+class Home:
+    """A database, a worker on it, and a component that another package adds."""
+
+    def __init__(self, folder: Path) -> None:
+        self.file, self.url = folder / "post_here.py", f"sqlite:///{folder}/clearance.sqlite3"
+        self.edit(POST)
+        info = folder / "post_here-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: post-here\nVersion: 1.0\n", encoding="utf-8")
+        (info / "entry_points.txt").write_text("[clearance.components]\npost = post_here\n", encoding="utf-8")
+        migrate(self.url)
+        self.engine = connect(self.url)
+        self.worker: Started
+
+    def edit(self, text: str) -> None:
+        self.file.write_text(text, encoding="utf-8")
+
+    def submit(self, name: str = "none") -> int:
+        document = campaign().document()["scenario"]
+        post = {"component": "post_here", "parameters": {"x": 1.0, "y": 2.0}}
+        asked = campaign(name=name, scenario={**document, "obstacles": [post], "horizon": 0.5, "step": 0.005})
+        with self.engine.begin() as connection:
+            return submit(connection, asked, name=name, tags=[], owner="", planned=0)
+
+    def run(self, run_id: int) -> Any:
+        with read(self.engine) as connection:
+            return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
+
+    def ended(self, run_id: int) -> Any:
+        until(lambda: self.run(run_id).state in ("done", "failed", "cancelled"), f"run {run_id} ends")
+        return self.run(run_id)
+
+    def stage(self, run_id: int, position: int) -> str | None:
+        with read(self.engine) as connection:
+            of = sa.select(Stage.state).where(Stage.run_id == run_id, Stage.position == position)
+            return connection.scalar(of)
+
+    def catalogue(self) -> Any:
+        with read(self.engine) as connection:
+            return connection.execute(sa.select(CatalogueDocument.code, CatalogueDocument.document)).one()
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Home]:
+    folder = tmp_path_factory.mktemp("edited")
+    home = Home(folder)
+    command = [*CLEARANCE, "worker", "--name", "w", "--runner", "tests.faults.jobs:flying", "--lease", "5"]
+    paths = f"{folder}:{REPOSITORY}"
+    with started(command, folder, "w", CLEARANCE_DATABASE=home.url, PYTHONPATH=paths) as home.worker:
+        yield home
+        print(home.worker.text())
+    home.engine.dispose()
+
+
+def test_an_edit_flies_in_the_next_run_and_in_no_run_that_was_begun_before(home: Home) -> None:
+    first = home.ended(home.submit())
+    assert first.state == "done"
+    assert first.flown["packages"]["post-here"] == "1.0"
+    assert home.catalogue().code == first.flown["code"]
+
+    home.edit(POST.replace("SHIFT = 0.0", "SHIFT = 1.0").replace("a point in", "one point in"))
+    until(lambda: "one point in" in str(home.catalogue().document), "an idle worker publishes what was edited")
+    run_id = home.submit("hang")
+    until(lambda: home.stage(run_id, 1) == "running", "the second stage has begun")
+    begun = home.run(run_id)
+    assert abs(begun.nominal_cost - first.nominal_cost) > 0.1
+    assert first.flown["code"] != begun.flown["code"] == home.catalogue().code
+    assert first.flown["loop"] != begun.flown["loop"]
+
+    home.edit(POST.replace("SHIFT = 0.0", "SHIFT = 2.0"))
+    kill(home.worker.child())
+    ended = home.ended(run_id)
+    assert (ended.state, ended.verdict, ended.fence, ended.flown) == ("failed", None, 2, begun.flown)
+    code, loop = (begun.flown[name][:12] for name in ("code", "loop"))
+    assert ended.error.startswith(f"R-{run_id:04d} was begun by other code: the code digest was {code}, here it is ")
+    assert " (modules: post_here); the loop digest was " + loop in ended.error
+    assert ended.error.endswith("start the campaign again as a new run")

@@ -1,0 +1,398 @@
+"""`clearance audit`: it agrees with real runs in every form, and disagrees with every corrupted record."""
+
+from __future__ import annotations
+
+import copy
+import json
+import shutil
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import connect, default_url, migrate, write
+from backend.db.queue import Queue, submit
+from backend.db.store import RunStore
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
+from campaigns import Campaign
+from campaigns.load import load_document
+from tests.audited import audited, recorded
+from tests.unit.cases import searching
+from worker import integrator
+from worker.audit import judge
+from worker.audit.judge import Item, audit, closing
+from worker.audit.recompute import cumulative, upper_bound
+from worker.audit.record import MISSING, UnreadableError, of_folder
+from worker.catalog import catalogue
+from worker.cli import VIOLATED, WRONG_INPUT, invoke
+from worker.cli._results import write_evidence, write_results
+from worker.cli.run import summary
+from worker.runner import execute
+from worker.stages import claims, offered
+from worker.store import MemoryStore
+
+DIRECT = {"method": "direct", "evaluations": 100}
+SQP = {"method": "sqp", "evaluations": 100, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]}
+SAMPLE = {"method": "monte_carlo", "evaluations": 60}
+SHORT = {"scenario__horizon": 4.0}
+NORMAL = {
+    "vehicle.m": {"plus_minus": "20%", "distribution": {"kind": "normal", "mean": 5.0, "deviation": 0.4}},
+    "vehicle.J": {"low": 0.04, "high": 0.06, "distribution": {"kind": "normal", "mean": 0.05, "deviation": 0.004}},
+}
+PAIR = [{"between": ["vehicle.m", "vehicle.J"], "value": 0.5}]
+NOISE = [{"component": "sensor_noise", "parameters": {"sigma": 0.01}}]
+CERTIFY, GRID = 4, 9
+"""The position of that stage, and how many points its grid has."""
+
+
+def certifying(samples: int, **changes: Any) -> Campaign:
+    document = searching(DIRECT, SQP, **SHORT, **changes).document()
+    document["stages"] |= {"certify": {"samples": samples, "grid": {"points": 3}}}
+    return load_document(document)
+
+
+RUNS: dict[str, Callable[[], Campaign]] = {
+    "cleared": lambda: certifying(150, uncertain=NORMAL, correlations=PAIR),
+    "violated": lambda: searching(DIRECT, SQP, SAMPLE, criterion__threshold=0.94175, **SHORT),
+    "inconclusive": lambda: searching(DIRECT, scenario__horizon=1.0),
+    "noisy": lambda: certifying(60, scenario__faults=NOISE),
+    "excluded": lambda: searching(
+        {"method": "monte_carlo", "evaluations": 100, "options": {"interval": 0.5}},
+        uncertain={"start.x": {"low": 3.0, "high": 5.0}, "start.y": {"low": 3.0, "high": 5.0}},
+        scenario__start={"x": 3.0, "y": 3.0},
+        scenario__horizon=1.0,
+        criterion__threshold=0.6,
+    ),
+}
+VERDICTS = {"noisy": "cleared", "excluded": "inconclusive"}
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer simulations by the reference integrator, which the audit is told."""
+    monkeypatch.setattr(integrator, "LOOKS", 200)
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
+    monkeypatch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, offered.SPOT_CHECKS))
+
+
+@cache
+def ran(name: str) -> tuple[Campaign, MemoryStore]:
+    campaign, store = RUNS[name](), MemoryStore()
+    conclusion = execute(campaign, store, threads=1)
+    assert conclusion.verdict == VERDICTS.get(name, name), conclusion.reason
+    return campaign, store
+
+
+def written(folder: Path, name: str) -> Path:
+    """The run as `clearance run --out` writes it."""
+    campaign, store = ran(name)
+    assert store.conclusion is not None
+    folder.mkdir()
+    write_results(folder, campaign, store, summary(campaign, store, store.conclusion))
+    write_evidence(folder, campaign, store, store.conclusion)
+    return folder
+
+
+@pytest.fixture
+def database(tmp_path: Path) -> Iterator[sa.Engine]:
+    """A database that holds the cleared run as a worker writes it, its searches in two chunks."""
+    url = default_url(tmp_path)
+    migrate(url)
+    engine = connect(url)
+    campaign, memory = ran("cleared")
+    with engine.begin() as connection:
+        submit(connection, campaign, name="a", tags=[], owner="", planned=1)
+    claim = Queue(engine).claim("w")
+    assert claim is not None
+    store = RunStore(engine, claim)
+    store.describe(campaign, catalogue())
+    store.plan([record.plan for record in memory.stages])
+    for position, record in enumerate(memory.stages):
+        columns = memory.evaluations(position)
+        assert columns is not None
+        assert record.result is not None
+        half = len(columns.status) // 2
+        for rows in (slice(0, half), slice(half, None)):
+            part = [getattr(columns, name)[rows] for name in ("points", "costs", "status", "seconds")]
+            store.append(position, rows.start, columns._replace(**dict(zip(columns._fields, part, strict=False))))
+        last = record.plan.kind == "validate"
+        store.finish(position, record.result, 1.0, memory.findings if last else ())
+    assert memory.conclusion is not None
+    store.conclude(memory.conclusion)
+    yield engine
+    engine.dispose()
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_it_follows(name: str, tmp_path: Path) -> None:
+    campaign, store = ran(name)
+    assert audited(store, campaign) == audited(written(tmp_path / "out", name))
+
+
+def test_it_follows_in_a_database(database: sa.Engine, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert len(audited(database)) > len(audited(ran("cleared")[1], ran("cleared")[0]))
+    assert invoke(["audit", "R-0001", "--data", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.endswith("The verdict follows from the stored evaluations.\n")
+
+
+class Folder:
+    """The files of a run, to be changed."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.result: Any
+        self.evidence: Any
+        self.campaign: Any
+        self.result, self.evidence, self.campaign = (json.loads((path / name).read_text()) for name in self.FILES)
+        with np.load(path / "evaluations.npz") as held:
+            self.arrays: Any = {name: held[name].copy() for name in held.files}
+
+    FILES = ("result.json", "evidence.json", "campaign.json")
+
+    def items(self) -> list[Item]:
+        for name, value in zip(self.FILES, (self.result, self.evidence, self.campaign), strict=True):
+            (self.path / name).write_text(json.dumps(value))
+        np.savez(self.path / "evaluations.npz", **self.arrays)
+        return audit(of_folder(self.path))
+
+    def shorten(self, stage: int, by: int = 1) -> None:
+        for name in ("points", "costs", "status", "seconds"):
+            self.arrays[f"{name}_{stage}"] = self.arrays[f"{name}_{stage}"][:-by]
+
+    def set(self, path: str, to: Any) -> None:
+        """Another value at a path such as result/findings/0/cost."""
+        value, *above, last = path.split("/")
+        held: Any = vars(self)[value]
+        for key in above:
+            held = held[int(key) if isinstance(held, list) else key]
+        place: Any = int(last) if isinstance(held, list | np.ndarray) else last
+        assert held[place] != to
+        held[place] = to
+
+    def reword(self, old: str, new: str) -> None:
+        assert old in self.result["reason"]
+        self.result["reason"] = self.result["reason"].replace(old, new)
+
+    def withdraw_a_draw(self) -> None:
+        """Take the last draw of the sample out, and make every count fit."""
+        row = len(self.arrays[f"status_{CERTIFY}"]) - GRID - 1
+        for name in ("points", "costs", "status", "seconds"):
+            self.arrays[f"{name}_{CERTIFY}"] = np.delete(self.arrays[f"{name}_{CERTIFY}"], row, axis=0)
+        sample = self.evidence["results"][CERTIFY]["sample"]
+        for held in (self.evidence["results"][CERTIFY], self.result["stages"][CERTIFY]):
+            held["evaluations"] -= 1
+        for held in (sample, self.result["statistics"]):
+            held["samples"] -= 1
+
+
+def edit(path: str, to: Any) -> Callable[[Folder], None]:
+    return lambda folder: folder.set(path, to)
+
+
+def say(old: str, new: str) -> Callable[[Folder], None]:
+    return lambda folder: folder.reword(old, new)
+
+
+CASES, SAMPLE_ = "evidence/results/5/cases", "evidence/results/4/sample"
+DEVIATION = "campaign/uncertain/vehicle.m/distribution/deviation"
+ENCOUNTER = "evidence/results/5/encounter"
+FINDING, STATISTICS = "result/findings/0", "result/statistics"
+
+CORRUPTIONS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
+    ("a changed cost", "cleared", lambda f: f.arrays["costs_2"].__setitem__((7, 0), 0.3), "evaluations.lowest"),
+    ("violations hidden", "violated", lambda f: f.arrays["costs_2"].clip(1, out=f.arrays["costs_2"]), "stages.2.best"),
+    ("a dropped evaluation", "cleared", lambda f: f.shorten(2), "evaluations.stored"),
+    ("a changed status", "cleared", edit("arrays/status_2/3", 1), "evaluations.failed"),
+    (
+        "an excluded flag turned ok",
+        "excluded",
+        lambda f: f.arrays["status_2"].clip(0, 0, f.arrays["status_2"]),
+        "sound",
+    ),
+    ("a wrong count in the summary", "cleared", edit("evidence/evaluations/succeeded", 9), "evaluations.succeeded"),
+    ("a wrong count of violations", "violated", edit("evidence/evaluations/violating", 0), "evaluations.violating"),
+    ("a wrong count of a stage", "cleared", edit("result/stages/2/evaluations", 999), "stages.2.evaluations"),
+    ("a wrong count in the sentence", "cleared", say(" evaluations, s", "0 evaluations, s"), "sentence.in all"),
+    ("a wrong count of a method", "cleared", say("DIRECT (100)", "DIRECT (1000)"), "sentence.methods"),
+    ("a method left out", "violated", say(" and Monte Carlo (60)", ""), "sentence.methods"),
+    ("a wrong bound in the sentence", "cleared", say("is at most ", "is at most 0.0"), "sentence.bound"),
+    ("another worst in the sentence", "cleared", say("d_min = 0.9", "d_min = 1.9"), "sentence.worst"),
+    ("another threshold in the sentence", "cleared", say("above 0.5 m", "above 0.9 m"), "sentence.threshold"),
+    ("a sentence of another verdict", "violated", say("falls to or below", "stayed above"), "sentence.opening"),
+    ("violated changed to cleared", "violated", edit("result/verdict", "cleared"), "verdict"),
+    ("inconclusive changed to cleared", "inconclusive", edit("result/verdict", "cleared"), "verdict"),
+    ("cleared changed to violated", "cleared", edit("result/verdict", "violated"), "verdict"),
+    (
+        "a check turned ok",
+        "inconclusive",
+        lambda f: [c.update(ok=True) for c in f.result["checks"]],
+        "checks.agreement",
+    ),
+    ("a lowered threshold", "violated", edit("campaign/criterion/threshold", 0.1), "verdict"),
+    ("a threshold that fits no margin", "cleared", edit("campaign/criterion/threshold", 0.1), "nominal.margin"),
+    ("a changed bound", "cleared", edit(f"{STATISTICS}/upper_bound", 1e-6), "statistics.upper_bound"),
+    ("a changed bound of a stage", "cleared", edit(f"{SAMPLE_}/upper_bound", 1e-6), "results.4.sample.upper_bound"),
+    ("another probability outside", "cleared", edit(f"{SAMPLE_}/outside", 0.0), "results.4.sample.outside"),
+    ("a changed quantile", "cleared", edit(f"{STATISTICS}/quantile/bound", 0.95), "statistics.quantile.bound"),
+    ("a changed order", "cleared", edit(f"{SAMPLE_}/quantile/order", 7), "results.4.sample.quantile.order"),
+    ("a changed confidence", "cleared", edit("campaign/confidence", 0.6), "results.4.sample.confidence"),
+    ("a shortened sample", "cleared", Folder.withdraw_a_draw, "statistics.samples"),
+    ("a sample without noise", "noisy", edit("evidence/results/4/drawn_realisations", 0), "checks.noise"),
+    ("a changed cost of a finding", "cleared", edit(f"{FINDING}/cost", 0.95), "findings.0.cost"),
+    ("a finding that was not evaluated", "cleared", edit(f"{FINDING}/point/0", 0.123), "findings.0.cost"),
+    ("a finding removed", "violated", lambda f: f.result["findings"].pop(), "results.5.cases.count"),
+    ("a finding at no bound", "cleared", edit(f"{FINDING}/at_bounds", {}), "findings.0.at_bounds"),
+    ("another parameter", "cleared", edit(f"{FINDING}/parameters/vehicle.m", 5.9), "findings.0.parameters.vehicle.m"),
+    ("another worst cost", "cleared", edit("result/worst/cost", 0.95), "worst.cost"),
+    ("a changed case", "cleared", edit(f"{CASES}/0/integrator/cost", 0.2), "results.5.cases.0.ok"),
+    ("a changed case of a finding", "violated", edit(f"{FINDING}/validation/half_step/cost", 0.95), "verdict"),
+    ("a case of no finding", "cleared", edit(f"{CASES}/1/cost", 0.95), "results.5.cases.1.cost"),
+    ("a wider tolerance", "cleared", edit(f"{CASES}/0/allowed", 0.5), "results.5.cases.0.allowed"),
+    ("a spot check violates", "cleared", edit("evidence/results/5/spot_checks/violating", 1), "checks.validation"),
+    ("few spot checks", "cleared", edit("evidence/results/5/spot_checks/checked", 1), "results.5.spot_checks.checked"),
+    ("unseen violations", "violated", edit("evidence/results/5/violations/checked", 0), "results.5.violations.checked"),
+    ("unfinished findings", "cleared", edit("evidence/results/5/findings/complete", False), "checks.minimum"),
+    ("an encounter at the end", "cleared", edit(f"{ENCOUNTER}/closest/1/at", "end"), "checks.closest approach"),
+    ("a vehicle that stands still", "cleared", edit(f"{ENCOUNTER}/moved", 0.0), "checks.motion"),
+    ("an avoidance without effect", "cleared", edit(f"{ENCOUNTER}/unseen/cost", 0.95), "checks.avoidance"),
+    ("a best in no basin", "cleared", edit("result/comparison/0/basin", None), "checks.agreement"),
+    ("a better best", "cleared", edit("result/comparison/0/best", 0.9), "comparison.0.best"),
+    ("another end of a search", "cleared", edit("evidence/results/2/stop/kind", "rule"), "results.2.stop.kind"),
+    ("a changed distribution", "cleared", edit(DEVIATION, 0.1), "digests.result"),
+    ("a distribution with another bound", "cleared", edit(DEVIATION, 0.1), "statistics.upper_bound"),
+    ("another method", "cleared", edit("campaign/stages/search/0/method", "ga"), "stages.2.method"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "item"), [c[1:] for c in CORRUPTIONS], ids=[c[0] for c in CORRUPTIONS])
+def test_a_corrupted_record_does_not_follow(
+    name: str, change: Callable[[Folder], Any], item: str, tmp_path: Path
+) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    change(folder)
+    items = folder.items()
+    follows, sentence = closing(items)
+    assert not follows
+    assert item in [i.name for i in items if i.agrees is False], sentence
+    assert item in sentence
+
+
+def _document(connection: sa.Connection, **changes: Any) -> None:
+    document = copy.deepcopy(connection.scalar(sa.select(CampaignRow.document)))
+    assert document is not None
+    connection.execute(sa.update(CampaignRow).values(document=document | changes))
+
+
+DATABASE: dict[str, tuple[Callable[[sa.Connection], Any], str]] = {
+    "a lowered threshold": (lambda c: c.execute(sa.update(Run).values(threshold=0.1)), "run.threshold"),
+    "a dropped chunk": (
+        lambda c: c.execute(sa.delete(EvaluationChunk).where(EvaluationChunk.position == 2, EvaluationChunk.first > 0)),
+        "stages.2.evaluations",
+    ),
+    "another verdict": (lambda c: c.execute(sa.update(Run).values(verdict="violated")), "verdict"),
+    "another bound": (lambda c: c.execute(sa.update(Run).values(upper_bound=1e-9)), "run.upper_bound"),
+    "other components": (
+        lambda c: c.execute(sa.update(CatalogueSnapshot).values(document=catalogue().model_dump(mode="json"))),
+        "components",
+    ),
+    "another campaign": (lambda c: _document(c, seed=2), "digests.run"),
+}
+
+
+@pytest.mark.parametrize("corruption", DATABASE)
+def test_a_corrupted_database_does_not_follow(corruption: str, database: sa.Engine) -> None:
+    change, item = DATABASE[corruption]
+    write(database, change, 1.0)
+    items = audit(recorded(database))
+    assert item in [i.name for i in items if i.agrees is False], closing(items)[1]
+
+
+def test_what_is_not_stored_is_not_auditable_and_never_agrees(tmp_path: Path) -> None:
+    folder = written(tmp_path / "out", "violated")
+    (folder / "evidence.json").unlink()
+    items = audit(of_folder(folder))
+    follows, sentence = closing(items)
+    unknown = [i for i in items if i.agrees is None]
+    assert follows, "the finding itself holds what its validation was"
+    assert {"results", "evaluations", "checks.motion"} <= {i.name for i in unknown}
+    assert all(MISSING in (i.given, i.recomputed) for i in unknown)
+    assert sentence.endswith(f"; {len(unknown)} of {len(items)} items could not be audited")
+
+
+def test_a_cleared_verdict_whose_evidence_is_not_stored_is_not_known_to_follow(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = written(tmp_path / "out", "cleared")
+    (folder / "evidence.json").unlink()
+    assert invoke(["audit", str(folder), "--json"]) == VIOLATED == 1
+    told = json.loads(capsys.readouterr().out)
+    assert not told["follows"]
+    assert told["sentence"].startswith("it is not known whether the verdict follows; ")
+    assert {i["agrees"] for i in told["items"]} == {True, None}
+
+
+def test_the_command_tells_given_and_recomputed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = Folder(written(tmp_path / "out", "cleared"))
+    assert invoke(["audit", str(folder.path)]) == 0
+    assert "disagree" not in capsys.readouterr().out
+    folder.set("result/nominal/cost", 0.75)
+    folder.items()
+    assert invoke(["audit", str(folder.path)]) == 1
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if "disagree" in line and "│ nominal.cost" in line]
+    assert "0.75" in row
+    assert repr(recorded(ran("cleared")[1], ran("cleared")[0]).columns[0].costs[0, 0].item()) in row
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil", "why"),
+    [
+        ("result.json", lambda p: p.unlink(), "No such file"),
+        ("result.json", lambda p: p.write_text("{"), "can be read"),
+        ("result.json", lambda p: p.write_text("[]"), "can be read"),
+        ("result.json", lambda p: p.write_text('{"digest": "x"}'), "has not the shape"),
+        ("evaluations.npz", lambda p: p.write_bytes(b"PK"), "can be read"),
+        ("campaign.json", lambda p: p.write_text("{}"), "cannot be used"),
+    ],
+)
+def test_what_cannot_be_read_is_wrong_input(
+    name: str, spoil: Callable[[Path], Any], why: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = written(tmp_path / "out", "inconclusive")
+    spoil(folder / name)
+    assert invoke(["audit", str(folder)]) == WRONG_INPUT
+    assert why in capsys.readouterr().err
+
+
+def test_a_run_without_a_verdict_is_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    migrate(default_url(tmp_path))
+    engine = connect(default_url(tmp_path))
+    with engine.begin() as connection:
+        submit(connection, searching(DIRECT), name="a", tags=[], owner="", planned=1)
+    with pytest.raises(UnreadableError, match="it is queued and has no verdict"):
+        recorded(engine)
+    engine.dispose()
+    assert invoke(["audit", "R-0009", "--data", str(tmp_path)]) == WRONG_INPUT
+    assert "there is no such run in this database" in capsys.readouterr().err
+    assert invoke(["audit", "R-0009", "--data", str(tmp_path / "nowhere")]) == WRONG_INPUT
+    shutil.rmtree(tmp_path, ignore_errors=True)
+
+
+@pytest.mark.parametrize("violations", [0, 1, 7, 299])
+@pytest.mark.parametrize("samples", [300, 3000])
+def test_its_bound_is_that_of_the_beta_distribution(violations: int, samples: int) -> None:
+    for confidence in (0.9, 0.99):
+        bound = upper_bound(violations, samples, confidence)
+        assert bound == pytest.approx(claims.bound(violations, samples, confidence), rel=1e-10)
+
+
+@pytest.mark.parametrize(("samples", "share"), [(58, 0.05), (59, 0.05), (3000, 0.05), (10, 0.95), (100, 0.5)])
+def test_its_order_is_wilks(samples: int, share: float) -> None:
+    below = np.exp(cumulative(samples - 1, samples, share))
+    assert int(np.count_nonzero(below <= 0.05)) == claims.order(samples, share, 0.95)
+    assert below[-1] == pytest.approx(1.0 - share**samples)

@@ -1,0 +1,125 @@
+"""What of the source files is code, and when this process no longer has what the files have."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.unit.cases import document
+from worker import sources
+
+MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
+
+
+@pytest.fixture
+def added(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package of others that adds components by an entry point."""
+    package = tmp_path / "added_here"
+    (package / "inner").mkdir(parents=True)
+    for name in ("__init__", "post", "inner/helper"):
+        (package / f"{name}.py").write_bytes(MODULE)
+    info = tmp_path / "added_here-1.5.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: added-here\nVersion: 1.5\n", encoding="utf-8")
+    (info / "entry_points.txt").write_text("[clearance.components]\npost = added_here.post\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importlib.invalidate_caches()
+    return package
+
+
+@pytest.mark.parametrize(
+    ("edit", "same"),
+    [
+        ((b"Text.", b"Another text."), True),
+        ((b"Help.", b"Other help."), True),
+        ((b"X = 1.0\n", b"X = 1.0  # a comment\n\n\n"), True),
+        ((b"return x * X", b"return (x * X)"), True),
+        ((b"X = 1.0", b"X = 1.5"), False),
+        ((b"X = 1.0", b"X = 1"), False),
+        ((b"x * X", b"X * x"), False),
+        ((b"def f(x)", b"def f(x=2.0)"), False),
+    ],
+)
+def test_code_is_what_can_change_a_number(edit: tuple[bytes, bytes], same: bool) -> None:
+    assert edit[0] in MODULE
+    assert (sources._meaning(MODULE) == sources._meaning(MODULE.replace(*edit))) == same
+
+
+def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
+    noted = sources.note()
+    assert noted.files.keys() >= {"added_here", "added_here.post", "added_here.inner.helper"}
+    assert noted.files.keys() >= {"worker.vehicles.unicycle", "worker.stages.search", "campaigns.plan"}
+    assert noted.packages["added-here"] == "1.5"
+    assert noted.packages["numpy"] == importlib.import_module("numpy").__version__
+    before = sources.note().digest
+    (added / "inner" / "helper.py").write_bytes(MODULE + b"# a comment\n")
+    assert sources.note().digest != before
+
+
+def test_the_code_digest_leaves_out_what_starts_processes() -> None:
+    modules = sources.code().modules
+    assert {"worker.vehicles.unicycle", "worker.search.direct", "worker.runner", "campaigns.spec"} <= modules.keys()
+    for apart in sources.APART:
+        assert apart in sources.LOADED.files, "it is not there any more"
+        assert apart not in modules
+
+
+def test_a_process_is_stale_once_a_file_changed_or_came(added: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sources, "LOADED", sources.note())
+    monkeypatch.setattr(sources, "_same", None)
+    assert not sources.stale()
+    post = added / "post.py"
+    os.utime(post)
+    assert not sources.stale()
+    post.write_bytes(MODULE.replace(b"1.0", b"2.0"))
+    assert sources.stale()
+    post.write_bytes(MODULE)
+    assert not sources.stale()
+    (added / "another.py").write_bytes(MODULE)
+    assert sources.stale()
+
+
+def test_an_edit_of_equal_size_in_the_same_second_is_loaded(added: Path) -> None:
+    """Bytecode would be taken for current: it is dropped before anything is loaded."""
+    post = added / "post.py"
+    program = "from worker import sources; import added_here.post as post; print(post.X)"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(added.parent), os.getcwd()])}
+
+    for unwanted in ("PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"):
+        environment.pop(unwanted, None)
+
+    def printed() -> str:
+        command = [sys.executable, "-c", program]
+        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.strip()
+
+    at = os.stat(post)
+    assert printed() == "1.0"
+    post.write_bytes(MODULE.replace(b"1.0", b"2.0"))
+    nanoseconds = at.st_mtime_ns // 10**9 * 10**9
+    cached = Path(importlib.util.cache_from_source(str(post)))
+    os.utime(cached, ns=(nanoseconds, nanoseconds + 1))
+    os.utime(post, ns=(nanoseconds, nanoseconds + 2))
+    assert printed() == "2.0"
+
+
+def test_live_flights_end_before_they_fly_old_code(added: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(added.parent), os.getcwd()])}
+    command = [sys.executable, "-P", "-m", "worker.live"]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    asked = json.dumps({"id": 1, "campaign": document(scenario__step=-1.0)}).encode() + b"\n"
+    with subprocess.Popen(command, env=environment, **pipes) as live:  # type: ignore[call-overload]
+        assert json.loads(live.stdout.readline()) == {"ready": True}
+        live.stdin.write(asked)
+        live.stdin.flush()
+        assert "step" in json.loads(live.stdout.readline())["error"]
+        (added / "post.py").write_bytes(MODULE.replace(b"1.0", b"2.0"))
+        live.stdin.write(asked)
+        live.stdin.flush()
+        assert json.loads(live.stdout.readline()) == {"stale": True}
+        assert live.wait(10) == 0

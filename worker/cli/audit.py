@@ -1,0 +1,83 @@
+"""`clearance audit RUN`: does a run's verdict follow from what it stored, by a second program that shares no code?
+
+The exit code is 0 where it follows, 1 where it does not, 3 where there is nothing to audit. Start reading at `audit`;
+the program is `worker.audit`.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from worker.cli import VIOLATED, WrongInputError
+from worker.cli._where import DATA, Data, Database
+
+if TYPE_CHECKING:
+    from worker.audit.judge import Item
+    from worker.audit.record import Record
+
+WORDS = {True: "agree", False: "disagree", None: "not auditable"}
+
+
+def audit(
+    run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    data: Data = DATA,
+    database: Database = "",
+) -> None:
+    """Recompute a run's verdict from its stored evaluations with an independent program, and compare.
+
+    Counts, lowest costs, margins, the agreement of the methods, the sample's bounds, the validation, every check and
+    the numbers of the sentence are recomputed. Nothing is simulated: the costs are those that were stored.
+    """
+    from worker.audit import judge
+    from worker.audit.record import UnreadableError
+
+    try:
+        items = judge.audit(_record(run, data, database))
+    except UnreadableError as error:
+        raise WrongInputError(f"{error}") from None
+    follows, sentence = judge.closing(items)
+    if as_json:
+        listed = [item._asdict() | {"agrees": item.agrees} for item in items]
+        typer.echo(json.dumps({"run": run, "follows": follows, "sentence": sentence, "items": listed}, indent=2))
+    else:
+        _print(items)
+        typer.echo(f"{sentence[0].upper()}{sentence[1:]}.")
+    raise typer.Exit(0 if follows else VIOLATED)
+
+
+def _record(run: str, data: Path, database: str) -> Record:
+    from worker.audit.record import of_database, of_folder
+
+    if Path(run).is_dir() or not re.fullmatch(r"R-\d{1,15}|\d{1,15}", run):
+        return of_folder(Path(run))
+    from backend.db.engine import connect, read
+    from worker.cli._where import existing_url_of
+
+    engine = connect(existing_url_of(data, database))
+    try:
+        with read(engine) as connection:
+            return of_database(connection, int(run.removeprefix("R-")))
+    finally:
+        engine.dispose()
+
+
+def _print(items: list[Item]) -> None:
+    import sys
+
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("Item", "Given", "Recomputed", "")
+    for item in items:
+        table.add_row(item.name, _shown(item.given), _shown(item.recomputed), WORDS[item.agrees])
+    Console(width=None if sys.stdout.isatty() else 160, markup=False).print(table)
+
+
+def _shown(value: Any) -> str:
+    return repr(value) if isinstance(value, float) else "none" if value is None else str(value)

@@ -12,7 +12,6 @@ from backend.reports.charts import sample
 from backend.reports.held import Held
 from campaigns.check import SEED, parts
 
-
 _ENDS = {
     "": "",
     "centre": "Distances end at the obstacles’ centres: the threshold must contain their size.",

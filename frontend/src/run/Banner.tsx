@@ -54,7 +54,7 @@ export function Banner({ data }: { data: RunData }) {
 }
 
 /** Green only where nothing is left open: evaluations that failed have no value to hold for. */
-function Standing({ check }: { check: Check }) {
+export function Standing({ check }: { check: Check }) {
   if (check.standing === 'holds') return <IconCircleCheck className="i s ok-t" aria-label="holds" />
   if (check.standing === 'open')
     return <IconHelpCircle className="i s unk-t" aria-label="holds for the evaluations that have a value" />

@@ -179,6 +179,7 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
     }
   }, [
     curve,
+    path,
     slices,
     called,
     cost,

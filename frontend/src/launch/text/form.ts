@@ -10,7 +10,7 @@ export function formOf(text: string, schema: unknown): Campaign | null {
   const typed = tree && plain(tree)
   const found: unknown = typed && filled(typed, schema as Rule, (schema as Rule).$defs ?? {})
   // No document has it unless something is stated in it.
-  if (isMapping(typed) && isMapping(found as Json) && !('encounter' in typed)) delete (found as Record<string, Json>).encounter
+  if (isMapping(typed) && isMapping(found) && !('encounter' in typed)) delete (found as Record<string, Json>).encounter
   return isForm(found) ? found : null
 }
 

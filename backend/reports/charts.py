@@ -87,7 +87,7 @@ def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
     for curve in curves[:MOST_CURVES]:
         about = _about(held, curve)
         svg = figures.sensitivity(curve, through.get(curve["path"]), about, (low, high), held.of)
-        found.append((words.sign(about["symbol"]), about["text"], svg))
+        found.append((words.sign(about["symbol"], curve["path"]), about["text"], svg))
     return found
 
 

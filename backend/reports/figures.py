@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from backend.reports import plot, words
 from backend.reports.plot import Axes, Point
+from campaigns.symbols import is_path
 
 WIDE = 654
 """The width of a page's text, 173 mm [px at 96 dpi]."""
@@ -152,8 +153,9 @@ def tornado(bars: Sequence[tuple[str, float, float]], of: Quantity) -> Markup:
     """Change from nominal at the low and the high bound of each parameter, the largest first."""
     most = max((max(abs(a), abs(b)) for _, a, b in bars), default=1.0) or 1.0
     row = 22
+    left = max([52.0, *(5.4 * len(symbol) for symbol, _, _ in bars if is_path(symbol))])
     axes = Axes(
-        WIDE / 2 - 46, row * len(bars) + 44, (-1.3 * most, 1.3 * most), (0, 1), left=52, right=4, top=4, bottom=34
+        WIDE / 2 - 46, row * len(bars) + 44, (-1.3 * most, 1.3 * most), (0, 1), left=left, right=4, top=4, bottom=34
     )
     title = Markup("Change of {}, {}").format(words.svg_sign(of.symbol), of.unit)
     axes.frame(title, 4, y_grid=False)

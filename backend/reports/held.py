@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +23,7 @@ from backend.signoffs.schemas import Signoffs
 from campaigns import Campaign, Catalogue
 from campaigns.catalogue import ParameterEntry
 from campaigns.check import parameters
+from campaigns.symbols import labels
 
 MOST_ROWS = 1200
 """Of a flight in a figure."""
@@ -93,33 +93,13 @@ class Held:
         return None if found is None else found[0]
 
     def symbol(self, path: str) -> str:
-        """The symbol of an uncertain parameter: numbered where several obstacles have it, else its path if shared."""
-        named = {path: self._numbered(path) for path in self.campaign.uncertain}
-        mine = named.get(path) or self._plain(path)
-        return path if list(named.values()).count(mine) > 1 else mine
+        """What a parameter is called: its symbol where no other one of the campaign has it, else its path."""
+        return labels([*self.campaign.uncertain, path], {p: entry.symbol for p, (entry, _) in self.known.items()})[path]
 
     def words(self, path: str) -> str:
-        """What an uncertain parameter is; where its symbol is another one's too, with whose it is."""
+        """What a parameter is."""
         entry = self.entry(path)
-        text = entry.text if entry else path
-        whose = path.rpartition(".")[0].replace(".", " ").replace("obstacles", "obstacle")
-        number = re.search(r"\d+", whose)
-        if number:
-            whose = whose[: number.start()] + str(int(number[0]) + 1) + whose[number.end() :]
-        return f"{text}, {whose.partition(' position')[0]}" if self._shared(path) else text
-
-    def _plain(self, path: str) -> str:
-        entry = self.entry(path)
-        return entry.symbol if entry else path.rpartition(".")[2]
-
-    def _shared(self, path: str) -> bool:
-        return [self._plain(other) for other in self.campaign.uncertain].count(self._plain(path)) > 1
-
-    def _numbered(self, path: str) -> str:
-        base, number = self._plain(path), re.match(r"[a-z]+\.(\d+)\.", path)
-        if not self._shared(path) or number is None:
-            return base
-        return f"{base}{',' if '_' in base else '_'}{int(number[1]) + 1}"
+        return entry.text if entry else path
 
 
 def load(reader: sa.Connection, run_id: int) -> Held:

@@ -14,13 +14,13 @@ from backend.reports import figures, words
 from backend.reports.held import Held
 from backend.reports.words import NONE
 from backend.signoffs.schemas import Signoff
+from campaigns import verdicts
 from campaigns.catalogue import ParameterEntry
 from campaigns.check import parts
 from campaigns.distributions import Uncertain
 from campaigns.spec import Part
 
 Row = dict[str, Any]
-_VALIDATED = {"True": "confirmed", "False": "not confirmed"}
 
 
 def uncertain(held: Held) -> list[Row]:
@@ -34,6 +34,7 @@ def uncertain(held: Held) -> list[Row]:
         rows.append({
             "path": path,
             "symbol": _symbol(held, path),
+            "named": held.symbol(path) != path,
             "text": held.words(path) if entry else "not described",
             "unit": words.unit(entry.unit if entry else asked.unit or ""),
             "nominal": words.plain(nominal),
@@ -136,6 +137,7 @@ def methods(held: Held) -> list[Row]:
             "seconds": words.seconds(stage.seconds) if stage else NONE,
             "stop": (result.get("stop") or {}).get("text") or "not ended",
             "findings": (", ".join(beside.get("findings", [])) or "none") if beside else NONE,
+            "basin": (beside["basin"] or "no listed finding") if "basin" in beside else NONE,
             "options": _options(asked.options),
             "starts": len(asked.starts),
         })  # fmt: skip
@@ -167,9 +169,9 @@ def stages(held: Held) -> list[Row]:
         }
         for stage in held.stages
     ]
-    total = {name: words.count(sum(getattr(s, name) for s in held.stages)) for name in ("failed", "excluded")}
-    time = words.seconds(sum(s.seconds for s in held.stages))
-    counted = words.count(sum(s.evaluations for s in held.stages))
+    run, time = held.run, words.seconds(sum(s.seconds for s in held.stages))
+    total = {"failed": words.count(run.failed_evaluations), "excluded": words.count(run.excluded_evaluations)}
+    counted = words.count(run.evaluations)
     return [*rows, {"name": "Total", "state": "", "evaluations": counted, "seconds": time, **total}] if rows else []
 
 
@@ -178,7 +180,7 @@ def _titles(held: Held) -> dict[str, str]:
 
 
 def _symbol(held: Held, path: str) -> Markup:
-    return words.sign(held.symbol(path))
+    return words.sign(held.symbol(path), path)
 
 
 def findings(held: Held) -> list[Row]:
@@ -193,11 +195,17 @@ def findings(held: Held) -> list[Row]:
             "violates": f.margin <= 0,
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
             "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
-            "validated": _VALIDATED.get(str(f.validation.get("ok")), "not validated"),
+            "validated": verdicts.validated(f.validation),
+            "seed": _seed(f.validation.get("realisation")),
             "boundary": (held.after(f.label).get("boundary") or {}).get("text", ""),
         }
         for f in held.findings
     ]
+
+
+def _seed(seed: int | None) -> str:
+    """The noise realisation that a finding drew with its flight."""
+    return "" if seed is None else f"noise seed {seed}"
 
 
 def criteria(held: Held) -> list[Row]:
@@ -216,29 +224,6 @@ def criteria(held: Held) -> list[Row]:
             "worse": "more is worse" if criterion.worse == "high" else "less is worse",
             "decides": i == 0,
             "values": [words.fixed(value, decimals) for value in flown],
-        })  # fmt: skip
-    return rows
-
-
-def validation(held: Held) -> list[Row]:
-    """Each case flown again by other means."""
-    rows = []
-    for case in held.result("validate").get("cases", []):
-        decimals = words.decimals_for([case.get("cost")], 7)
-        half, other = case.get("half_step") or {}, case.get("integrator") or {}
-        beside = case.get("neighbours") or {}
-        rows.append({
-            "name": case.get("name", ""),
-            "cost": words.fixed(case.get("cost"), decimals),
-            "half": words.fixed(half.get("cost"), decimals),
-            "half_by": words.plain(half.get("difference"), 2),
-            "other": words.fixed(other.get("cost"), decimals),
-            "other_by": words.plain(other.get("difference"), 2),
-            "allowed": words.plain(case.get("allowed"), 2),
-            "neighbours": words.count(beside["flown"]) if beside else NONE,
-            "lower": words.plain(beside.get("lower_by"), 2) if beside else NONE,
-            "ok": case.get("ok") is True,
-            "reason": other.get("reason") or "",
         })  # fmt: skip
     return rows
 

@@ -17,7 +17,7 @@ import sqlalchemy as sa
 from markupsafe import Markup
 
 from backend.exports.naming import named
-from backend.reports import charts, sections, words
+from backend.reports import charts, limits, sections, validated, words
 from backend.reports.held import Held, load
 from campaigns.version import VERSION
 
@@ -93,7 +93,10 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "stages": sections.stages(held),
         "findings": sections.findings(held),
         "validation": held.result("validate"),
-        "cases": sections.validation(held),
+        "cases": validated.cases(held),
+        "again": validated.again(held),
+        "encounter": validated.encounter(held),
+        "limits": limits.conditions(held),
         "checks": summary.get("checks") or [],
         "statistics": summary.get("statistics") or {},
         "sample": charts.sample(held),
@@ -110,13 +113,22 @@ def _told(held: Held, at: float) -> dict[str, Any]:
 
 
 def _flights(held: Held) -> list[str]:
-    """A sentence on each drawn flight."""
+    """A sentence on each drawn flight, with the noise realisation that it shows."""
     decimals = words.decimals_for([case.closest.get("value") for case in held.cases])
     return [
-        f"{case.label}: {held.of.told(case.closest['value'], decimals)} at {words.fixed(case.closest['time'], 2)} s."
+        f"{case.label}: {held.of.told(case.closest['value'], decimals)} at {words.fixed(case.closest['time'], 2)} s"
+        f"{_shown(case.meta)}."
         for case in held.cases
         if case.closest.get("value") is not None and case.closest.get("time") is not None
     ]
+
+
+def _shown(meta: dict[str, Any]) -> str:
+    realised = meta.get("realisation")
+    if not realised:
+        return ""
+    of = f", the lowest of {realised['seeds']} realisations" if realised["seeds"] > 1 else ""
+    return f", noise seed {realised['seed']}{of}"
 
 
 def _origin(held: Held) -> list[tuple[str, str]]:

@@ -14,6 +14,8 @@ from typing import NamedTuple
 
 from markupsafe import Markup, escape
 
+from campaigns.symbols import is_path
+
 MINUS, NARROW, NONE = "\u2212", "\u202f", "\u2014"
 _GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
@@ -148,15 +150,20 @@ def _greek(text: str) -> str:
     return re.sub(r"[a-z]+", lambda m: _GREEK.get(m[0], m[0]), text)
 
 
-def sign(symbol: str) -> Markup:
-    """A symbol set as in print, in HTML."""
+def sign(symbol: str, path: str = "") -> Markup:
+    """A symbol set as in print, in HTML; a path as it is written, with places to break. `path` is told on hover."""
+    if is_path(symbol):
+        return Markup('<span class="path">{}</span>').format(Markup(".<wbr>").join(symbol.split(".")))
     base, index = split(symbol)
     below = Markup("<sub>{}</sub>").format(index) if index else ""
-    return Markup('<i class="v">{}</i>{}').format(base, below)
+    told = Markup(' title="{}"').format(path) if path and path != symbol else ""
+    return Markup('<i class="v"{}>{}</i>{}').format(told, base, below)
 
 
 def svg_sign(symbol: str) -> Markup:
     """The same inside an SVG text."""
+    if is_path(symbol):
+        return Markup("<tspan>{}</tspan>").format(symbol)
     base, index = split(symbol)
     below = Markup('<tspan font-size="0.8em" dy="0.28em">{}</tspan><tspan dy="-0.22em">\u200b</tspan>').format(index)
     return Markup('<tspan font-style="italic">{}</tspan>{}').format(base, below if index else "")
@@ -170,7 +177,7 @@ def prose(text: str | None, terms: Terms = NO_TERMS) -> Markup:
         return escape(clean)
     any_of = "|".join(map(re.escape, reversed(written)))
     parts = re.split(rf"(?<![\w.])({any_of})(?!\w|\.\w)", clean)
-    return Markup("").join(sign(terms.symbols[part]) if i % 2 else escape(part) for i, part in enumerate(parts))
+    return Markup("").join(sign(terms.symbols[part], part) if i % 2 else escape(part) for i, part in enumerate(parts))
 
 
 def sentence(text: str | None, terms: Terms = NO_TERMS) -> Markup:

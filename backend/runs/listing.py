@@ -13,15 +13,15 @@ import sqlalchemy as sa
 from backend.catalog.service import published
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
+from backend.runs import counts
 from backend.runs.filters import Filters
 from backend.runs.order import Order, Sort
 from backend.runs.schemas import RunPage, RunState, RunSummary, StageProgress, VerdictWord
 
 _PLAIN = (
     "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",
-    "nominal_cost", "worst_cost", "worst_method", "evaluations", "planned", "failed_evaluations", "created", "started",
-    "finished", "attempts", "worker", "continues", "pinned", "best_so_far", "upper_bound", "removed", "removed_by",
-    "removed_reason",
+    "nominal_cost", "worst_cost", "worst_method", "planned", "created", "started", "finished", "attempts", "worker",
+    "continues", "pinned", "best_so_far", "upper_bound", "removed", "removed_by", "removed_reason",
 )  # fmt: skip
 
 
@@ -49,16 +49,19 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     criterion = CampaignRow.document["criterion"]["component"].as_string().label("criterion")
     told = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns = [getattr(Run, column) for column in _PLAIN]
-    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), criterion, *told)
+    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), criterion, *told, *counts.COLUMNS)
     query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
     working = _working(reader, [row.id for row in rows if row.state in ("running", "cancelling")])
     units = _units(reader) if any(row.unit is None for row in rows) else {}
-    return [_summary(row, working.get(row.id), units) for row in rows]
+    excluded = counts.excluded(reader, [row.id for row in rows])
+    return [_summary(row, working.get(row.id), units, counts.of(row, excluded.get(row.id, 0))) for row in rows]
 
 
-def _summary(row: Any, stage: StageProgress | None, units: dict[str, tuple[str, str]]) -> RunSummary:
-    values = {column: getattr(row, column) for column in _PLAIN}
+def _summary(
+    row: Any, stage: StageProgress | None, units: dict[str, tuple[str, str]], evaluations: dict[str, int]
+) -> RunSummary:
+    values = {column: getattr(row, column) for column in _PLAIN} | evaluations
     quantity, unit = units.get(row.criterion, ("", ""))
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
     values["continues"] = None if row.continues is None else name(row.continues)

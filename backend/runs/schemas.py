@@ -146,6 +146,8 @@ class RunSummary(Schema):
     evaluations: int
     planned: int
     failed_evaluations: int
+    """Timeouts among them."""
+    excluded_evaluations: int
     created: float
     started: float | None
     finished: float | None
@@ -180,7 +182,7 @@ class RunDetail(RunSummary):
     """What flew when the first stage began: code, packages, machine; None before that, and where it was not stored."""
     stages: list[StageProgress]
     summary: dict[str, Any]
-    """Parts of the verdict (`scope`, `checks`), statistics, versions; see `worker.stages.verdict`."""
+    """Parts of the verdict (`scope`, `checks` with title and standing), statistics, versions: `worker.verdicts`."""
     rate: float | None
     """Evaluations per second of the running stage."""
     remaining: float | None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from dataclasses import dataclass
+from typing import Any
 
 import sqlalchemy as sa
 from pydantic import ValidationError
@@ -21,7 +22,7 @@ from backend.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
-from campaigns import Campaign, CampaignError, Catalogue, Problem, check
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check, verdicts
 from campaigns.flown import Flown
 from campaigns.load import load_document, load_text
 from campaigns.plan import plan
@@ -150,10 +151,15 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         components_digest=snapshot,
         flown=None if flown is None else Flown.of(flown),
         stages=stages,
-        summary=parts,
+        summary=_described(parts, base.failed_evaluations),
         rate=rate,
         remaining=remaining,
     )
+
+
+def _described(parts: dict[str, Any], failed: int) -> dict[str, Any]:
+    """The verdict's parts with its checks in words; of a run of an earlier version, too."""
+    return parts | {"checks": verdicts.described(parts["checks"], failed)} if parts.get("checks") else parts
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:

@@ -105,9 +105,16 @@ def _line(told: dict[str, Any], figures: bool) -> str:
     return f"{told['id']} {name}, {stage['evaluations']:,} of at most {stage['planned']:,} evaluations{best}"
 
 
+def _counts(told: dict[str, Any]) -> str:
+    """How many evaluations there are; a service of an earlier version does not report the excluded ones."""
+    excluded = told.get("excluded_evaluations")
+    left_out = "" if excluded is None else f", {excluded:,} excluded"
+    return f"Evaluations: {told['evaluations']:,}, {told['failed_evaluations']:,} failed{left_out}"
+
+
 def _ended(service: Remote, told: dict[str, Any]) -> list[str]:
     if told["state"] == "done":
-        lines = [told["verdict"].capitalize(), told["reason"]]
+        lines = [told["verdict"].capitalize(), told["reason"], _counts(told)]
     elif told["state"] == "cancelled":
         lines = ["Cancelled: no verdict"]
     else:

@@ -13,7 +13,7 @@ from rich.progress import Progress as Bars
 from rich.table import Table
 from rich.text import Text
 
-from campaigns import Campaign
+from campaigns import Campaign, verdicts
 from campaigns.plan import plan
 from worker.catalog import methods
 from worker.stages.base import Tally
@@ -76,6 +76,9 @@ def print_report(
         console.print(_findings(campaign, store, conclusion))
         for line in _how_found(store):
             console.print(Text(line), soft_wrap=not console.is_terminal)
+    console.print(_checks(conclusion))
+    for line in _again(store):
+        console.print(Text(line), soft_wrap=not console.is_terminal)
     sign, word, colour = VERDICTS[conclusion.verdict]
     console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
     console.print(Text(conclusion.reason), soft_wrap=not console.is_terminal)
@@ -87,26 +90,33 @@ def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
     parts = conclusion.summary
     unit = parts["unit"]
     table = Table("Stage", title=None)
-    for heading in (f"Lowest {parts['quantity']} [{unit}]", "Evaluations", "Failed", "Time [s]"):
+    for heading in (f"Lowest {parts['quantity']} [{unit}]", "Evaluations", "Failed", "Excluded", "Time [s]"):
         table.add_column(escape(heading), justify="right")
     table.add_column("Ended")
     for position, record in enumerate(store.stages):
         columns = store.evaluations(position)
         ok = None if columns is None else columns.costs[columns.status == 0, 0]
         failed = 0 if columns is None else int(((columns.status == 1) | (columns.status == 2)).sum())
+        excluded = 0 if columns is None else int((columns.status == 3).sum())
         result = record.result or {}
         table.add_row(
             _named(record.plan.kind, record.plan.method),
             "" if ok is None or not len(ok) else number(float(ok.min())),
             "0" if columns is None else count(len(columns.status)),
             count(failed),
+            count(excluded),
             f"{record.seconds:.2f}",
             result.get("stop", {}).get("text") or result.get("text") or "",
         )
         for minimum in result.get("minima", []) if result.get("kind") == "local" else []:
             at = escape(f"at {_values(minimum['parameters'])}")
-            cells = (number(minimum["cost"]), count(minimum["evaluations"]), "", "", at)
+            cells = (number(minimum["cost"]), count(minimum["evaluations"]), "", "", "", at)
             table.add_row(escape(f"  from {_values(minimum['start'] or {})}"), *cells, style="dim")
+    told = parts["evaluations"]
+    lowest = "" if told["lowest"] is None else number(told["lowest"])
+    time = f"{sum(record.seconds for record in store.stages):.2f}"
+    table.add_section()
+    table.add_row("all stages", lowest, *(count(told[k]) for k in ("stored", "failed", "excluded")), time, "")
     return table
 
 
@@ -114,21 +124,25 @@ def _comparison(store: MemoryStore, conclusion: Conclusion) -> Table:
     """The methods side by side, as `worker.stages.comparison` counted."""
     parts = conclusion.summary
     table = Table("Method")
-    for heading in (f"Best [{parts['unit']}]", "Evaluations", "Time [s]", "To 1 % of best"):
+    for heading in (f"Best [{parts['unit']}]", "Evaluations", "Failed", "Excluded", "Time [s]", "To 1 % of best"):
         table.add_column(escape(heading), justify="right")
+    table.add_column("Best is in")
     table.add_column("Findings")
     for row in (store.stages[-1].result or {}).get("comparison", []):
         table.add_row(
             row["title"],
             "" if row["best"] is None else number(row["best"]),
             count(row["evaluations"]),
+            count(row["failed"]),
+            count(row["excluded"]),
             f"{row['seconds']:.2f}",
             "not reached" if row["to_near_best"] is None else count(row["to_near_best"]),
+            row["basin"] or "no listed finding",
             f"{len(row['findings'])}: {', '.join(row['findings'])}" if row["findings"] else "0",
         )
         for member in (store.stages[row["position"]].result or {}).get("members", []):
             best = "" if member["best"] is None else number(member["best"])
-            cells = (best, count(member["evaluations"]), "", "", "")
+            cells = (best, count(member["evaluations"]), "", "", "", "", "", "")
             table.add_row(f"  {member['title']}", *cells, style="dim")
     return table
 
@@ -157,8 +171,33 @@ def _findings(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) ->
         "" if cost is None else signed(parts["nominal"]["margin"]),
         *(signed(f.margin) for f in store.findings),
     )
-    table.add_row("validated", "", *("yes" if f.validation["ok"] else "no" for f in store.findings))
+    nominal_case = (store.stages[-1].result or {})["cases"][0]
+    table.add_row(
+        "validation", verdicts.validated(nominal_case), *(verdicts.validated(f.validation) for f in store.findings)
+    )
+    if any(f.validation["realisation"] is not None for f in store.findings):
+        seeds = [f.validation["realisation"] for f in store.findings]
+        table.add_row("noise seed drawn", "", *("" if seed is None else str(seed) for seed in seeds))
     return table
+
+
+def _checks(conclusion: Conclusion) -> Table:
+    """Everything that must hold before a campaign is cleared."""
+    signs = {"holds": ("✓", "green"), "open": ("?", "yellow"), "fails": ("✗", "red")}
+    table = Table("", "Check", "Result")
+    failed = conclusion.summary["evaluations"]["failed"]
+    for check in verdicts.described(conclusion.summary["checks"], failed):
+        sign, colour = signs[check["standing"]]
+        text = f"{check['text']}; {check['but']}" if check["but"] else check["text"]
+        table.add_row(Text(sign, style=colour), Text(check["title"]), Text(text))
+    return table
+
+
+def _again(store: MemoryStore) -> list[str]:
+    """What the validate stage simulated again besides the findings."""
+    result = store.stages[-1].result or {}
+    told = [result["violations"]["text"], result["spot_checks"]["text"]]
+    return [f"{text[:1].upper()}{text[1:]}." for text in told]
 
 
 def _how_found(store: MemoryStore) -> list[str]:

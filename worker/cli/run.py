@@ -103,6 +103,8 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
 
 def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
     """What `--json` prints and result.json holds."""
+    from campaigns import verdicts
+
     parts = conclusion.summary
     worst = parts["worst"]
     return {
@@ -112,7 +114,8 @@ def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> d
         "worst": None if worst is None else {k: worst[k] for k in ("cost", "margin", "parameters", "method")},
         "stages": [_stage(store, position) for position in range(len(store.stages))],
         "comparison": (store.stages[-1].result or {}).get("comparison", []),
-        "checks": parts["checks"],
+        "evaluations": parts["evaluations"],
+        "checks": verdicts.described(parts["checks"], parts["evaluations"]["failed"]),
         "statistics": parts["statistics"],
         "findings": [vars(f) for f in store.findings],
         "digest": campaign.digest,

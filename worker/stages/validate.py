@@ -23,6 +23,7 @@ from worker.stages.confirm import Case, cases
 from worker.stages.encounter import encounter
 from worker.store import Finding, Trace
 from worker.trace import trace
+from worker.wording import listed
 
 
 def run(context: Context, position: int) -> tuple[dict[str, Any], list[Finding], list[Trace]]:
@@ -153,10 +154,10 @@ def _result(context: Context, cases: list[dict[str, Any]]) -> dict[str, Any]:
     agreed = [c["name"] for c in cases if c["agrees"]]
     said = []
     if wrong:
-        said.append(f"half the step or {NAME} disagrees beyond tolerance for {' and '.join(wrong)}")
+        said.append(f"half the step or {NAME} disagrees beyond tolerance for {listed(wrong)}")
     elif agreed:
-        said.append(f"half the step and {NAME} agree for {' and '.join(agreed)}")
+        said.append(f"half the step and {NAME} agree for {listed(agreed)}")
     if apart:
-        said.append(f"all integrations of {' and '.join(apart)} violate, beyond tolerance apart")
+        said.append(f"all integrations of {listed(apart)} violate, beyond tolerance apart")
     text = "; ".join(said)
     return {"ok": not wrong, "text": text, "tolerance": tolerance, "cases": cases}

@@ -23,7 +23,7 @@ def statistics(evidence: Evidence) -> dict[str, Any] | None:
     if sample is None:
         return None
     told = {k: sample[k] for k in ("samples", "violations", "confidence", "upper_bound", "text")}
-    more = {k: sample.get(k) for k in ("quantile", "noise", "excluded_fraction")}
+    more = {k: sample.get(k) for k in ("quantile", "noise", "failed", "excluded", "excluded_fraction")}
     return told | more | {"source": "search" if evidence.certificate is None else "certify"}
 
 

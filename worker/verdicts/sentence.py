@@ -27,14 +27,14 @@ def sentence(
         f"a margin of {signed(finding.margin)} {unit}{_noise(finding.validation.get('realisation'))}."
     )
     how = f"{count(evidence.evaluations)} evaluations, searched by {_searched(evidence)}"
-    chance = _chance(statistics)
+    chance, lost = _chance(statistics), _without_value(evidence)
     if evidence.violation is not None:
         told = evidence.violation
         shown = "It was validated, and found"
         if told is not finding:
             milder = f"{told.label}, which has {number(told.cost)} {unit}{_noise(told.validation.get('realisation'))}"
             shown = f"Validation did not confirm it, but {milder}; both were found"
-        rest = f"{_apart(told.validation, unit)}{_counts(evidence)}{chance}"
+        rest = f"{lost}{_apart(told.validation, unit)}{_counts(evidence)}{chance}"
         return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{rest}"
     if verdict == "cleared":
         excluded = f" {count(evidence.excluded)} more were excluded." if evidence.excluded else ""
@@ -44,7 +44,7 @@ def sentence(
             f"{_searched(evidence)}.{excluded} {worst}{chance}{stated} A search can miss a worse case."
         )
     why = "; ".join(c.text for c in checks if not c.ok)
-    return f"Nothing may be claimed: {why}. {worst} It comes from {how}."
+    return f"Nothing may be claimed: {why}. {worst} It comes from {how}.{lost}"
 
 
 def scope(problem: Problem) -> str:
@@ -89,6 +89,14 @@ def _chance(statistics: dict[str, Any] | None) -> str:
 def _counts(evidence: Evidence) -> str:
     text = str(evidence.validation["violations"]["text"])
     return f" {text[0].upper()}{text[1:]}."
+
+
+def _without_value(evidence: Evidence) -> str:
+    """How many evaluations failed or were excluded; empty where all have a value."""
+    failed = f"{count(evidence.failed)} failed" if evidence.failed else ""
+    excluded = f"{count(evidence.excluded)} {'was' if evidence.excluded == 1 else 'were'} excluded"
+    parts = [part for part in (failed, excluded if evidence.excluded else "") if part]
+    return f" Of these, {' and '.join(parts)}." if parts else ""
 
 
 def _apart(case: dict[str, Any], unit: str) -> str:

@@ -73,6 +73,10 @@ export interface Sample {
   violations: number
   /** Counted among the violations. */
   failed?: number
+  /** Draws that start at or below the criterion; they are drawn again. */
+  excluded?: number
+  /** Whether the flights simulated the noise that the campaign states, or drew one each. */
+  noise?: 'none' | 'drawn' | 'stated'
   confidence: number
   /** Null for points that are no independent sample. */
   upper_bound: number | null
@@ -165,7 +169,14 @@ export interface ValidationCase {
   half_step: { step: number; cost: number | null; difference: number | null }
   integrator: { name: string; cost: number | null; difference: number | null; reason?: string }
   allowed: number | null
+  /** Validated: it agrees or it violates. */
   ok: boolean
+  /** Both differences are within tolerance, and all values on the same side of the criterion. */
+  agrees?: boolean
+  /** Every integration violates, however far they are apart. */
+  violates?: boolean
+  /** The noise seed that it drew with its flight; null where it simulated those of the campaign. */
+  realisation?: number | null
   neighbours: { flown: number; failed: number; lowest: number | null; lower_by: number | null } | null
 }
 
@@ -182,6 +193,8 @@ export interface Compared {
   seconds: number
   /** Evaluations until within 1 % of nominal minus worst of the best known; null where it never came there. */
   to_near_best: number | null
+  /** The finding whose basin holds its best; null where none does. */
+  basin?: string | null
   /** Labels of the findings it came to by itself. */
   findings: string[]
   stop: SearchResult['stop']
@@ -204,8 +217,54 @@ export interface ValidateResult {
     at_most: number
   }
   comparison?: Compared[]
+  /** Violating evaluations of all stages, and how many of those simulated again violate there too. */
+  violations?: { stored: number; checked: number; confirmed: number; text: string }
+  spot_checks?: SpotChecks
+  encounter?: Encounter
   /** By finding, as far as validation came: slices through it, and the boundary of a violation, null where it is none. */
   after?: Record<string, { boundary: { text: string } | null; slices?: Slices }>
+}
+
+/** Random evaluations of all stages with the reference integrator. */
+export interface SpotChecks {
+  checked: number
+  compared: number
+  /** The distance to the stored value, in the criterion's unit. */
+  largest: number | null
+  median: number | null
+  /** Violate there and not here. */
+  violating: number
+  /** Where the two are furthest apart. */
+  at: {
+    position: number
+    index: number
+    cost: number
+    reference: number
+    parameters: Values
+    realisation: number | null
+  } | null
+  reasons: string[]
+  text: string
+}
+
+/** What shows that the avoidance was put to the test. */
+export interface Encounter {
+  closest: { name: string; time: number | null; at: 'start' | 'inside' | 'end' | 'none'; obstacle?: number }[]
+  /** Length of the nominal path [m]. */
+  moved: number | null
+  /** The nominal case with an avoider that sees no obstacle. */
+  unseen: { cost: number | null; status: string; reason: string; deviation: number | null }
+  spread: { evaluations: number; lowest: number | null; highest: number | null }
+  /** By path: the largest change along any slice. */
+  influence: Values
+}
+
+/** Which noise realisation a stored flight shows, of how many. */
+export interface Realisation {
+  seed: number
+  seeds: number
+  combine: string
+  cost: number | null
 }
 
 interface ResultByKind {
@@ -227,8 +286,14 @@ export function resultOf<K extends keyof ResultByKind>(
 
 export interface Check {
   name: string
+  /** For people. */
+  title: string
   ok: boolean
+  /** `open`: it holds for the evaluations that have a value, and others failed. */
+  standing: 'holds' | 'open' | 'fails'
   text: string
+  /** What limits it; empty unless it is open. */
+  but: string
 }
 
 export interface Provenance {
@@ -249,6 +314,9 @@ export interface Provenance {
 export interface Statistics {
   samples: number
   violations: number
+  /** Counted among the violations. */
+  failed?: number | null
+  excluded?: number | null
   confidence: number
   upper_bound: number
   text: string

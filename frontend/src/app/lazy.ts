@@ -7,6 +7,7 @@ export const lazy = {
   compare: () => import('../compare/ComparePage'),
   docs: () => import('../docs/ApiPage'),
   verdicts: () => import('../help/VerdictsPage'),
+  evidence: () => import('../help/EvidencePage'),
   methods: () => import('../help/MethodsPage'),
   components: () => import('../help/ComponentsPage'),
 }

@@ -69,6 +69,12 @@ const verdicts = createRoute({
   component: lazyRouteComponent(lazy.verdicts, 'VerdictsPage'),
 })
 
+const evidence = createRoute({
+  getParentRoute: () => root,
+  path: '/help/evidence',
+  component: lazyRouteComponent(lazy.evidence, 'EvidencePage'),
+})
+
 const methods = createRoute({
   getParentRoute: () => root,
   path: '/help/methods',
@@ -89,7 +95,7 @@ const compare = createRoute({
 })
 
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, methods, components, compare]),
+  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, evidence, methods, components, compare]),
   defaultPreload: 'intent',
   parseSearch,
   stringifySearch,

@@ -14,6 +14,7 @@ export interface Chapter {
 
 const TOPICS = [
   { to: '/help', name: 'Verdicts' },
+  { to: '/help/evidence', name: 'What a verdict rests on' },
   { to: '/help/methods', name: 'Search methods' },
   { to: '/help/components', name: 'Components' },
   { to: '/docs', name: 'API' },

@@ -18,7 +18,7 @@ const MEANINGS: readonly Meaning[] = [
     says: 'A flight within the stated bounds comes as near as the criterion, or nearer, and it was confirmed by other means.',
     takes: [
       'A finding with a margin of zero or less.',
-      'The same flight at half the step and with another integrator, in agreement within the tolerance of the campaign.',
+      'The same flight violates at half the step and with the reference integrator, too. Where the three are beyond tolerance apart, the sentence says so.',
     ],
     not: 'It does not say how often this happens: that is the bound on P(violation). Both can be true: a violation that a thousand random flights never meet.',
   },
@@ -27,11 +27,14 @@ const MEANINGS: readonly Meaning[] = [
     says: 'No flight that was found comes as near as the criterion, and the search was hard enough to be believed.',
     takes: [
       'The nominal flight keeps the criterion.',
-      'Every search ended by its own rule or its budget, and none of them found a violation.',
-      'The global methods agree on the worst case within the campaign’s agreement, by default 5 % of nominal minus worst.',
-      'Half the step and the second integrator agree, for the nominal flight and every finding.',
-      'No evaluation failed.',
-      'Where the campaign states a target for P(violation), the bound from the independent sample meets it.',
+      'Every search ended by its own rule or its budget, and no stored evaluation of any stage violates the criterion.',
+      'The worst finding is the lowest of all evaluations, and it was polished to the end.',
+      'Every global method reaches the worst case within the campaign’s agreement, by default 5 % of nominal minus worst, and at least two methods do.',
+      'Half the step and the reference integrator agree, for the nominal flight and every finding, and no random evaluation violates with the reference integrator alone.',
+      'No evaluation failed, and at most 10 % were excluded.',
+      'The encounter took place: the closest approach is inside the horizon, the vehicle moves, the avoidance makes a difference, and so does a parameter.',
+      'With noise, an independent sample draws a realisation with every flight.',
+      'Where there is a sample, its bound on P(violation) meets the campaign’s target, or 5 % where none is stated.',
     ],
     not: 'It is no proof. A search can miss a worse case, and everything holds for this model, these bounds and this criterion only. The verdict’s sentence and scope say which.',
   },
@@ -50,7 +53,7 @@ const STATES: readonly Meaning[] = [
   },
   {
     outcome: 'cancelled',
-    says: 'Somebody ended it. What was flown is kept.',
+    says: 'Cancelled by a user. Completed evaluations are kept.',
     not: 'A cancelled run has no verdict.',
   },
 ]
@@ -59,7 +62,7 @@ const TERMS: readonly [string, ReactNode][] = [
   ['Criterion', 'What must be kept in every flight, such as a smallest separation. The margin is the value less the criterion.'],
   [
     'Finding',
-    'One distinct worst case: a valley of its own among the parameters, polished, and validated. Two are one where they lie close together or no hill stands between them.',
+    'One distinct worst case: a valley of its own among the parameters, polished, and validated. Two are one where they are close together or no barrier is between them.',
   ],
   [
     'P(violation)',
@@ -67,7 +70,7 @@ const TERMS: readonly [string, ReactNode][] = [
   ],
   ['Failed evaluation', 'A flight that leaves the model’s envelope or does not stay a number. It has no value, it is counted, and it bars Cleared.'],
   ['Excluded evaluation', 'A flight whose scenario cannot hold, such as one that begins inside the safety radius. Nothing can be shown of it.'],
-  ['Validation', 'The same flight at half the step, by another integrator, and a few hundred of its neighbours. Where a neighbour is lower, it takes the finding’s place.'],
+  ['Validation', 'The same flight at half the step, with the reference integrator (DOP853), and a few hundred of its neighbours. Where a neighbour is lower, it takes the finding’s place. Stored violations and random evaluations are simulated again as well.'],
 ]
 
 export function VerdictsPage() {
@@ -83,7 +86,8 @@ export function VerdictsPage() {
       lede={
         <>
           A run looks for the worst flight within the bounds of what is uncertain, and says what may be claimed. No
-          verdict rests on one <Link to="/help/methods">method</Link>, or on a bound alone.
+          verdict rests on one <Link to="/help/methods">method</Link>, or on a bound alone.{' '}
+          <Link to="/help/evidence">What a verdict rests on and how it was attacked</Link>
         </>
       }
       contents={contents}

@@ -5,7 +5,7 @@ import { Link } from '@tanstack/react-router'
 export const idOfComponent = (role: string, name: string): string => `${role}-${name}`
 
 interface HelpLinkProps {
-  to: '/help' | '/help/methods' | '/help/components'
+  to: '/help' | '/help/evidence' | '/help/methods' | '/help/components'
   /** What of the page. */
   at?: string
   children: string

@@ -1,7 +1,8 @@
 // What came of a run: icon, word, sentence and scope, and the checks the verdict rests on. A failure is no verdict.
-import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
-import { summaryOf } from '../api/results'
+import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-react'
+import { type Check, summaryOf } from '../api/results'
 import type { RunDetail } from '../client'
+import { withoutValue } from '../format/counts'
 import { count } from '../format/numbers'
 import { HelpLink } from '../help/links'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
@@ -24,6 +25,7 @@ export function Banner({ data }: { data: RunData }) {
           <HelpLink to="/help" at={outcome}>
             What this means
           </HelpLink>
+          <HelpLink to="/help/evidence">What a verdict rests on</HelpLink>
         </span>
         <p>
           <Said data={data} text={(run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''} />
@@ -36,14 +38,11 @@ export function Banner({ data }: { data: RunData }) {
         {run.verdict && checks && checks.length > 0 && (
           <ul className="checks" aria-label="Checks">
             {checks.map((check) => (
-              <li key={check.name}>
-                {check.ok ? (
-                  <IconCircleCheck className="i s ok-t" aria-label="holds" />
-                ) : (
-                  <IconCircleX className="i s bad-t" aria-label="does not hold" />
-                )}
+              <li key={check.name} data-check={check.name} data-standing={check.standing}>
+                <Standing check={check} />
                 <span>
-                  <span className="m">{check.name.charAt(0).toUpperCase() + check.name.slice(1)}</span>: <Said data={data} text={check.text} />
+                  <span className="m">{check.title}</span>:{' '}
+                  <Said data={data} text={check.but ? `${check.text}; ${check.but}` : check.text} />
                 </span>
               </li>
             ))}
@@ -54,6 +53,14 @@ export function Banner({ data }: { data: RunData }) {
   )
 }
 
+/** Green only where nothing is left open: evaluations that failed have no value to hold for. */
+export function Standing({ check }: { check: Check }) {
+  if (check.standing === 'holds') return <IconCircleCheck className="i s ok-t" aria-label="holds" />
+  if (check.standing === 'open')
+    return <IconHelpCircle className="i s unk-t" aria-label="holds for the evaluations that have a value" />
+  return <IconCircleX className="i s bad-t" aria-label="does not hold" />
+}
+
 const lower = (text: string): string => text.replace(/^scope:\s*/i, '')
 
 /** As a sentence, however it was stored. */
@@ -61,7 +68,7 @@ const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${tex
 
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled')
-    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations. What was flown is kept below; it says nothing about the avoidance system.`
+    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations, ${withoutValue(run)}. What was flown is kept below; it says nothing about the avoidance system.`
   const attempts = run.attempts > 1 ? ` It was tried ${run.attempts} times.` : ''
   return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This says nothing about the avoidance system.`
 }

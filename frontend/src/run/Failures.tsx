@@ -54,7 +54,7 @@ export function Failures({ data, className }: { data: RunData; className: string
             <th>Reason</th>
             {data.parameters.map((p) => (
               <NumHead key={p.path} unit={unitText(p.unit)} title={p.text}>
-                <Sign text={p.symbol} />
+                <Sign text={p.symbol} path={p.path} />
               </NumHead>
             ))}
             <th>

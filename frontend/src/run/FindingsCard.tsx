@@ -1,7 +1,7 @@
 // Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
 import type { MouseEvent } from 'react'
-import type { ValidateResult } from '../api/results'
+import type { ValidateResult, ValidationCase } from '../api/results'
 import type { FindingDetail } from '../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../format/numbers'
 import { unitText } from '../format/units'
@@ -17,6 +17,7 @@ import { closestOf } from './flown'
 import { ModePicture } from './ModePicture'
 import { Said } from './Said'
 import { useAddress } from './useAddress'
+import { validatedWord } from './validated'
 
 interface FindingsProps {
   data: RunData
@@ -65,7 +66,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
             ))}
             {parameters.map((p) => (
               <th key={p.path} className="place" title={`${p.text} [${unitText(p.unit)}]`}>
-                <Sign text={p.symbol} />
+                <Sign text={p.symbol} path={p.path} />
               </th>
             ))}
             <th>At bounds</th>
@@ -198,7 +199,7 @@ function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: U
   return at.map((p, i) => (
     <span key={p.path} className="nw">
       {i > 0 && ', '}
-      <Sign text={p.symbol} /> {finding.at_bounds[p.path]}
+      <Sign text={p.symbol} path={p.path} /> {finding.at_bounds[p.path]}
     </span>
   ))
 }
@@ -218,15 +219,16 @@ function FoundBy({ finding }: { finding: FindingDetail }) {
 }
 
 function Validated({ finding }: { finding: FindingDetail }) {
-  const { ok } = finding.validation
+  const validation = finding.validation as Partial<ValidationCase>
+  const { ok, realisation } = validation
   if (typeof ok !== 'boolean') return <span className="mut">{NONE}</span>
-  return ok ? (
-    <span className="row">
-      <IconCircleCheck className="i s ok-t" aria-hidden /> Validated
-    </span>
-  ) : (
-    <span className="row">
-      <IconHelpCircle className="i s unk-t" aria-hidden /> Not validated
+  const Icon = ok ? IconCircleCheck : IconHelpCircle
+  return (
+    <span className="rn">
+      <span className="row">
+        <Icon className={ok ? 'i s ok-t' : 'i s unk-t'} aria-hidden /> {validatedWord(validation)}
+      </span>
+      {typeof realisation === 'number' && <small>noise seed {realisation}</small>}
     </span>
   )
 }
@@ -245,9 +247,9 @@ function Told({ told, kept }: { told: NonNullable<ValidateResult['findings']>; k
   return (
     <>
       {told.complete ? '' : `${told.text.charAt(0).toUpperCase()}${told.text.slice(1)}. `}
-      {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they lie
-      within {percent(told.distance)} of every range, or no hill above {percent(told.barrier)} of nominal minus worst
-      stands between them.
+      {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they are
+      within {percent(told.distance)} of every range, or no barrier above {percent(told.barrier)} of nominal minus worst
+      is between them.
       {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal flight, and left out.`}
       {kept >= told.at_most && ` At most ${told.at_most} are kept: there may be more.`}
     </>

@@ -9,6 +9,7 @@ import { Components } from './Components'
 import { Convergence } from './Convergence'
 import { calledOf, NOMINAL } from './chosen'
 import { bestOf, type RunData, stageOf } from './data'
+import { EncounterCard } from './EncounterCard'
 import { Failures } from './Failures'
 import { FindingsCard } from './FindingsCard'
 import { FiveFigures } from './FiveFigures'
@@ -51,6 +52,7 @@ export function Finished({ data }: { data: RunData }) {
   const minima = searches.filter((search) => search.minima.length > 0)
   const published = run.verdict ? (data.campaign.published?.length ?? 0) : 0
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
+  const encounter = validation?.encounter
   const failures = data.evaluations?.failures ?? []
   const space = data.parameters.length > 0 && data.evaluations?.stages.some((stage) => stage.index.length > 0)
   const searched = run.stages.some((stage) => stage.kind === 'search' && stage.evaluations > 0)
@@ -78,7 +80,8 @@ export function Finished({ data }: { data: RunData }) {
     ...(front ? [{ id: 'front', name: 'Front' }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
-    ...(failures.length ? [{ id: 'failures', name: 'Failed evaluations', count: failures.length }] : []),
+    ...(encounter ? [{ id: 'encounter', name: 'Encounter' }] : []),
+    ...(failures.length ? [{ id: 'failures', name: 'Without a value', count: run.failed_evaluations + run.excluded_evaluations }] : []),
     { id: 'provenance', name: 'Provenance' },
     { id: 'signoff', name: 'Sign-off' },
     { id: 'notes', name: 'Notes' },
@@ -143,9 +146,15 @@ export function Finished({ data }: { data: RunData }) {
               card: <SampleCard key="sample" data={data} sample={sample} grid={certified?.grid} className="" />,
             },
             validation && {
-              height: 150 + 110 * validation.cases.length,
+              height: (validation.violations ? 300 : 150) + 110 * validation.cases.length,
               card: <ValidationCard key="validation" data={data} result={validation} className="" />,
             },
+            encounter
+              ? {
+                  height: 210 + 24 * encounter.closest.length,
+                  card: <EncounterCard key="encounter" data={data} encounter={encounter} className="" />,
+                }
+              : null,
             ...(many ? [] : minima).map((search) => ({
               height: 110 + 38 * rowsOf(search),
               card: <Minima key={search.method} data={data} search={search} className="" />,

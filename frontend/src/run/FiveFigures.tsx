@@ -1,5 +1,6 @@
 // The five figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
 import { summaryOf } from '../api/results'
+import { lostOf, unknownOf, withoutValue } from '../format/counts'
 import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../format/numbers'
 import { numberOf } from '../launch/parameters'
 import { Stat } from '../ui/Card'
@@ -41,7 +42,12 @@ export function FiveFigures({ data }: { data: RunData }) {
           unit={run.unit}
           bad={run.margin !== null && run.margin <= 0}
           testId="margin"
-          note={`${share === null ? '' : `${signed(share * 100, Math.abs(share) < 1 ? 1 : 0)} % of `}${plain(run.threshold)} ${run.unit}`}
+          note={
+            <>
+              {`${share === null ? '' : `${signed(share * 100, Math.abs(share) < 1 ? 1 : 0)} % of `}${plain(run.threshold)} ${run.unit}`}
+              {unknownOf(run) && <span className="unk-t">; {unknownOf(run)}</span>}
+            </>
+          }
         />
         <Stat
           name={
@@ -59,14 +65,14 @@ export function FiveFigures({ data }: { data: RunData }) {
           unit={statistics ? '%' : undefined}
           note={
             statistics
-              ? `${count(statistics.violations)} of ${count(statistics.samples)} samples${target === null ? '' : `; target ${percent(target)}`}`
+              ? `${count(statistics.violations)} of ${count(statistics.samples)} samples${lostOf(statistics)}${target === null ? '' : `; target ${percent(target)}`}`
               : 'no random sample in this campaign'
           }
         />
         <Stat
           name="Evaluations"
           value={count(run.evaluations)}
-          note={`${count(run.failed_evaluations)} failed, ${duration(compute)} compute`}
+          note={`${withoutValue(run)}, ${duration(compute)} compute`}
         />
       </div>
     </div>

@@ -8,6 +8,7 @@ import { useNear } from '../ui/useNear'
 import { calledOf, NOMINAL } from './chosen'
 import type { RunData } from './data'
 import { FlightHead } from './FlightHead'
+import { noiseOf } from './flown'
 import { FlightNotice } from './FlightNotice'
 import { PlayBar } from './PlayBar'
 import { useInstant } from './useInstant'
@@ -41,7 +42,7 @@ export function Flight({ data, view, className }: FlightProps) {
   return (
     <Card
       title="Flight"
-      note={<span title="Drag to turn, wheel to zoom. Vehicles not to scale">{flights(data.chosen)}</span>}
+      note={<span title="Drag to turn, wheel to zoom. Vehicles not to scale">{flights(data)}</span>}
       className={className}
       id="flight"
       flush
@@ -92,5 +93,10 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
   return () => card.removeEventListener('keydown', pressed)
 }
 
-const flights = (chosen: string): string =>
-  chosen === NOMINAL ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
+/** Which flights are shown, and with which noise the chosen one was simulated. */
+function flights({ chosen, nominalTrace, findingTrace }: RunData): string {
+  const noise = noiseOf(chosen === NOMINAL ? nominalTrace : findingTrace)
+  const which =
+    chosen === NOMINAL ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
+  return noise ? `${which}, ${noise}` : which
+}

@@ -144,7 +144,7 @@ function Points({ data, criteria, points }: PointsProps) {
             ))}
             {data.parameters.map((p) => (
               <NumHead key={p.path} unit={unitText(p.unit)}>
-                <Sign text={p.symbol} />
+                <Sign text={p.symbol} path={p.path} />
               </NumHead>
             ))}
             <th className="num">Evaluation</th>

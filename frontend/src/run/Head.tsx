@@ -9,6 +9,7 @@ import { putRun, useStreamStatus } from '../api/events'
 import { isLive } from '../api/queries'
 import type { RunDetail } from '../client'
 import { ExportMenu } from '../exports/ExportMenu'
+import { withoutValue } from '../format/counts'
 import { count } from '../format/numbers'
 import { dayAndClock, moment } from '../format/time'
 import { Tags } from '../ui/Card'
@@ -34,6 +35,11 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           <span className="small mut nw" title={moment(run.created)}>
             {dayAndClock(run.created)}, {run.owner}
           </span>
+          {run.evaluations > 0 && (
+            <span className="small mut nw" data-testid="counts">
+              {count(run.evaluations)} evaluations, {withoutValue(run)}
+            </span>
+          )}
           {run.continues && (
             <span className="small nw">
               Goes on with{' '}

@@ -75,7 +75,7 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
             {parameters.map((parameter) => (
               <tr key={parameter.path} title={parameter.text}>
                 <td>
-                  <Sign text={parameter.symbol} />
+                  <Sign text={parameter.symbol} path={parameter.path} />
                 </td>
                 {columns.map((column) => (
                   <td key={column.name} className="num">

@@ -1,5 +1,6 @@
 // A run that works: figures, stages, convergence, best so far, methods, improvements.
 import type { RunDetail } from '../client'
+import { unknownOf, withoutValue } from '../format/counts'
 import { count, decimalsApart, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
 import { Card, Stat } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
@@ -96,12 +97,17 @@ function Figures({ data }: { data: RunData }) {
           value={signed(margin, decimals)}
           unit={margin === null ? undefined : run.unit}
           bad={margin !== null && margin <= 0}
-          note={`criterion ${plain(run.threshold)} ${run.unit}${run.nominal_cost === null ? '' : `, nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}`}
+          note={
+            <>
+              {`criterion ${plain(run.threshold)} ${run.unit}${run.nominal_cost === null ? '' : `, nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}`}
+              {unknownOf(run) && <span className="unk-t">; {unknownOf(run)}</span>}
+            </>
+          }
         />
         <Stat
           name="Evaluations"
           value={count(run.evaluations)}
-          note={`of at most ${count(run.planned)}, ${count(run.failed_evaluations)} failed`}
+          note={`of at most ${count(run.planned)}, ${withoutValue(run)}`}
         />
         <Stat
           name="Evaluations per second"

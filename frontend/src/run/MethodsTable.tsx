@@ -17,6 +17,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const best = Math.min(...bests.filter((value): value is number => value !== null))
   const over = searches.every(({ stage }) => stage.state === 'done')
   const failed = !over || searches.some(({ stage }) => stage.failed > 0)
+  const excluded = searches.some(({ stage }) => stage.excluded > 0)
   const compared = resultOf(stageOf(data, 'validate'), 'validate')?.comparison
   return (
     <Card
@@ -42,9 +43,11 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <>
                 <NumHead unit="at evaluation">Within 1 %</NumHead>
                 <NumHead unit={`of ${data.findings.length}`}>Findings</NumHead>
+                <th title="The finding whose basin holds the method's best evaluation">Best is in</th>
               </>
             )}
             {failed && <th className="num">Failed</th>}
+            {excluded && <th className="num">Excluded</th>}
             <th className="num">Time</th>
           </tr>
         </thead>
@@ -74,6 +77,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
               {compared && <Reached row={compared.find((c) => c.position === stage.position)} />}
               {failed && <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>}
+              {excluded && <td className={stage.excluded > 0 ? 'num b' : 'num sec'}>{count(stage.excluded)}</td>}
               <td className="num sec">{stage.state === 'waiting' ? NONE : duration(stage.seconds)}</td>
             </tr>
           ))}
@@ -91,6 +95,7 @@ function Reached({ row }: { row: Compared | undefined }) {
       <td className="num sec" title={row?.findings.join(', ')}>
         {count(row?.findings.length)}
       </td>
+      <td className={row?.basin ? 'sec' : 'unk-t'}>{row?.basin === undefined ? NONE : (row.basin ?? 'no finding')}</td>
     </>
   )
 }

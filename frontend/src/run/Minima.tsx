@@ -65,7 +65,7 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
             <th className="num">{started ? 'Start' : 'No.'}</th>
             {parameters.map((p) => (
               <NumHead key={p.path} unit={unitText(p.unit)}>
-                <Sign text={p.symbol} />
+                <Sign text={p.symbol} path={p.path} />
               </NumHead>
             ))}
             <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>

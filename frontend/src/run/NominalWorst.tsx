@@ -7,7 +7,7 @@ import { CopyButton } from '../ui/files'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
 import { type RunData, type UncertainParameter, valuesOf } from './data'
-import { closestOf } from './flown'
+import { closestOf, noiseOf } from './flown'
 
 interface Worst {
   cost: number
@@ -66,6 +66,7 @@ export function NominalWorst({ data, className, title, note, column, worst, id }
           ))}
           <Told name="Speed at closest approach" unit="m/s" both={both} values={near.map((at) => at?.speed ?? null)} />
           <Told name="Time of closest approach" unit="s" both={both} values={near.map((at) => at?.time ?? null)} />
+          <Noise both={both} noises={[noiseOf(nominalTrace), noiseOf(both ? findingTrace : undefined)]} />
           {run.criteria.slice(1).map((criterion) => (
             <Told
               key={criterion.name}
@@ -94,6 +95,20 @@ export function NominalWorst({ data, className, title, note, column, worst, id }
         </tbody>
       </table>
     </Card>
+  )
+}
+
+/** With which noise the two were simulated; nothing where the scenario has none. */
+function Noise({ both, noises }: { both: boolean; noises: readonly string[] }) {
+  const [nominal, other] = noises.map((noise) => noise.replace('noise seed ', ''))
+  if (!nominal && !other) return null
+  return (
+    <tr>
+      <td className="sec">Noise seed</td>
+      <td className="num sec">{nominal || NONE}</td>
+      {both && <td className="num">{other || NONE}</td>}
+      <td />
+    </tr>
   )
 }
 
@@ -145,7 +160,7 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
       <td style={{ paddingRight: 4 }}>
         <span className="rn" title={path}>
           <span className="m">
-            <Sign text={symbol} /> <span className="mut small">{unitText(unit)}</span>
+            <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
           </span>
           <small className="two" title={text}>
             {text}

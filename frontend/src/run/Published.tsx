@@ -98,7 +98,7 @@ function where({ parameters }: RunData, row: PublishedValue) {
     <Fragment key={path}>
       {i > 0 && ', '}
       <span className="nw">
-        <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} /> = {value}
+        <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} path={path} /> = {value}
       </span>
     </Fragment>
   ))

@@ -5,6 +5,7 @@ import { useState } from 'react'
 import type { GridResult, Sample } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'
+import { lostOf } from '../format/counts'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { Seg } from '../ui/Card'
 import { SvgSign, symbolText } from '../ui/Sign'
@@ -36,7 +37,7 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
   return (
     <ChartCard
       title={sample.upper_bound === null ? 'Random sample' : 'Independent sample'}
-      note={`${count(sample.samples)} flights from the stated distributions`}
+      note={`${count(sample.samples)} flights from the stated distributions${lostOf(sample)}`}
       className={className}
       id="sample"
       run={run.id}

@@ -132,7 +132,7 @@ interface SmallProps {
 
 function Small({ data, curve, slices, called, parameter, yRange, criterion, hidden, height }: SmallProps) {
   const { run, finding } = data
-  const { symbol, unit, text, nominal, low, high } = parameter
+  const { path, symbol, unit, text, nominal, low, high } = parameter
   const [y0, y1] = yRange
   const cost = finding?.cost ?? null
   const spec = useMemo((): PlotSpec => {
@@ -158,13 +158,13 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
       ],
       xTitle: (
         <>
-          <Sign text={symbol} />
+          <Sign text={symbol} path={path} />
           {unit && `, ${unitText(unit)}`}
         </>
       ),
       yTitle: (
         <>
-          <Sign text={symbol} /> <span className="mut">{text}</span>
+          <Sign text={symbol} path={path} /> <span className="mut">{text}</span>
         </>
       ),
       xTicks: [low, nominal, high],
@@ -179,6 +179,7 @@ function Small({ data, curve, slices, called, parameter, yRange, criterion, hidd
     }
   }, [
     curve,
+    path,
     slices,
     called,
     cost,

@@ -10,7 +10,7 @@ import { decimalsFor, fixed, plain } from '../format/numbers'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { calledOf } from './chosen'
 import type { RunData } from './data'
-import { closestOf, curveOf, extentOf, firstOf, spanOf, TIME } from './flown'
+import { closestOf, curveOf, extentOf, firstOf, noiseOf, spanOf, TIME } from './flown'
 import { useAddress } from './useAddress'
 
 export interface Flown {
@@ -60,6 +60,7 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
     () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), { threshold, unit, measured }, shown, height),
     [nominalTrace, findingTrace, chosen, threshold, unit, measured, shown, height],
   )
+  const noises = flownOf(data).flatMap(({ label, trace }) => (noiseOf(trace) ? [`${label}: ${noiseOf(trace)}`] : []))
   const keys: Key[] = [
     ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),
     { key: 'criterion', label: 'Criterion', colour: '--c-crit', dashed: true, fixed: true },
@@ -72,7 +73,7 @@ export function SeparationCard({ data, className, height, onCross, standing }: S
   return (
     <ChartCard
       title="Separation over time"
-      note={`${ENDS[measured].note}The flight in 3D goes with the pointer`}
+      note={[...noises, `${ENDS[measured].note}The flight in 3D goes with the pointer`].join('. ')}
       className={className}
       id="separation"
       run={run.id}

@@ -3,6 +3,7 @@ import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoad
 import { asCampaign } from '../api/campaign'
 import { isLive } from '../api/queries'
 import type { RunDetail, StageProgress } from '../client'
+import { lossesOf } from '../format/counts'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { Progress } from '../ui/Card'
 import { methodLook } from '../ui/methods'
@@ -13,6 +14,8 @@ interface Step {
   name: string
   state: State
   figures: string
+  /** Evaluations without a value. */
+  losses: string
   text: string
   share: number
 }
@@ -33,7 +36,14 @@ export function StageStrip({ run }: { run: RunDetail }) {
           <div className="nm">
             <StepIcon state={step.state} cancelled={run.state === 'cancelled'} />
             {step.name}
-            <span className="micro mut">{step.figures}</span>
+            <span className="micro mut">
+              {step.figures}
+              {step.losses && (
+                <>
+                  , <span className="unk-t">{step.losses}</span>
+                </>
+              )}
+            </span>
           </div>
           <div className="dt" title={step.text}>
             {step.text}
@@ -74,6 +84,7 @@ function stepsOf(run: RunDetail): Step[] {
   steps.push({
     name: 'Verdict',
     state: verdict ? 'done' : 'todo',
+    losses: '',
     figures: verdict ? '' : isLive(run) ? 'waiting' : 'none',
     text: run.verdict ?? (isLive(run) ? 'cleared, violated or inconclusive' : 'no verdict'),
     share: verdict ? 1 : 0,
@@ -107,6 +118,7 @@ function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress
         : isLive(run)
           ? 'waiting'
           : 'not started',
+    losses: lossesOf(stages),
     text: textOf(run, kind, stages),
     share,
   }
@@ -131,7 +143,7 @@ function textOf(run: RunDetail, kind: StageProgress['kind'], stages: StageProgre
     return number > 1 ? `${title}, ${stages.indexOf(working) + 1} of ${methods}` : title
   }
   if (kind === 'certify') return 'independent sample'
-  if (kind === 'validate') return 'half step, other integrator'
+  if (kind === 'validate') return 'half step, reference integrator'
   return ''
 }
 

@@ -4,7 +4,7 @@ import type { SensitivityResult } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'
 import { decimalsFor, fixed, signed } from '../format/numbers'
-import { Sign, SvgSign } from '../ui/Sign'
+import { isPath, Sign, SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import type { RunData } from './data'
 
@@ -44,7 +44,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
         most && (
           <>
             {bars.length < result.curves.length && 'Parameters without a value at one of their bounds are left out. '}
-            <Sign text={most.symbol} /> moves it most:{' '}
+            <Sign text={most.symbol} path={most.path} /> moves it most:{' '}
             {signed(Math.min(most.low, most.high), decimalsFor([most.low, most.high], 2))} {run.unit} on its worse side.
           </>
         )
@@ -70,13 +70,16 @@ function barsOf({ run, parameters }: RunData, result: SensitivityResult): Bar[] 
 }
 
 const reach = (bar: Bar): number => Math.max(Math.abs(bar.low), Math.abs(bar.high))
-const [BAR, LEFT, SIDE] = [16, 46, 34]
+const [BAR, SIGN, SIDE] = [16, 46, 34]
+/** Room for the labels: symbols are short, paths are not. */
+const leftOf = (bars: Bar[]): number => Math.max(SIGN, ...bars.map((bar) => (isPath(bar.symbol) ? 12 + 6.4 * bar.symbol.length : 0)))
 
 function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; unit: string; row: number }) {
+  const left = leftOf(bars)
   const [holder, width] = useWidth(340)
   const most = Math.max(...bars.map(reach), 1e-12)
-  const plot = width - LEFT - 2 * SIDE
-  const x = (change: number) => LEFT + SIDE + plot / 2 + (change / most) * (plot / 2)
+  const plot = width - left - 2 * SIDE
+  const x = (change: number) => left + SIDE + plot / 2 + (change / most) * (plot / 2)
   const right = linearTicks(0, most, 2).filter((tick) => tick > 0)
   const ticks = [...right.map((tick) => -tick).reverse(), 0, ...right]
   const decimals = tickDecimals(ticks)
@@ -110,7 +113,7 @@ function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; un
           )
         })}
         <path className="a" d={`M${x(0)} 0V${bottom}`} style={{ stroke: 'var(--ink)' }} strokeWidth={1.5} />
-        <text x={LEFT + SIDE + plot / 2} y={bottom + 34} textAnchor="middle">
+        <text x={left + SIDE + plot / 2} y={bottom + 34} textAnchor="middle">
           Change of <SvgSign text={quantity || 'value'} />, {unit}
         </text>
       </svg>

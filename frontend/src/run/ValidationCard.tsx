@@ -1,11 +1,14 @@
-// Validation: the same flights by half the step, by another integrator, and next to the worst case.
+// Validation: nominal and findings at half the step and with the reference integrator, and what of all other evaluations
+// was simulated again. Start reading at `ValidationCard`.
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
-import type { ValidateResult, ValidationCase } from '../api/results'
+import type { SpotChecks, ValidateResult, ValidationCase } from '../api/results'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../format/numbers'
 import { Card, NumHead } from '../ui/Card'
+import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import type { RunData } from './data'
 import { Said } from './Said'
+import { validatedWord } from './validated'
 
 export function ValidationCard({
   data,
@@ -26,7 +29,7 @@ export function ValidationCard({
   return (
     <Card
       title="Validation"
-      note="The same flights by other means"
+      note="The same cases by other means"
       className={className}
       id="validation"
       flush
@@ -38,10 +41,14 @@ export function ValidationCard({
       }
       footer={
         <>
-          <Said data={data} text={sentence(result.text)} /> Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
+          <Said data={data} text={sentence(result.text)} />{' '}
+          {[result.violations, result.spot_checks].map(
+            (told, i) => told && <Said key={i} data={data} text={`${sentence(told.text)} `} />,
+          )}
+          Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
           {neighbours && (
             <>
-              {count(neighbours.flown)} neighbours of the worst case were flown
+              {count(neighbours.flown)} neighbours of the worst case were simulated
               {neighbours.failed > 0 && `, ${count(neighbours.failed)} of them failed`}:{' '}
               {neighbours.lower_by
                 ? `the lowest is ${plain(neighbours.lower_by, 3)} ${run.unit} lower and became the worst case.`
@@ -68,7 +75,43 @@ export function ValidationCard({
           ))}
         </tbody>
       </table>
+      {result.violations && result.spot_checks && (
+        <Again data={data} violations={result.violations} spots={result.spot_checks} />
+      )}
     </Card>
+  )
+}
+
+interface AgainProps {
+  data: RunData
+  violations: NonNullable<ValidateResult['violations']>
+  spots: SpotChecks
+}
+
+/** What was simulated again besides nominal and findings, in figures. */
+function Again({ data: { run, stages }, violations, spots }: AgainProps) {
+  const unit = run.unit
+  const apart = (value: number | null) => (value === null ? NONE : `${plain(value, 3)} ${unit}`)
+  const { at } = spots
+  const stage = at && stages.find((s) => s.position === at.position)
+  return (
+    <dl className="kv again" aria-label="Simulated again">
+      <dt>Stored violations</dt>
+      <dd data-testid="violations">
+        {count(violations.stored)} stored, {count(violations.checked)} checked, {count(violations.confirmed)} confirmed
+      </dd>
+      <dt>Random evaluations, reference integrator</dt>
+      <dd data-testid="spot-checks">
+        {count(spots.compared)} of {count(spots.checked)} compared
+        {spots.violating > 0 && <span className="bad-t">, {count(spots.violating)} violate there only</span>}
+      </dd>
+      <dt>Distance to the stored value</dt>
+      <dd title={at ? Object.entries(at.parameters).map(([path, v]) => `${path} = ${plain(v, 9)}`).join('\n') : undefined}>
+        median {apart(spots.median)}, largest {apart(spots.largest)}
+        {at && `, ${stage?.method ? methodLook(stage.method).title : (stage?.kind ?? 'stage')} evaluation ${count(at.index + 1)}`}
+        {at && typeof at.realisation === 'number' && `, noise seed ${at.realisation}`}
+      </dd>
+    </dl>
   )
 }
 
@@ -91,7 +134,13 @@ function Rows({ item, decimals, other }: { item: ValidationCase; decimals: numbe
     const over = typeof row.change === 'number' && item.allowed !== null && Math.abs(row.change) > item.allowed
     return (
       <tr key={row.key}>
-        <td className="m">{i === 0 ? name : ''}</td>
+        <td className="m">
+          {i === 0 && name}
+          {i === 1 && <span className={item.ok ? 'small sec' : 'small unk-t'}>{validatedWord(item)}</span>}
+          {i === 2 && typeof item.realisation === 'number' && (
+            <span className="small mut">noise seed {item.realisation}</span>
+          )}
+        </td>
         <td className="sec">{row.text}</td>
         <td className="num sec">{row.step === null ? 'adaptive' : plain(row.step * 1000)}</td>
         <td className="num">{fixed(row.cost, decimals)}</td>

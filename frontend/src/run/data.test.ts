@@ -22,7 +22,7 @@ const CATALOGUE = {
   ],
 } as unknown as Catalogue
 
-it('tells parameters of one symbol apart', () => {
+it('calls parameters of one symbol by their paths', () => {
   const part = { component: 'any' }
   const bounds = { low: 0, high: 2 }
   const paths = ['vehicle.m', 'vehicle.r', 'obstacles.0.r', 'obstacles.0.speed', 'obstacles.1.speed']
@@ -33,9 +33,9 @@ it('tells parameters of one symbol apart', () => {
   } as unknown as Campaign
   expect(uncertainOf(campaign, CATALOGUE).map(({ symbol, text }) => `${symbol}: ${text}`)).toEqual([
     'm: m',
-    'r: r, vehicle',
-    'r_1: r, obstacle 1',
-    'u_0,1: speed, obstacle 1',
-    'u_0,2: speed, obstacle 2',
+    'vehicle.r: r',
+    'obstacles.0.r: r',
+    'obstacles.0.speed: speed',
+    'obstacles.1.speed: speed',
   ])
 })

@@ -30,6 +30,7 @@ import { chosenOf, NOMINAL } from './chosen'
 
 export interface UncertainParameter {
   path: string
+  /** Its symbol where no other parameter of the campaign has it, else its path. */
   symbol: string
   unit: string
   text: string
@@ -138,29 +139,19 @@ function useFreshAtEnd(id: string, over: boolean): void {
 
 /** The uncertain parameters in the campaign's order, as a catalogue describes them. */
 export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
-  const known = new Map(catalogue ? parametersOf(campaign, catalogue).map((p) => [p.path, p]) : [])
-  const found = Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
+  const all = catalogue ? parametersOf(campaign, catalogue) : []
+  const known = new Map(all.map((p) => [p.path, p]))
+  const having = (symbol: string) => all.filter((p) => p.entry.symbol === symbol).length
+  return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
     const parameter = known.get(path)
     const nominal = numberOf(parameter?.nominal)
     const [low, high] = boundsOf(uncertain, nominal).map(numberOf)
     if (typeof low !== 'number' || typeof high !== 'number') return []
     const { symbol = path, unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
-    const { group = '' } = parameter ?? {}
-    return [{ path, symbol, unit, text, group, nominal: nominal ?? (low + high) / 2, low, high }]
+    // A number must be traceable to one parameter: two obstacles have the same symbols.
+    const label = having(symbol) > 1 ? path : symbol
+    return [{ path, symbol: label, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
   })
-  return distinct(found)
-}
-
-/** Tells parameters of one symbol apart: the speeds of two obstacles get their numbers, and say whose they are. */
-function distinct(found: (UncertainParameter & { group: string })[]): UncertainParameter[] {
-  const twice = (symbol: string, among: { symbol: string }[]) => among.filter((p) => p.symbol === symbol).length > 1
-  const numbered = found.map(({ group, ...p }) => {
-    if (!twice(p.symbol, found)) return p
-    const number = /^[a-z]+\.(\d+)\./.exec(p.path)?.[1]
-    const index = number === undefined ? '' : `${p.symbol.includes('_') ? ',' : '_'}${Number(number) + 1}`
-    return { ...p, symbol: p.symbol + index, text: `${p.text}, ${group.toLowerCase()}` }
-  })
-  return numbered.map((p) => (twice(p.symbol, numbered) ? { ...p, symbol: p.path } : p))
 }
 
 export interface SearchStage {

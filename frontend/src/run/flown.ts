@@ -1,5 +1,6 @@
 // Stored flights as curves over time: which columns there are, which are shown, how much of the flight.
 // Start reading at `spanOf` and `shownColumns`.
+import type { Realisation } from '../api/results'
 import type { Curve } from '../charts/series'
 import type { TraceColumn, TraceData, TraceInfo } from '../client'
 import { fixed, NARROW } from '../format/numbers'
@@ -129,4 +130,11 @@ export function aboveOf(trace: TraceInfo): string | null {
   if (Math.abs(above) < 0.1 * Math.abs(closest.value) || above === 0) return null
   const decimals = Math.abs(above) < 10 ? 1 : 0
   return `${fixed(Math.abs(above), decimals)}${NARROW}m ${above > 0 ? 'above' : 'below'}`
+}
+
+/** Which noise realisation a stored flight shows; empty where the scenario has no noise. */
+export function noiseOf(trace: Pick<TraceInfo, 'meta'> | undefined): string {
+  const shown = trace?.meta.realisation as Realisation | undefined
+  if (!shown) return ''
+  return shown.seeds > 1 ? `noise seed ${shown.seed}, the lowest of ${shown.seeds}` : `noise seed ${shown.seed}`
 }

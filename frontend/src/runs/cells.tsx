@@ -1,7 +1,8 @@
 // The cells of the run list that are more than a number. Start reading at `RunName`.
-import { IconPinned } from '@tabler/icons-react'
+import { IconAlertTriangle, IconPinned } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { RunSummary } from '../client'
+import { unknownOf } from '../format/counts'
 import { decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { MarginBar } from '../ui/bars'
@@ -56,12 +57,17 @@ export function Margin({ run, context }: { run: RunSummary; context: CellContext
   const unit = context.units && run.unit ? ` ${run.unit}` : ''
   return (
     <span className="marg">
-      <span className={violated ? 'b bad-t' : 'm'}>
+      <span className={violated ? 'b bad-t' : 'm'} title={unknownOf(run) || undefined}>
+        {unknownOf(run) && (
+          <>
+            <IconAlertTriangle className="i s unk-t" aria-label={unknownOf(run)} />{' '}
+          </>
+        )}
         {signed(run.margin, decimalsFor([run.worst_cost, run.threshold]))}
         {unit}
       </span>
       {run.margin !== null && run.threshold ? (
-        <MarginBar margin={run.margin} threshold={run.threshold} />
+        <MarginBar margin={run.margin} threshold={run.threshold} open={run.failed_evaluations > 0} />
       ) : (
         <span style={{ width: 50 }} />
       )}

@@ -10,6 +10,7 @@ export const COLUMN_KEYS = [
   'bound',
   'evaluations',
   'failed',
+  'excluded',
   'course',
   'campaign',
   'tags',

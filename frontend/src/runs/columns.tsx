@@ -1,6 +1,7 @@
 // The columns of the run list: their names, widths, orders and cells. Start reading at `COLUMNS`.
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
+import { withoutValue } from '../format/counts'
 import { count, duration, NONE, percent } from '../format/numbers'
 import { MethodName } from '../ui/MethodMark'
 import { Sign } from '../ui/Sign'
@@ -140,7 +141,11 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     down: true,
     num: true,
     result: true,
-    cell: (run) => <span className="sec">{count(run.evaluations)}</span>,
+    cell: (run) => (
+      <span className="sec" title={withoutValue(run)}>
+        {count(run.evaluations)}
+      </span>
+    ),
   },
   {
     key: 'failed',
@@ -153,6 +158,16 @@ export const COLUMNS: readonly (Column & { key: ColumnKey })[] = [
     num: true,
     result: true,
     cell: (run) => <span className={run.failed_evaluations ? 'b' : 'sec'}>{count(run.failed_evaluations)}</span>,
+  },
+  {
+    key: 'excluded',
+    name: 'Excluded evaluations',
+    head: named('Excluded'),
+    under: named('evaluations'),
+    width: 84,
+    num: true,
+    result: true,
+    cell: (run) => <span className={run.excluded_evaluations ? 'b' : 'sec'}>{count(run.excluded_evaluations)}</span>,
   },
   {
     key: 'course',

@@ -173,7 +173,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
           >
             <span>
               <span className="sr">Clear range of </span>
-              <Sign text={axis.symbol} /> {fixed(from, decimals)} to {fixed(to, decimals)} {unitText(axis.unit)}
+              <Sign text={axis.symbol} path={axis.key} /> {fixed(from, decimals)} to {fixed(to, decimals)} {unitText(axis.unit)}
             </span>
             <IconX className="i" aria-hidden />
           </button>
@@ -228,7 +228,7 @@ function Reading({ space, at, lowest }: { space: Space; at: number | null; lowes
         return Number.isNaN(value) ? null : (
           <span key={axis.key} className="nw">
             {k > 0 && '; '}
-            <Sign text={axis.symbol} /> = {plain(value, 5)}
+            <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
             {axis.unit && ` ${unitText(axis.unit)}`}
           </span>
         )

@@ -18,9 +18,7 @@ export function Prose({ text, quantity, unit = '', parameters = [] }: ProseProps
   ]
   return pieces(text, terms, ['s', unit, ...parameters.map((parameter) => parameter.unit)]).map((piece, i) =>
     'symbol' in piece ? (
-      <span key={i} title={piece.written === piece.symbol ? undefined : piece.written}>
-        <Sign text={piece.symbol} />
-      </span>
+      <Sign key={i} text={piece.symbol} path={piece.written === piece.symbol ? undefined : piece.written} />
     ) : (
       <span key={i}>{piece.text}</span>
     ),

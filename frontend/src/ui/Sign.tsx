@@ -1,4 +1,6 @@
 // A symbol of the field set as in print: italic letter, upright subscript, so that "K_p1" reads K with index p1.
+import { Fragment } from 'react'
+
 const GREEK: Record<string, string> = {
   alpha: 'α',
   beta: 'β',
@@ -24,6 +26,9 @@ const GREEK: Record<string, string> = {
 
 const greek = (text: string): string => text.replace(/[a-z]+/g, (word) => GREEK[word] ?? word)
 
+/** Whether a label is the path of a parameter, which is shown as it is written; no symbol has a dot. */
+export const isPath = (text: string): boolean => text.includes('.')
+
 /** Base and index of a symbol's text. */
 export function split(text: string): [string, string] {
   const at = text.indexOf('_')
@@ -32,20 +37,41 @@ export function split(text: string): [string, string] {
 }
 
 /** The symbol as plain text, for canvases, labels and files. */
-export const symbolText = (text: string): string => split(text).filter(Boolean).join('_')
+export const symbolText = (text: string): string => (isPath(text) ? text : split(text).filter(Boolean).join('_'))
 
-export function Sign({ text }: { text: string }) {
+/** `path` is that of the parameter, told on hover. */
+export function Sign({ text, path }: { text: string; path?: string }) {
+  if (isPath(text)) return <Path text={text} />
   const [base, index] = split(text)
   return (
-    <span className="nw">
+    <span className="nw" title={path}>
       <i className="v">{base}</i>
       {index && <sub>{index}</sub>}
     </span>
   )
 }
 
+/** A path with places to break behind its dots. */
+function Path({ text }: { text: string }) {
+  return (
+    <span className="path" title={text}>
+      {text.split('.').map((name, i) => (
+        <Fragment key={i}>
+          {i > 0 && (
+            <>
+              .<wbr />
+            </>
+          )}
+          {name}
+        </Fragment>
+      ))}
+    </span>
+  )
+}
+
 /** The same inside an SVG text. */
 export function SvgSign({ text }: { text: string }) {
+  if (isPath(text)) return <tspan>{text}</tspan>
   const [base, index] = split(text)
   return (
     <>

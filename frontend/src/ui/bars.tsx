@@ -20,8 +20,15 @@ export function WithinBounds({ low, high, nominal, value, width = 104 }: WithinP
   )
 }
 
+interface MarginProps {
+  margin: number
+  threshold: number
+  /** Evaluations failed, so that the margin is that of the others: it is not drawn as kept. */
+  open?: boolean
+}
+
 /** A margin as a share of the criterion, to the right where it is kept, to the left where it is not; spans 30 %. */
-export function MarginBar({ margin, threshold }: { margin: number; threshold: number }) {
+export function MarginBar({ margin, threshold, open }: MarginProps) {
   const share = Math.max(-1, Math.min(1, margin / (0.3 * Math.abs(threshold) || 1)))
   const length = Math.max(1.5, Math.abs(share) * 24)
   return (
@@ -32,7 +39,7 @@ export function MarginBar({ margin, threshold }: { margin: number; threshold: nu
         y={2.5}
         width={length}
         height={7}
-        fill={share < 0 ? 'var(--bad-solid)' : 'var(--ok-solid)'}
+        fill={share < 0 ? 'var(--bad-solid)' : open ? 'var(--unk-solid)' : 'var(--ok-solid)'}
       />
     </svg>
   )

@@ -7,7 +7,10 @@ import { isMapping } from './words'
 /** The campaign that a text nearly is, with the defaults of the schema; null where the form could not show it. */
 export function formOf(text: string, schema: unknown): Campaign | null {
   const tree = parsed(text)
-  const found: unknown = tree && filled(plain(tree), schema as Rule, (schema as Rule).$defs ?? {})
+  const typed = tree && plain(tree)
+  const found: unknown = typed && filled(typed, schema as Rule, (schema as Rule).$defs ?? {})
+  // No document has it unless something is stated in it.
+  if (isMapping(typed) && isMapping(found) && !('encounter' in typed)) delete (found as Record<string, Json>).encounter
   return isForm(found) ? found : null
 }
 

@@ -1,0 +1,103 @@
+"""The limits that a campaign sets to the evidence: horizon, exclusions, noise, what the distance is measured to.
+
+Start reading at `conditions`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from backend.reports import words
+from backend.reports.charts import sample
+from backend.reports.held import Held
+from campaigns.check import SEED, parts
+
+_ENDS = {
+    "": "",
+    "centre": "Distances end at the obstacles’ centres: the threshold must contain their size.",
+    "surface": "Distances end at the obstacles’ surfaces.",
+}
+"""By what a criterion measures to."""
+
+
+def conditions(held: Held) -> list[str]:
+    """What the evidence holds under, as sentences."""
+    return [text for text in (_measured(held), _horizon(held), _excluded(held), _failed(held), *_noise(held)) if text]
+
+
+def _measured(held: Held) -> str:
+    """The criterion in its own words: they say what the distance is measured to."""
+    asked = held.campaign.criterion
+    entry = held.catalogue.component("criterion", asked.component) if held.catalogue else None
+    if entry is None:
+        return (
+            f"Criterion {asked.component}: its description is not known here, nor whether a distance is measured to "
+            "the obstacles’ centres or to their surfaces."
+        )
+    first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
+    text = f"What the criterion measures ({entry.title}): {first or 'it has no description'}."
+    ends = _ENDS[held.run.criteria[0].measured_to] if held.run.criteria else ""
+    return f"{text} {ends}".strip()
+
+
+def _horizon(held: Held) -> str:
+    horizon = words.plain(held.campaign.scenario.horizon)
+    return f"Every simulation ends at the horizon of {horizon} s. What would happen later is not covered."
+
+
+def _excluded(held: Held) -> str:
+    run = held.run
+    if not run.excluded_evaluations:
+        return ""
+    drawn = sample(held).get("excluded") or 0
+    draws = f", {words.count(drawn)} of them draws of the sample" if drawn else ""
+    verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
+    return (
+        f"{words.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. "
+        "Nothing is claimed of such starts, and a probability holds for the other starts only."
+    )
+
+
+def _failed(held: Held) -> str:
+    failed = held.run.failed_evaluations
+    if not failed:
+        return ""
+    verb = "evaluation" if failed == 1 else "evaluations"
+    return (
+        f"{words.count(failed)} {verb} failed: how those flights would have ended is not known. Worst value and margin "
+        "are those of the evaluations that have a value."
+    )
+
+
+def _noise(held: Held) -> list[str]:
+    asked = held.campaign.scenario.realisations
+    if not _random(held):
+        return []
+    seeds = ", ".join(str(seed) for seed in asked.seeds)
+    if len(asked.seeds) == 1:
+        searched = f"Searches simulated one noise realisation, that of seed {seeds}. Another realisation may be worse."
+    else:
+        searched = (
+            f"Searches simulated the noise realisations of the seeds {seeds}, and the {asked.combine} of them counts. "
+            "Another realisation may be worse."
+        )
+    told: dict[str, Any] = sample(held)
+    if told.get("noise") == "drawn":
+        drawn = "The sample drew a noise realisation of its own with every flight."
+    elif told:
+        drawn = "The sample simulated the same realisations: its statement holds for those and no other."
+    else:
+        drawn = ""
+    return [f"{searched} {drawn}".strip()]
+
+
+def _random(held: Held) -> bool:
+    """Whether a component of the scenario takes a seed."""
+    if held.catalogue is None:
+        return bool(held.campaign.scenario.faults)
+    entries = [
+        held.catalogue.component(role, part.component)
+        for _, _, role, part in parts(held.campaign)
+        if role in ("environment", "fault")
+    ]
+    return any(parameter.name == SEED for entry in entries if entry for parameter in entry.parameters)

@@ -1,0 +1,154 @@
+// What a verdict rests on, how it was attacked, what a campaign may state, and the limits that remain.
+import { Link } from '@tanstack/react-router'
+import { useTitle } from '../app/useTitle'
+import { count, percent, plain } from '../format/numbers'
+import { ATTACKS } from './attacks'
+import { HelpFrame } from './HelpFrame'
+import { missed, SAMPLES, SLITS } from './missed'
+
+const INTENDED: readonly [string, string][] = [
+  ['closest_approach', 'The closest approach may be at the start or at the end of the horizon.'],
+  ['motion', 'The vehicle need not move.'],
+  ['avoidance', 'The avoidance need not make a difference to the nominal case.'],
+  ['influence', 'No uncertain parameter need change the criterion.'],
+]
+
+const CAPS: readonly [string, string][] = [
+  ['agreement', 'At most 0.2 of nominal minus worst counts as agreement, whatever the campaign asks for. Default 0.05.'],
+  ['confidence', 'At least 0.9; a campaign with less is refused. Default 0.95.'],
+  ['target_probability', 'Without a target, the bound on P(violation) from a sample must be at most 5 %.'],
+  ['Excluded', 'At most 10 % of the draws of the sample, and of all evaluations.'],
+  ['Least budget', '25 evaluations for each uncertain parameter for a global method, 3 for a local one.'],
+]
+
+const EXAMPLE = `encounter:
+  intended:
+    avoidance: The baseline run; the same scenario with the avoider is R-0007.`
+
+export function EvidencePage() {
+  useTitle('What a verdict rests on')
+  const contents = [
+    { title: 'Attacks', entries: ATTACKS.map(({ id, title }) => ({ id, name: title })) },
+    {
+      title: 'Rules and limits',
+      entries: [
+        { id: 'intended', name: 'What a campaign may state' },
+        { id: 'caps', name: 'What a campaign cannot relax' },
+        { id: 'limits', name: 'Known limits' },
+      ],
+    },
+  ]
+  return (
+    <HelpFrame
+      title="What a verdict rests on and how it was attacked"
+      lede={
+        <>
+          A <Link to="/help">verdict</Link> is only as good as the attempts to make it claim too much. These are the
+          classes of attack that the checks were tried against, and what was done about each.
+        </>
+      }
+      contents={contents}
+    >
+      {ATTACKS.map(({ id, title, danger, answer }) => (
+        <section key={id} className="card" id={id}>
+          <div className="bd md">
+            <h2>{title}</h2>
+            <p className="sec">{danger}</p>
+            <p>{answer}</p>
+          </div>
+        </section>
+      ))}
+      <Intended />
+      <Caps />
+      <Limits />
+    </HelpFrame>
+  )
+}
+
+function Intended() {
+  return (
+    <section className="card" id="intended">
+      <div className="bd md">
+        <h2>What a campaign may state</h2>
+        <p>
+          Some campaigns are meant to have no encounter: a baseline without avoidance, a parameter that should not matter.
+          The author states it in the campaign as <code>encounter.intended</code>, with the reason. The check then holds,
+          and the verdict repeats the reason.
+        </p>
+        <pre>{EXAMPLE}</pre>
+        <dl className="terms">
+          {INTENDED.map(([name, text]) => (
+            <div key={name}>
+              <dt className="mono">{name}</dt>
+              <dd>{text}</dd>
+            </div>
+          ))}
+        </dl>
+      </div>
+    </section>
+  )
+}
+
+function Caps() {
+  return (
+    <section className="card" id="caps">
+      <div className="bd md">
+        <h2>What a campaign cannot relax</h2>
+        <dl className="terms">
+          {CAPS.map(([name, text]) => (
+            <div key={name}>
+              <dt className={name.includes(' ') || name === 'Excluded' ? undefined : 'mono'}>{name}</dt>
+              <dd>{text}</dd>
+            </div>
+          ))}
+        </dl>
+      </div>
+    </section>
+  )
+}
+
+function Limits() {
+  return (
+    <section className="card" id="limits">
+      <div className="bd md">
+        <h2>Known limits</h2>
+        <p>
+          <b>A narrow slit.</b> Violations in a set of probability p are missed by all of n independent samples with
+          probability (1 − p)<sup>n</sup>. A search can miss such a set, too: nothing around it points to it.
+        </p>
+        <table className="tight" aria-label="Probability that a sample misses a set of violations">
+          <thead>
+            <tr>
+              <th>Probability p of the set</th>
+              {SAMPLES.map((n) => (
+                <th key={n} className="num">
+                  n = {count(n)}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {SLITS.map((p) => (
+              <tr key={p}>
+                <td className="tn">{plain(p)}</td>
+                {SAMPLES.map((n) => (
+                  <td key={n} className="num">
+                    {percent(missed(p, n))}
+                  </td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+        <p>
+          <b>The model.</b> Every statement is about the model: its components, its bounds, its distributions, its
+          horizon. It does not compare the model with the vehicle.
+        </p>
+        <p>
+          <b>Failed evaluations.</b> How they would have ended is not known. They bar Cleared, and every place that shows
+          a worst value or a margin says how many there are.
+        </p>
+      </div>
+    </section>
+  )
+}

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from campaigns import check
 from campaigns.load import CampaignError, load_document
 from tests.adversary.classes import CLASSES, Attack
+from tests.audited import audited
+from worker.catalog import catalogue
 from worker.problem import CampaignUnusable, Problem
 from worker.runner import execute
 from worker.search.base import OK
@@ -34,10 +37,13 @@ def attack(given: Attack) -> Outcome:
     store = MemoryStore()
     try:
         asked = load_document(given.document)
+        if problems := check(asked, catalogue()):
+            raise CampaignUnusable(problems)
         conclusion = execute(asked, store, threads=1)
     except (CampaignError, CampaignUnusable) as refused:
         wrong = "" if "refused" in given.may else "it was refused"
         return Outcome(given, "refused", str(refused), wrong)
+    audited(store, asked)
     threshold = Problem(asked).threshold
     columns = [store.evaluations(at) for at in range(len(store.stages))]
     costs = np.concatenate([c.costs[c.status == OK, 0] for c in columns if c is not None])

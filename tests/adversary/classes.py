@@ -48,7 +48,13 @@ def campaign(name: str, random: np.random.Generator, may: frozenset[str], **chan
         "certify": {"samples": 100},
         "validate": {"neighbours": 40},
     }
-    given = {"stages": stages, "uncertain": MASSES, "scenario__horizon": 8.0, "seed": int(random.integers(1, 2**31))}
+    given = {
+        "stages": stages,
+        "uncertain": MASSES,
+        "criterion__from_centre": True,
+        "scenario__horizon": 8.0,
+        "seed": int(random.integers(1, 2**31)),
+    }
     made = document(**given | changes)
     return Attack(name, made | {"name": name, "published": []}, may)
 
@@ -181,7 +187,7 @@ def mostly_excluded(random: np.random.Generator) -> Attack:
     }
     uncertain = {
         "vehicle.m": {"low": 4.0, "high": 6.0},
-        "obstacles.1.position.x": {"low": float(random.uniform(-0.2, 0.3)), "high": float(random.uniform(0.95, 1.1))},
+        "obstacles.1.position.x": {"low": float(random.uniform(-0.2, 0.3)), "high": float(random.uniform(1.0, 1.1))},
     }
     given: dict[str, Any] = {} if random.random() < 0.7 else {"stages__certify": None}
     return campaign(
@@ -211,7 +217,7 @@ def through_a_wall(random: np.random.Generator) -> Attack:
     }  # fmt: skip
     return campaign(
         "through a wall", random, NOT_CLEARED, scenario__obstacles=[wall], scenario__avoider=avoider(k_rep),
-        criterion__threshold=float(random.uniform(0.1, 2.0)),
+        criterion__threshold=float(random.uniform(0.1, 2.0)), criterion__from_centre=False,
     )  # fmt: skip
 
 

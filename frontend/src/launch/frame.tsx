@@ -1,4 +1,5 @@
 // What the drawings of the preview share: a frame with axes and grid, marks along a way, arrows. Start: `Axes2`.
+import { degrees } from './angles'
 import { linearTicks, tickDecimals } from '../charts/ticks'
 import { fixed } from '../format/numbers'
 import { at, type Step } from './ways'
@@ -119,8 +120,6 @@ export function Head({ way, pixels, colour }: { way: readonly Step[]; pixels: Pi
   const angle = Math.atan2(y - pixels.y(from), x - pixels.x(from))
   return <path d="M0 0L-8 3.6L-8 -3.6Z" fill={colour} transform={`translate(${x} ${y}) rotate(${degrees(angle)})`} />
 }
-
-export const degrees = (angle: number): number => (angle * 180) / Math.PI
 
 /** Round times within the horizon for the marks along ways. */
 export const timesOf = (horizon: number): number[] => (horizon > 0 ? linearTicks(0, horizon, 6).filter((t) => t > 0) : [])

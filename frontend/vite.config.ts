@@ -47,11 +47,12 @@ export default defineConfig({
     cssCodeSplit: false,
     rolldownOptions: {
       output: {
-        // Few files: a browser fetches six at a time. What several pages share comes in one, charts in another.
+        // Few files: a browser fetches six at a time. What several pages share comes in one, charts in another; charts
+        // need what is shared, so that nothing shared may need charts: ticks are numbers alone.
         codeSplitting: {
           includeDependenciesRecursively: false,
           groups: [
-            { name: 'charts', test: /node_modules.uplot|src.charts/, priority: 1 },
+            { name: 'charts', test: /node_modules.uplot|src.charts.(?!ticks)/, priority: 1 },
             { name: 'shared', test: SHARED, minShareCount: 2 },
           ],
         },

@@ -145,8 +145,8 @@ function Limits() {
           horizon. It does not compare the model with the vehicle.
         </p>
         <p>
-          <b>Failed evaluations.</b> How they would have ended is not known. They bar Cleared, and every place that shows
-          a worst value or a margin says how many there are.
+          <b>Failed evaluations.</b> How they would have ended is not known. They bar Cleared, and the run list, the
+          run page, the report and the command line say how many there are.
         </p>
       </div>
     </section>

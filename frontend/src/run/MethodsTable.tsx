@@ -18,6 +18,8 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const over = searches.every(({ stage }) => stage.state === 'done')
   const failed = !over || searches.some(({ stage }) => stage.failed > 0)
   const excluded = searches.some(({ stage }) => stage.excluded > 0)
+  // Room for what has no value: the margin follows from the best.
+  const whole = !(over && (failed || excluded))
   const compared = resultOf(stageOf(data, 'validate'), 'validate')?.comparison
   return (
     <Card
@@ -37,7 +39,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
             <th className="num">Evaluations</th>
             <NumHead unit={run.unit}>Best <Sign text={run.quantity || 'value'} /></NumHead>
             <NumHead unit={run.unit}>Above best</NumHead>
-            <NumHead unit={run.unit} className="hide-n">Margin</NumHead>
+            {whole && <NumHead unit={run.unit} className="hide-n">Margin</NumHead>}
             <NumHead unit="evaluation">Best at</NumHead>
             {compared && (
               <>
@@ -71,9 +73,11 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <td className="num sec">
                 {stage.best === null ? NONE : stage.best === best ? 'best' : signed(stage.best - best, decimals)}
               </td>
-              <td className="num sec hide-n">
-                {stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)}
-              </td>
+              {whole && (
+                <td className="num sec hide-n">
+                  {stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)}
+                </td>
+              )}
               <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
               {compared && <Reached row={compared.find((c) => c.position === stage.position)} />}
               {failed && <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>}

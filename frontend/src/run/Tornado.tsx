@@ -50,7 +50,11 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
         )
       }
     >
-      <Bars bars={bars} quantity={run.quantity} unit={run.unit} row={tall ? 52 : 36} />
+      {bars.length > 0 ? (
+        <Bars bars={bars} quantity={run.quantity} unit={run.unit} row={tall ? 52 : 36} />
+      ) : (
+        <p className="sec">No parameter has a value at both of its bounds.</p>
+      )}
     </ChartCard>
   )
 }

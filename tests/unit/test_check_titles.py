@@ -1,0 +1,48 @@
+"""Every check of a verdict has a title for people, and none is said to hold for evaluations that have no value."""
+
+from __future__ import annotations
+
+from campaigns.spec import Encounter
+from campaigns.symbols import labels
+from campaigns.verdicts import OF_VALUES, TITLES, described, validated
+from tests.unit.cases import case1
+from tests.unit.evidence import concluded, evidence
+from worker.verdicts.checks import checks
+
+
+def test_every_check_has_a_title() -> None:
+    names = {check.name for check in checks(case1(), evidence(excluded=1))} | {"noise", "target", "probability"}
+    assert names <= TITLES.keys()
+    intended = Encounter.model_json_schema()["properties"]["intended"]["propertyNames"]["enum"]
+    assert {name.replace("_", " ") for name in intended} <= TITLES.keys()
+
+
+def test_checks_of_values_are_open_where_evaluations_failed() -> None:
+    stored = concluded(failed=2).summary["checks"]
+    told = {check["name"]: check for check in described(stored, 2)}
+    for name in OF_VALUES:
+        assert told[name]["ok"]
+        assert told[name]["standing"] == "open"
+        assert told[name]["but"] == "2 evaluations failed and have no value"
+    assert told["evaluations"]["standing"] == "fails"
+    assert told["motion"]["standing"] == "holds"
+    assert {check["standing"] for check in described(concluded().summary["checks"], 0)} == {"holds"}
+
+
+def test_a_check_of_an_earlier_version_is_titled_by_its_name() -> None:
+    (told,) = described([{"name": "half step", "ok": True, "text": ""}], 0)
+    assert (told["title"], told["standing"], told["but"]) == ("Half step", "holds", "")
+
+
+def test_a_case_is_described_by_what_was_stored() -> None:
+    assert validated({"ok": True}) == "confirmed"
+    assert validated({}) == "not validated"
+    assert validated({"ok": True, "agrees": True, "violates": False}) == "integrations agree"
+    assert validated({"ok": True, "agrees": False, "violates": True}) == "violation confirmed, beyond tolerance"
+    assert validated({"ok": False, "agrees": False, "violates": False}) == "integrations disagree"
+
+
+def test_a_shared_symbol_is_never_shown() -> None:
+    known = {"vehicle.m": "m", "obstacles.0.x": "x", "obstacles.1.x": "x", "start.x": "x"}
+    assert labels(["vehicle.m", "obstacles.1.x"], known) == {"vehicle.m": "m", "obstacles.1.x": "obstacles.1.x"}
+    assert labels(["a.q", "b.q"], {}) == {"a.q": "a.q", "b.q": "b.q"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import httpx
@@ -82,3 +83,21 @@ def test_where_nothing_is_built_a_plain_page_says_what_to_do(client: httpx.Clien
     answer = client.get("/runs", headers=HTML)
     assert answer.status_code == 503
     assert "make install" in answer.text
+
+
+def test_no_built_file_needs_itself() -> None:
+    # Such a circle runs code before what it needs is there: every page stays blank.
+    assets = Path(__file__).parents[2] / "frontend" / "dist" / "assets"
+    needs = {
+        file.name: set(re.findall(r'(?:from|import)\s*"\./([^"]+\.js)"', file.read_text(encoding="utf-8")))
+        for file in assets.glob("*.js")
+    }
+    assert len(needs) > 10, "the pages are built before they are tested"
+
+    def reached(name: str, so_far: frozenset[str] = frozenset()) -> frozenset[str]:
+        for other in needs.get(name, set()) - so_far:
+            so_far = reached(other, so_far | {other})
+        return so_far
+
+    for name in needs:
+        assert name not in reached(name), f"{name} needs itself by way of {', '.join(sorted(reached(name)))}"

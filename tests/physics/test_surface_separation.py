@@ -13,12 +13,12 @@ from campaigns.load import load_document
 from tests.physics.scenes import cost, uncompiled
 from tests.physics.test_criteria import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.test_obstacles import OBSTACLES, _body, centre
-from worker import integrator
 from worker.catalog import catalogue, components
 from worker.kernels.assemble import Loop
 from worker.kernels.component import Obstacle, declared
 from worker.kernels.layout import Parts
 from worker.problem import Problem
+from worker.reference import Reference
 from worker.trace import trace
 
 EACH = pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda o: o.name)
@@ -141,7 +141,7 @@ def test_through_a_wall_is_no_clear_flight() -> None:
     assert cost(centres) > 4.0
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
     assert cost(surfaces) == pytest.approx(-0.1, abs=2e-3)
-    flight = integrator.fly(surfaces, surfaces.nominal)
+    flight = Reference(surfaces).fly(surfaces.nominal)
     assert flight.cost == pytest.approx(-0.1, abs=2e-3)
 
 

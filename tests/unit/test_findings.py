@@ -154,6 +154,7 @@ def test_a_budget_that_ends_at_once_leaves_the_lowest_evaluation_as_the_finding(
         made, found, _ = found_by(searching({"method": "direct", "evaluations": 100}), two_failures, budget)
         findings.settle(made, 2, found)
         assert found.basins[0].cost == lowest_stored(made)
+        assert len(found.basins) <= made.campaign.stages.findings.at_most
 
 
 def test_without_any_cost_there_is_no_finding() -> None:

@@ -88,13 +88,18 @@ def search(context: Context, position: int, found: Found) -> Search:
 
 
 def settle(context: Context, position: int, found: Found) -> bool:
-    """Make the lowest stored evaluation the worst case where the budget ended too early; whether that was needed."""
+    """Make the lowest stored evaluation the worst case where the budget ended too early; whether that was needed.
+
+    Of what was not yet distinguished then, as many as the campaign keeps are left, the lowest.
+    """
     lower = _lower(context, position, found, settled=True)
-    if lower is None:
-        return False
-    found.candidates.append(lower)
-    found.basins.insert(0, Basin(lower.point, lower.cost, [len(found.candidates) - 1]))
-    return True
+    if lower is not None:
+        found.candidates.append(lower)
+        found.basins.insert(0, Basin(lower.point, lower.cost, [len(found.candidates) - 1]))
+    at_most = context.campaign.stages.findings.at_most
+    found.left_out += max(0, len(found.basins) - at_most)
+    del found.basins[at_most:]
+    return lower is not None
 
 
 def _search(context: Context, position: int, found: Found) -> Search:

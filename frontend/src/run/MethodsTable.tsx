@@ -18,9 +18,9 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const over = searches.every(({ stage }) => stage.state === 'done')
   const failed = !over || searches.some(({ stage }) => stage.failed > 0)
   const excluded = searches.some(({ stage }) => stage.excluded > 0)
-  // Room for what has no value: the margin follows from the best.
-  const whole = !(over && (failed || excluded))
   const compared = resultOf(stageOf(data, 'validate'), 'validate')?.comparison
+  // Once the findings are known they need the room: the margin follows from the best.
+  const whole = !compared && !(over && (failed || excluded))
   return (
     <Card
       title="Methods"

@@ -79,7 +79,7 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
         text = f"the bound of {bound} on P(violation) is {'within' if ok else 'above'} the {goal} that is needed"
         help_ = f"; draw more samples than {count(sample['samples'])}, or state a target_probability"
         return [Check("probability", ok, text if ok else text + help_)]
-    if sample["noise"] == "stated":
+    if problem.realisations.random and sample["noise"] != "drawn":
         text = f"the bound of {bound} holds given stated noise realisations only; add a certify stage"
         return [Check("target", False, text)]
     ok = sample["upper_bound"] <= target

@@ -169,7 +169,9 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, ru
     expect(rows).to_have_count(len(found) + 1)
     for finding in found:
         row = page.locator(f"tr[data-finding={finding['label']}]")
-        expect(row).to_contain_text("alidated")
+        expect(row).to_contain_text(
+            "Integrations agree" if finding["validation"]["agrees"] else "Integrations disagree"
+        )
         if not finding["found"]:
             expect(row).to_contain_text("found by polishing only")
     expect(page.locator("tr[data-finding=F1]").get_by_role("button")).to_have_attribute("aria-pressed", "true")

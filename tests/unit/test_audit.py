@@ -213,8 +213,8 @@ CORRUPTIONS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
         lambda f: f.arrays["status_2"].clip(0, 0, f.arrays["status_2"]),
         "sound",
     ),
-    ("a wrong count in the summary", "cleared", edit("evidence/evaluations/succeeded", 9), "evaluations.succeeded"),
-    ("a wrong count of violations", "violated", edit("evidence/evaluations/violating", 0), "evaluations.violating"),
+    ("a wrong count in the summary", "cleared", edit("result/evaluations/succeeded", 9), "evaluations.succeeded"),
+    ("a wrong count of violations", "violated", edit("result/evaluations/violating", 0), "evaluations.violating"),
     ("a wrong count of a stage", "cleared", edit("result/stages/2/evaluations", 999), "stages.2.evaluations"),
     ("a wrong count in the sentence", "cleared", say(" evaluations, s", "0 evaluations, s"), "sentence.in all"),
     ("a wrong count of a method", "cleared", say("DIRECT (100)", "DIRECT (1000)"), "sentence.methods"),
@@ -318,7 +318,7 @@ def test_what_is_not_stored_is_not_auditable_and_never_agrees(tmp_path: Path) ->
     follows, sentence = closing(items)
     unknown = [i for i in items if i.agrees is None]
     assert follows, "the finding itself holds what its validation was"
-    assert {"results", "evaluations", "checks.motion"} <= {i.name for i in unknown}
+    assert {"results", "checks.motion"} <= {i.name for i in unknown}
     assert all(MISSING in (i.given, i.recomputed) for i in unknown)
     assert sentence.endswith(f"; {len(unknown)} of {len(items)} items could not be audited")
 

@@ -148,7 +148,7 @@ def test_a_failure_of_clearance_itself_is_4(
 
 
 KEYS = {
-    "verdict", "reason", "nominal", "worst", "stages", "comparison", "checks", "statistics", "findings",
+    "verdict", "reason", "nominal", "worst", "stages", "comparison", "checks", "statistics", "findings", "evaluations",
     "digest", "seed", "versions",
 }  # fmt: skip
 

@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaigns import extents
+from campaigns.check import parameters
 from worker.audit.recompute import FLOOR, Recomputed
 from worker.audit.record import MISSING, Record, UnreadableError, at
 
@@ -165,7 +167,7 @@ def _checks(run: Recomputed, given: Any, sample: Tree | None) -> Tree:
         "validation": every(spot, *(case["ok"] for case in cases)),
         "evaluations": run.total["failed"] == 0,
     }
-    return found | _encounter(run, at(given, "encounter")) | _probability(run, sample)
+    return found | _encounter(run, at(given, "encounter")) | _distances(run) | _probability(run, sample)
 
 
 def _agreement(run: Recomputed, stated: Sequence[Tree]) -> Any:
@@ -202,6 +204,16 @@ def _encounter(run: Recomputed, given: Any) -> Tree:
         found["avoidance"] = None not in (unseen, nominal) and nominal - unseen > least
     intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}
     return {name: True if name in intended else holds for name, holds in found.items()}
+
+
+def _distances(run: Recomputed) -> Tree:
+    """A distance to centres whose threshold is within an obstacle never clears, unless the author states it."""
+    criterion = run.campaign.criterion
+    entry = run.components.component("criterion", criterion.component) if run.components else None
+    if run.components is None or entry is None or entry.measured_to != "centre" or criterion.from_centre:
+        return {}
+    known = parameters(run.campaign, run.components)
+    return {"distances": False} if extents.within(run.campaign, run.components, known) else {}
 
 
 def _probability(run: Recomputed, sample: Tree | None) -> Tree:

@@ -46,9 +46,8 @@ def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore, conclus
 
 
 def evidence(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
-    """What stands behind the result: all counts, every stage's own result, what the components of the campaign mean."""
+    """What stands behind the result: every stage's own result, and what the components of the campaign mean."""
     return {
-        "evaluations": conclusion.summary["evaluations"],
         "results": [plain(stage.result) for stage in store.stages],
         "components": snapshot(campaign, catalogue()).model_dump(mode="json"),
     }

@@ -31,7 +31,7 @@ _MIGRATION_LOCK = 0x636C6561
 """The key of PostgreSQL's advisory lock that one migrating process holds."""
 
 
-def connect(url: str, busy_timeout: float = BUSY_TIMEOUT) -> sa.Engine:
+def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
     """An engine for `sqlite:///path` or `postgresql://...`; a missing folder of an SQLite file is made.
 
     busy_timeout: how long a writer waits for another one, on PostgreSQL where it is not the default [s]. Every
@@ -43,9 +43,9 @@ def connect(url: str, busy_timeout: float = BUSY_TIMEOUT) -> sa.Engine:
         raise ValueError("the database is given as sqlite:///FILE or postgresql://..., not as this text") from None
     backend = parsed.get_backend_name()
     if backend == "sqlite":
-        return _sqlite(parsed, busy_timeout)
+        return _sqlite(parsed, BUSY_TIMEOUT if busy_timeout is None else busy_timeout)
     if backend in ("postgresql", "postgres"):
-        limits = "" if busy_timeout == BUSY_TIMEOUT else f"-c lock_timeout={busy_timeout * 1000:.0f}"
+        limits = "" if busy_timeout is None else f"-c lock_timeout={busy_timeout * 1000:.0f}"
         return sa.create_engine(
             parsed.set(drivername="postgresql+psycopg"),
             pool_pre_ping=True,

@@ -1,4 +1,4 @@
-"""Every campaign of the library flies 200 random points at its step and at half of it.
+"""Every campaign of the library, most of them by night, flies 200 random points at its step and at half of it.
 
 Passes when none differs beyond the campaign's tolerance, or no more than its notes say ("Step adequacy: up to ...", see
 `worker.reproduce.steps`).
@@ -12,8 +12,13 @@ from campaigns import library, load_file
 from worker.problem import Problem
 from worker.reproduce.steps import adequacy, sentence
 
+PUBLISHED = ("unicycle_static", "pioneer_moving", "uav_static", "uav_moving", "uav_aca")
+"""The five cases, and what is theirs; the variations of them by night."""
 
-@pytest.mark.parametrize("name", library())
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in PUBLISHED else pytest.mark.nightly) for name in library()]
+)
 def test_half_the_step(name: str) -> None:
     problem = Problem(load_file(library()[name]))
     found = adequacy(name, problem)

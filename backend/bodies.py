@@ -11,7 +11,7 @@ from fastapi import Request
 
 from backend.errors import RefusedError
 from campaigns import Campaign, CampaignError, Problem, load_text
-from campaigns.reading import LONGEST_KEY, repeated
+from campaigns.asked.reading import LONGEST_KEY, repeated
 
 READERS = 2
 """So many campaigns are read at a time: the largest takes seconds, and threads share one interpreter."""

@@ -19,7 +19,7 @@ from starlette.exceptions import HTTPException
 
 from backend.schema import Schema
 from campaigns import Problem
-from campaigns.problem import LONGEST, MOST, shown
+from campaigns.asked.problem import LONGEST, MOST, shown
 
 MEDIA_TYPE = "application/problem+json"
 _URN = "urn:clearance:problem:"

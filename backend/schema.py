@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar
 from fastapi import Path
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
-from campaigns.reading import LONGEST_KEY, Place, field
+from campaigns.asked.reading import LONGEST_KEY, Place, field
 
 LARGEST_WHOLE = 2**63 - 1
 """What a database's largest whole number holds."""

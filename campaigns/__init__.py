@@ -4,10 +4,10 @@
 the other, `load` reads YAML or JSON. Start reading at `spec.Campaign`.
 """
 
+from campaigns.asked.check import check
+from campaigns.asked.load import CampaignError, Problem, library, load_file, load_text
+from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.check import check
-from campaigns.load import CampaignError, Problem, library, load_file, load_text
-from campaigns.spec import Campaign
 
 __all__ = [
     "Campaign",

@@ -1,6 +1,6 @@
 """The catalogue as data: which components and methods an installation has, with units, bounds and text.
 
-The worker publishes it to the database; the API, the launch form and `campaigns.check` read nothing else.
+The worker publishes it to the database; the API, the launch form and `campaigns.asked.check` read nothing else.
 Start reading at `Catalogue`.
 """
 

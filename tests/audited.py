@@ -10,14 +10,15 @@ import sqlalchemy as sa
 from backend.db.engine import read
 from backend.db.store import plain
 from campaigns import Campaign
-from campaigns.snapshot import snapshot
+from campaigns.asked.snapshot import snapshot
 from worker.audit.judge import Item, audit, closing
 from worker.audit.record import Columns, Record, of_database, of_folder
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 from worker.cli._results import evidence
 from worker.cli.run import summary
+from worker.runs.store import MemoryStore
 from worker.stages import offered
-from worker.store import Conclusion, MemoryStore
+from worker.stages.store import Conclusion
 
 
 def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> list[Item]:

@@ -1,1 +1,1 @@
-"""The physics and the search. Start reading at `worker.problem`."""
+"""The physics and the search. Start reading at `worker.systems.problem`."""

@@ -13,7 +13,7 @@ from backend.db.engine import read
 from backend.deps import Engine, Reader, capacities
 from backend.errors import problems
 from campaigns import Campaign, CampaignError, Catalogue
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 
 router = APIRouter(tags=["catalog"])
 LibraryName = Annotated[str, Path(description="The identifier of a shipped campaign, such as `unicycle_static`.")]

@@ -14,9 +14,9 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.errors import RefusedError, not_found
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
-from campaigns.check import parameters
-from campaigns.plan import plan
-from campaigns.text import to_yaml
+from campaigns.asked.check import parameters
+from campaigns.asked.plan import plan
+from campaigns.asked.text import to_yaml
 
 NO_CATALOGUE = (
     "no worker has published its components yet, so campaigns cannot be checked: start one with `clearance worker` "

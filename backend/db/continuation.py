@@ -20,9 +20,9 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
+from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.flown import Flown
-from campaigns.spec import Campaign
 
 ENDED = ("done", "failed", "cancelled")
 

@@ -18,8 +18,8 @@ from backend.db import snapshots
 from backend.db.engine import insert, now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
+from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.spec import Campaign
 
 LEASE = 10.0
 """How long a worker may be silent before its run is given to another [s]."""

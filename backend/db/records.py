@@ -1,6 +1,6 @@
 """What a run hands to its storage, as plain data: evaluations in columns, stages, findings, traces, the conclusion.
 
-The runner writes them through `worker.store.Store`; `backend.db.store` puts them into the tables. Start reading at
+The runner writes them through `worker.runs.store.Store`; `backend.db.store` puts them into the tables. Start reading at
 `Columns`.
 """
 
@@ -20,8 +20,9 @@ StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 class Columns(NamedTuple):
     """Consecutive evaluations of one stage, a row each.
 
-    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as `worker.evaluate.Status`;
-    seconds (m,) working time of the stage when each was known; reasons {index in the stage: sentence}.
+    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as
+    `worker.search.base` numbers it; seconds (m,) working time of the stage when each was known; reasons {index in the
+    stage: sentence}.
     """
 
     points: Floats

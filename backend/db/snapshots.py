@@ -9,9 +9,9 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueSnapshot, Run
+from campaigns.asked.snapshot import digest_of, snapshot
+from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
-from campaigns.snapshot import digest_of, snapshot
-from campaigns.spec import Campaign
 
 
 def keep(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> str:

@@ -1,4 +1,4 @@
-"""The tables as a runner's store: satisfies `worker.store.Store` for one claim, every write under its fence.
+"""The tables as a runner's store: satisfies `worker.runs.store.Store` for one claim, every write under its fence.
 
 Each method is one transaction that first touches the run's row under the claim's fence: a worker that has lost its
 lease writes nothing. Start reading at `RunStore.append`.
@@ -21,10 +21,10 @@ from backend.db.records import Columns, Conclusion, Finding, StagePlan, StageRec
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
+from campaigns.asked.snapshot import values_changed
+from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.flown import Code, Flown, other_code
-from campaigns.snapshot import values_changed
-from campaigns.spec import Campaign
 
 OK, FAILED, TIMEOUT, EXCLUDED = range(4)
 """An evaluation's status, as in the tables."""

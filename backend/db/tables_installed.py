@@ -27,7 +27,7 @@ class CatalogueSnapshot(Base):
     __tablename__ = "catalogue_snapshots"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
     document: orm.Mapped[dict[str, Any]]
-    """A catalogue with the used entries alone; see `campaigns.snapshot`."""
+    """A catalogue with the used entries alone; see `campaigns.asked.snapshot`."""
     created: orm.Mapped[float]
 
 

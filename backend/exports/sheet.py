@@ -21,7 +21,7 @@ from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.evaluations import STATUS, Bounds, in_units
 from campaigns import Campaign
-from campaigns.check import parameters
+from campaigns.asked.check import parameters
 
 BLOCK = 16
 """Chunks read at a time."""

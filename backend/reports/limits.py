@@ -10,7 +10,7 @@ from typing import Any
 from backend.reports import words
 from backend.reports.charts import sample
 from backend.reports.held import Held
-from campaigns.check import SEED, parts
+from campaigns.asked.check import SEED, parts
 
 _ENDS = {
     "": "",

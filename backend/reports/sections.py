@@ -15,10 +15,10 @@ from backend.reports.held import Held
 from backend.reports.words import NONE
 from backend.signoffs.schemas import Signoff
 from campaigns import verdicts
+from campaigns.asked.check import parts
+from campaigns.asked.distributions import Uncertain
+from campaigns.asked.spec import Part
 from campaigns.catalogue import ParameterEntry
-from campaigns.check import parts
-from campaigns.distributions import Uncertain
-from campaigns.spec import Part
 
 Row = dict[str, Any]
 

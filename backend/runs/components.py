@@ -12,8 +12,8 @@ from backend.db.tables import Run
 from backend.runs import service
 from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
+from campaigns.asked.snapshot import changes, snapshot
 from campaigns.flown import Flown
-from campaigns.snapshot import changes, snapshot
 
 
 def components(reader: sa.Connection, run_id: int) -> RunComponents:

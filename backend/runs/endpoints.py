@@ -37,7 +37,7 @@ from backend.runs.schemas import (
 )
 from backend.schema import RunName, Seconds
 from campaigns import CampaignError, Problem
-from campaigns.problem import shown
+from campaigns.asked.problem import shown
 
 router = APIRouter(tags=["runs"])
 

@@ -9,9 +9,9 @@ from pydantic import Field
 from backend.catalog.schemas import CriterionOut
 from backend.schema import Given, Schema
 from campaigns import Catalogue
+from campaigns.asked.load import LARGEST_FILE
+from campaigns.asked.values import Notes
 from campaigns.flown import Flown
-from campaigns.load import LARGEST_FILE
-from campaigns.values import Notes
 
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
 VerdictWord = Literal["cleared", "violated", "inconclusive"]
@@ -23,7 +23,7 @@ StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 class RunSubmit(Given):
     """A campaign to run; the campaign's own name and tags are used where none are given."""
 
-    checked_elsewhere: ClassVar = frozenset({"campaign"})  # `campaigns.reading` names the places in it
+    checked_elsewhere: ClassVar = frozenset({"campaign"})  # `campaigns.asked.reading` names the places in it
     campaign: dict[str, Any]
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None

@@ -23,9 +23,9 @@ from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, verdicts
+from campaigns.asked.load import load_document, load_text
+from campaigns.asked.plan import plan
 from campaigns.flown import Flown
-from campaigns.load import load_document, load_text
-from campaigns.plan import plan
 
 _ID = re.compile(r"R-([0-9]{1,15})")
 

@@ -11,8 +11,8 @@ from backend.db.tables import Run, RunText
 from backend.runs import listing
 from backend.runs.service import require
 from campaigns import CampaignError
-from campaigns.load import load_document
-from campaigns.text import to_yaml
+from campaigns.asked.load import load_document
+from campaigns.asked.text import to_yaml
 
 
 def text(reader: sa.Connection, run_id: int) -> str:

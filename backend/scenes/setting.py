@@ -19,8 +19,8 @@ from backend.runs.service import campaign
 from backend.scenes.drawing.axes import Axes, axes_of
 from backend.scenes.drawing.flight import Flight, from_stored
 from campaigns import Campaign, Catalogue
+from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry
-from campaigns.check import parameters
 
 OVER = ("done", "failed", "cancelled")
 NOMINAL, WORST = "nominal", "F1"

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from campaigns import check
-from campaigns.load import CampaignError, load_document
+from campaigns.asked.load import CampaignError, load_document
 from tests.adversary.classes import CLASSES, Attack
 from tests.audited import audited
-from worker.catalog import catalogue
-from worker.problem import CampaignUnusable, Problem
-from worker.runner import execute
+from worker.catalogue.installed import catalogue
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.search.base import OK
-from worker.store import MemoryStore
+from worker.systems.problem import CampaignUnusable, Problem
 
 
 @dataclass(frozen=True)

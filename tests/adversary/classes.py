@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from campaigns import Campaign
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.unit.cases import document
-from worker.problem import Problem
 from worker.search.base import OK
+from worker.systems.problem import Problem
 
 NOT_CLEARED = frozenset({"violated", "inconclusive", "refused"})
 VIOLATED = frozenset({"violated"})

@@ -12,13 +12,13 @@ import numpy as np
 
 from backend.db.records import Columns
 from campaigns import library, load_file
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.reported import searched
 from tests.api.server import Service
-from worker.problem import Problem
 from worker.search.base import OK
+from worker.systems.problem import Problem
 
 UNCERTAIN = {
     "obstacles.0.position.x": {"low": 0.1, "high": 4.1},

@@ -10,7 +10,7 @@ from backend.db.queue import Queue
 from backend.db.records import Conclusion, StagePlan
 from backend.db.store import RunStore
 from campaigns import Campaign, library, load_text
-from campaigns.text import to_yaml
+from campaigns.asked.text import to_yaml
 from tests.api.catalogue import CATALOGUE, campaign, published_by_workers
 from tests.api.finished import search
 from tests.api.server import Service

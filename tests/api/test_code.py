@@ -44,7 +44,10 @@ def flown(service: Service) -> Flown:
 
 
 OTHERWISE = [
-    ({"code": OTHER.digest}, "the code digest was c0dec0dec0de, here it is beefbeefbeef (modules: worker.vehicles."),
+    (
+        {"code": OTHER.digest},
+        "the code digest was c0dec0dec0de, here it is beefbeefbeef (modules: worker.components.vehicles.",
+    ),
     ({"loop": "fedcba9876543210"}, "the loop digest was 0123456789ab, here it is fedcba987654"),
     ({"packages": {"numpy": "2.5.0", "scipy": "1.17.1"}}, "numpy was 2.4.6, here it is 2.5.0"),
     ({"python": "3.12.1"}, "Python was 3.11.7, here it is 3.12.1"),
@@ -108,7 +111,7 @@ def test_page_report_and_files_tell_the_code_and_whether_it_is_installed(
         workers.publish(writer, CATALOGUE, OTHER)
     told = client.get(f"{run}/components").json()
     assert (told["code"], told["code_installed"]) == (CODE.digest, OTHER.digest)
-    assert (told["changes"], told["code_changes"]) == ([], ["worker.vehicles.unicycle"])
+    assert (told["changes"], told["code_changes"]) == ([], ["worker.components.vehicles.unicycle"])
     export = client.get(f"{run}/exports/run.json").json()
     assert (export["run"]["flown"]["code"], export["components"]["code_installed"]) == (CODE.digest, OTHER.digest)
     assert f"sha256 {CODE.digest}" in client.get(f"{run}/report.html").text

@@ -10,7 +10,7 @@ from tests.api.server import Service
 
 
 def test_components_with_their_equations(bare: Service) -> None:
-    program = "from worker.catalog import catalogue; print(catalogue().model_dump_json())"
+    program = "from worker.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
     printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
     bare.publish(json.loads(printed))
     with bare.signed_in() as client:

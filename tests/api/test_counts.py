@@ -25,12 +25,13 @@ from campaigns import Campaign
 from tests.api.conftest import Fresh, running
 from tests.api.server import Service
 from tests.unit.cases import campaign
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 from worker.cli._report import print_report
 from worker.cli.run import summary
-from worker.runner import execute
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.stages import offered
-from worker.store import Conclusion, MemoryStore
+from worker.stages.store import Conclusion
 
 FAILING = {"vehicle.J": {"low": 0.0004, "high": 0.06}}
 EXCLUDED = {"obstacles.0.position.x": {"low": -0.8, "high": 4.2}}

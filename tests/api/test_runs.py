@@ -16,8 +16,8 @@ from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from campaigns import Campaign
-from campaigns.load import load_text
-from campaigns.plan import plan
+from campaigns.asked.load import load_text
+from campaigns.asked.plan import plan
 from tests.api.catalogue import campaign
 from tests.api.server import Service
 from tests.api.test_access import problem

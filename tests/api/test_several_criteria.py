@@ -22,7 +22,7 @@ from tests.api.finished import search
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.unit.cases import campaign
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 
 COLUMNS = Columns(
     np.array([[0.0, 1.0], [0.5, 0.5], [1.0, 0.0]]),

@@ -25,7 +25,7 @@ from tests.api.server import Service
 from tests.api.test_runs import submit
 from tests.api.test_view_flights import shipped
 from tests.api.viewing import KEY, Panel, frames, frames_until, viewing
-from worker.problem import Problem
+from worker.systems.problem import Problem
 
 NOMINAL = np.array([[0.5, 0.5]])
 

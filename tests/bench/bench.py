@@ -23,8 +23,8 @@ import numpy as np
 from campaigns import library, load_file
 from tests.bench import methods, reference_pioneer, reference_uav
 from worker.kernels.assemble import Loop
-from worker.problem import Floats, Problem
-from worker.provenance import provenance
+from worker.runs.provenance import provenance
+from worker.systems.problem import Floats, Problem
 
 BUILD = Path("build")
 FULL = 4096
@@ -34,7 +34,7 @@ FIRST_EVALUATION = """
 import time
 began = time.perf_counter()
 from campaigns import library, load_file
-from worker.problem import Problem
+from worker.systems.problem import Problem
 problem = Problem(load_file(library()["unicycle_static"]))
 problem.fly(problem.nominal_point[None])
 print(time.perf_counter() - began)

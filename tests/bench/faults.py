@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from campaigns import Campaign, library, load_file
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.bench.bench import BUILD, interleaved
-from worker.catalog import components
+from worker.catalogue.installed import components
 from worker.kernels.component import Environment, Fault
-from worker.problem import Problem
+from worker.systems.problem import Problem
 
 BATCH = 128
 FLYING = {

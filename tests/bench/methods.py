@@ -18,11 +18,11 @@ from scipy import optimize
 from campaigns import library, load_file
 from tests.unit.functions import PUBLISHED, OnUnitCube, on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.catalog import methods
+from worker.catalogue.installed import methods
 from worker.kernels.assemble import Loop
-from worker.problem import Problem
-from worker.search import direct
 from worker.search.base import Floats, Method
+from worker.search.methods import direct
+from worker.systems.problem import Problem
 
 EVALUATIONS = 10_000
 DIMENSION = 8

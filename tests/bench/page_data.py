@@ -18,8 +18,8 @@ from backend.db.records import Columns, StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run
 from campaigns import Campaign, library, load_file
-from worker.catalog import catalogue
-from worker.runner import execute
+from worker.catalogue.installed import catalogue
+from worker.runs.runner import execute
 
 LARGE = "uav_aca"
 """Case 5: six uncertain parameters, four searches."""

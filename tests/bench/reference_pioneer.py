@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from worker.problem import Floats, Problem
+from worker.systems.problem import Floats, Problem
 
 NAMES = (
     "m", "I_z", "R_t", "r", "k_a", "R_a", "I_e", "B_e", "k_b", "d", "a", "b", "k_PT", "k_PR", "k_DT", "k_DR",

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from worker.controllers.autopilot_wings_level import WingsLevel
-from worker.kernels.aerodynamics import Airframe
-from worker.problem import Floats, Problem
+from worker.components.controllers.autopilot_wings_level import WingsLevel
+from worker.physics.aerodynamics import Airframe
+from worker.systems.problem import Floats, Problem
 
 AIR = Airframe()
 PILOT: Any = WingsLevel()

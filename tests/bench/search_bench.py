@@ -18,7 +18,7 @@ import numpy as np
 
 from tests.unit.functions import FUNCTIONS, on_unit_cube
 from tests.unit.searching import batch, space
-from worker.catalog import methods
+from worker.catalogue.installed import methods
 from worker.search.base import EXCLUDED, Floats
 
 BUILD = Path("build")

@@ -20,7 +20,7 @@ from worker.kernels.assemble import LANES
 COUNT = """
 import json, re, sys
 from campaigns import library, load_file
-from worker.problem import Problem
+from worker.systems.problem import Problem
 loop = Problem(load_file(library()[sys.argv[1]])).loop
 loop.warm()
 code = loop.assembly()

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.asked.load import load_document
 from campaigns.catalogue import ComponentEntry, ParameterEntry
-from campaigns.load import load_document
-from worker.catalog import catalogue, components
+from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Component, Controller, Criterion, Vehicle
-from worker.problem import Floats, Problem
+from worker.systems.problem import Floats, Problem
 
 HORIZON, STEP = 0.32, 0.005
 """[s]"""

@@ -13,10 +13,11 @@ import pytest
 
 from tests.unit.cases import campaign, case1
 from tests.unit.searching import Function, batch, space
-from worker.catalog import methods
+from worker.catalogue.installed import methods
+from worker.runs.store import MemoryStore
 from worker.search.base import Batch, Floats, Method, Minimum
 from worker.stages.base import Context, Driven, drive
-from worker.store import MemoryStore, StagePlan
+from worker.stages.store import StagePlan
 
 EACH = pytest.mark.parametrize("method", methods().values(), ids=lambda m: m.name)
 BUDGET = 400

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from campaigns import check
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.contract.scenes import STEP, around, drawn, entry, near, own, problem
-from worker.catalog import catalogue, components, source_of
+from worker.catalogue.installed import catalogue, components, source_of
 from worker.kernels.component import Component, Criterion, Vehicle, declared
-from worker.problem import Problem
 from worker.search.base import EXCLUDED, FAILED, OK
+from worker.systems.problem import Problem
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
 

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 from campaigns import Catalogue, check
-from campaigns.check import flyable
-from campaigns.load import load_document
+from campaigns.asked.check import flyable
+from campaigns.asked.load import load_document
 from tests.contract.scenes import around, entry, own
-from worker.catalog import catalogue, components
+from worker.catalogue.installed import catalogue, components
 from worker.kernels.assemble import Loop
 from worker.kernels.component import Component, Controller, Parameter, Signal, Vehicle
 from worker.kernels.layout import Parts, Placed

@@ -12,7 +12,7 @@ from campaigns import check
 from tests.contract.searches import EACH, rough
 from tests.unit.cases import searching
 from tests.unit.searching import run
-from worker.catalog import catalogue, source_of
+from worker.catalogue.installed import catalogue, source_of
 from worker.search.base import Method
 
 

@@ -10,7 +10,7 @@ from tests.contract.searches import BUDGET, EACH, Answer, answering, driven, rou
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch
-from worker.catalog import methods
+from worker.catalogue.installed import methods
 from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats, Method, Minimum
 
 

@@ -17,7 +17,7 @@ from tests.contract.searches import BUDGET, EACH, FUNCTIONS, Answer, answering, 
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.catalog import methods
+from worker.catalogue.installed import methods
 from worker.search.base import EXCLUDED, FAILED, OK, TIMEOUT, Floats, Method, Search
 
 

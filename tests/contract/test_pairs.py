@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from campaigns import check
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.contract.scenes import around
-from worker.catalog import catalogue, components
+from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Avoider, Controller, Vehicle
-from worker.problem import Problem
 from worker.search.base import OK
+from worker.systems.problem import Problem
 
 STEPS = 12
 

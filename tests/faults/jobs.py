@@ -19,10 +19,10 @@ import numpy as np
 from backend.db.records import Conclusion, StagePlan
 from campaigns import Campaign, Problem
 from tests.faults.cases import columns
-from worker import problem as ready
-from worker import provenance
-from worker.problem import CampaignUnusable
-from worker.store import Store
+from worker.runs import provenance
+from worker.stages.store import Store
+from worker.systems import problem as ready
+from worker.systems.problem import CampaignUnusable
 
 SEARCH = 400
 CHUNK = 20

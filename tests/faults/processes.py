@@ -49,7 +49,7 @@ class Started:
     def child(self) -> int:
         """The process of a worker that does the work: its direct child (a fork of that has the same command line)."""
         [child] = [pid for pid, parent in parents().items() if parent == self.pid and alive(pid)]
-        assert "worker.child" in command_of(child)
+        assert "worker.processes.child" in command_of(child)
         return child
 
 

@@ -15,8 +15,8 @@ from campaigns import Campaign, library, load_file
 from tests.audited import audited
 from tests.faults import postgres
 from tests.faults.processes import alive, kill, until, worker
-from worker.runner import execute
-from worker.store import MemoryStore
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 
 SAMPLE = 100_000
 """Long enough to be killed in the middle, twice."""

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from worker.problem import Problem
-from worker.trace import trace
+from worker.systems.closed_loop.trace import trace
+from worker.systems.problem import Problem
 
 SHOWN = ("x", "y", "z", "yaw", "u", "separation")
 

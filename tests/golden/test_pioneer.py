@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from worker.problem import Floats, Problem
-from worker.trace import trace
+from worker.systems.closed_loop.trace import trace
+from worker.systems.problem import Floats, Problem
 
 PROBLEM = Problem(load_file(library()["pioneer_moving"]))
 CORNER = {

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from worker.problem import Problem
-from worker.runner import execute
-from worker.store import MemoryStore
-from worker.trace import trace
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
+from worker.systems.closed_loop.trace import trace
+from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from worker.kernels import aerodynamics, trim
-from worker.kernels.aerodynamics import Airframe, Constants
+from worker.components.vehicles import fixed_wing, fixed_wing_linear
 from worker.kernels.bind import plain
 from worker.kernels.views import Surroundings
-from worker.problem import Floats
-from worker.vehicles import fixed_wing, fixed_wing_linear
+from worker.physics import aerodynamics, trim
+from worker.physics.aerodynamics import Airframe, Constants
+from worker.systems.problem import Floats
 
 CALM = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

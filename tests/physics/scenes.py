@@ -6,10 +6,10 @@ import copy
 from typing import Any
 
 from campaigns import Campaign
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from worker.kernels.assemble import Loop
-from worker.problem import Floats, Problem
 from worker.search.base import OK
+from worker.systems.problem import Floats, Problem
 
 
 def changed(campaign: Campaign, **scenario: Any) -> Campaign:

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from tests.physics.conditions import FAULTS, loop_with, parameters
 from tests.physics.scenes import flight
 from worker.kernels.bind import plain
-from worker.problem import Problem
+from worker.systems.problem import Problem
 
 
 class Linear:

@@ -12,14 +12,14 @@ import pytest
 from campaigns import library, load_file
 from tests.physics.scenes import changed, flight, uncompiled
 from tests.physics.test_space import OBSTACLES
-from worker.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none
-from worker.catalog import components
+from worker.catalogue.installed import components
+from worker.components.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none
+from worker.components.obstacles import box, box_3d, circle, cylinder
 from worker.kernels.bind import plain
-from worker.kernels.closest import NEVER, Rules, miss, resolve
 from worker.kernels.component import Avoider, Controller, Vehicle
 from worker.kernels.views import Body, Body3
-from worker.obstacles import box, box_3d, circle, cylinder
-from worker.problem import Problem
+from worker.physics.closest import NEVER, Rules, miss, resolve
+from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 BOX = box.Constants(*plain(box.derive)(box.Box(1.0, 3.2, 1.0, 0.6, 0.4), ()))

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign, check, library, load_file
-from campaigns.load import load_document
-from worker.catalog import catalogue, components
+from campaigns.asked.load import load_document
+from worker.catalogue.installed import catalogue, components
 from worker.kernels.assemble import Loop
 from worker.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
 from worker.kernels.layout import Parts
 from worker.kernels.maths import sincos
-from worker.problem import Problem
 from worker.reference import Reference
 from worker.search.base import FAILED, OK
-from worker.trace import trace
+from worker.systems.closed_loop.trace import trace
+from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 HORIZON = 10.0

@@ -15,11 +15,11 @@ import pytest
 from campaigns import Campaign, library, load_file
 from tests.physics.conditions import CASE, FAULTS, PARTS, loop_with, parameters, short
 from tests.physics.scenes import changed, cost, flight, uncompiled
-from worker.catalog import components
+from worker.catalogue.installed import components
 from worker.kernels.bind import plain
 from worker.kernels.component import Environment, declared
 from worker.kernels.views import Body3
-from worker.problem import Problem
+from worker.systems.problem import Problem
 
 
 def loops() -> dict[str, Campaign]:

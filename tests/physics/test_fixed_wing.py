@@ -15,14 +15,14 @@ from scipy.spatial.transform import Rotation
 from campaigns import library, load_file
 from tests.physics.airframe import CALM, aircraft, constants, flown, linear
 from tests.physics.scenes import changed, cost, flight
-from worker.kernels import aerodynamics, trim
-from worker.kernels.aerodynamics import Airframe
+from worker.components.vehicles import fixed_wing, fixed_wing_linear
 from worker.kernels.bind import plain
 from worker.kernels.component import NoTrim
 from worker.kernels.views import Surroundings
-from worker.problem import CampaignUnusable, Floats, Problem
+from worker.physics import aerodynamics, trim
+from worker.physics.aerodynamics import Airframe
 from worker.search.base import FAILED
-from worker.vehicles import fixed_wing, fixed_wing_linear
+from worker.systems.problem import CampaignUnusable, Floats, Problem
 
 CRUISE = load_file(library()["uav_aca_no_avoidance"])
 

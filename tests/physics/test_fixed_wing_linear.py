@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.physics.airframe import CALM, aircraft, flown, linear
-from worker.kernels import trim
-from worker.kernels.aerodynamics import Airframe
+from worker.components.vehicles import fixed_wing, fixed_wing_linear
 from worker.kernels.bind import plain
-from worker.problem import Floats
-from worker.vehicles import fixed_wing, fixed_wing_linear
+from worker.physics import trim
+from worker.physics.aerodynamics import Airframe
+from worker.systems.problem import Floats
 
 TABLES = {
     20.0: """

@@ -12,12 +12,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from worker.avoiders import cruise_3d, ge_cui_3d, minimum_deviation_3d, none_3d, potential_field_3d, right_of_way_3d
-from worker.kernels import resolution
+from worker.components.avoiders import (
+    cruise_3d,
+    ge_cui_3d,
+    minimum_deviation_3d,
+    none_3d,
+    potential_field_3d,
+    right_of_way_3d,
+)
+from worker.components.obstacles import moving_sphere, sphere
 from worker.kernels.bind import plain
 from worker.kernels.component import declared
-from worker.kernels.resolution import Plan
-from worker.obstacles import moving_sphere, sphere
+from worker.physics import resolution
+from worker.physics.resolution import Plan
 
 NOWHERE = (0.0, 0.0, 0.0)
 

@@ -16,8 +16,8 @@ import pytest
 from numba import njit
 from scipy import linalg, stats
 
-from worker.environment import dryden_gusts
-from worker.faults import missed_detection, navigation_noise, sensor_noise
+from worker.components.environment import dryden_gusts
+from worker.components.faults import missed_detection, navigation_noise, sensor_noise
 from worker.kernels import maths
 from worker.kernels.bind import plain
 from worker.kernels.maths import FLAGS, kernel, normals, random_bits, scramble, uniform

@@ -10,10 +10,10 @@ import pytest
 
 from campaigns import library, load_file
 from tests.physics.scenes import changed, flight, uncompiled
-from worker.catalog import components
+from worker.catalogue.installed import components
 from worker.kernels.bind import plain
-from worker.kernels.closest import Rules, resolve
 from worker.kernels.component import Obstacle, declared
+from worker.physics.closest import Rules, resolve
 
 OBSTACLES = [c for c in components().values() if isinstance(c, Obstacle)]
 CASE = load_file(library()["unicycle_static"])

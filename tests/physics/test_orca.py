@@ -11,11 +11,11 @@ from scipy.optimize import minimize
 
 from campaigns import library, load_file
 from tests.physics.scenes import cost
-from worker.avoiders import orca
+from worker.components.avoiders import orca
 from worker.kernels.bind import plain
 from worker.kernels.views import Body
-from worker.problem import Problem
 from worker.reference import Reference
+from worker.systems.problem import Problem
 
 CORNER = {
     "vehicle.m": 34.0, "vehicle.B_e": 0.48, "vehicle.delta_u": 0.9, "vehicle.delta_w": 0.1, "vehicle.I_e": 3.8,

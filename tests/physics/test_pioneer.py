@@ -16,10 +16,10 @@ from campaigns import library, load_file
 from tests.bench.reference_pioneer import Reference
 from tests.physics.scenes import changed, cost, flight, uncompiled
 from worker import reference
+from worker.components.vehicles import pioneer_3dx
 from worker.kernels.bind import plain
-from worker.problem import Problem
 from worker.search.base import FAILED
-from worker.vehicles import pioneer_3dx
+from worker.systems.problem import Problem
 
 CASE = load_file(library()["pioneer_moving"])
 PROBLEM = Problem(CASE)

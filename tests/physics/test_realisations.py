@@ -19,15 +19,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from campaigns import Campaign, CampaignError, check, library, load_file
-from campaigns.load import load_document
-from worker.catalog import catalogue, components
+from campaigns.asked.load import load_document
+from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Environment, Fault
-from worker.problem import Problem
 from worker.reference import Reference
-from worker.runner import execute
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, FAILED, OK
-from worker.store import MemoryStore
-from worker.trace import fly, trace
+from worker.systems.closed_loop.trace import fly, trace
+from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.05, "period": 0.1}}

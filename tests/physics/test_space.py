@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import pytest
 
-from worker.catalog import components
+from worker.catalogue.installed import components
 from worker.kernels.assemble import Loop
 from worker.kernels.component import Controller, Parameter, Signal, Vehicle, declared
 from worker.kernels.layout import Parts

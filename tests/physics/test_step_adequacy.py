@@ -9,8 +9,8 @@ from __future__ import annotations
 import pytest
 
 from campaigns import library, load_file
-from worker.problem import Problem
 from worker.reproduce.steps import adequacy, sentence
+from worker.systems.problem import Problem
 
 PUBLISHED = ("unicycle_static", "pioneer_moving", "uav_static", "uav_moving", "uav_aca")
 """The five cases, and what is theirs; the variations of them by night."""

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.physics.scenes import cost, uncompiled
 from tests.physics.test_criteria import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.test_obstacles import OBSTACLES, _body, centre
-from worker.catalog import catalogue, components
+from worker.catalogue.installed import catalogue, components
 from worker.kernels.assemble import Loop
 from worker.kernels.component import Obstacle, declared
 from worker.kernels.layout import Parts
-from worker.problem import Problem
 from worker.reference import Reference
-from worker.trace import trace
+from worker.systems.closed_loop.trace import trace
+from worker.systems.problem import Problem
 
 EACH = pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda o: o.name)
 SPHERE = {"position.x": 5.0037, "position.y": 2.0, "position.z": 1.0, "radius": 0.5}

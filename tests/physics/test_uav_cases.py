@@ -18,8 +18,8 @@ from tests.bench import vectorised
 from tests.bench.reference_uav import Reference
 from tests.physics.scenes import changed, cost, uncompiled
 from worker import reference
-from worker.problem import Floats, Problem
 from worker.search.base import OK
+from worker.systems.problem import Floats, Problem
 
 HELD = 0.02
 """[m]"""

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from campaigns.load import load_document
-from worker.avoiders import potential_field
+from campaigns.asked.load import load_document
+from worker.components.avoiders import potential_field
+from worker.components.obstacles import circle
 from worker.kernels.bind import plain
-from worker.obstacles import circle
-from worker.problem import Problem
 from worker.reference import Reference
 from worker.search.base import EXCLUDED, FAILED, OK
+from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 PROBLEM = Problem(CASE)

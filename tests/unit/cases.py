@@ -7,8 +7,8 @@ from functools import cache
 from typing import Any
 
 from campaigns import Campaign, library, load_file
-from campaigns.load import load_document
-from worker.problem import Problem
+from campaigns.asked.load import load_document
+from worker.systems.problem import Problem
 
 CASE1 = load_file(library()["unicycle_static"]).document()
 

@@ -7,9 +7,9 @@ from typing import Any
 
 from campaigns import Campaign
 from tests.unit.cases import case1
-from worker.problem import Problem
 from worker.stages.claims import bound
-from worker.store import Conclusion, Finding
+from worker.stages.store import Conclusion, Finding
+from worker.systems.problem import Problem
 from worker.verdicts.conclude import conclude
 from worker.verdicts.evidence import Evidence
 

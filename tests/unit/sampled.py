@@ -12,10 +12,11 @@ import numpy as np
 
 from campaigns import Campaign
 from tests.unit.cases import campaign, case1
-from worker.problem import Problem
+from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats
 from worker.stages.base import Context
-from worker.store import MemoryStore, StagePlan
+from worker.stages.store import StagePlan
+from worker.systems.problem import Problem
 
 THRESHOLD = 0.5
 PROBABILITY = 0.02

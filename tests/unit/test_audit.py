@@ -20,20 +20,20 @@ from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
 from campaigns import Campaign
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.audited import audited, recorded
 from tests.unit.cases import searching
 from worker.audit import judge
 from worker.audit.judge import Item, audit, closing
 from worker.audit.recompute import cumulative, upper_bound
 from worker.audit.record import MISSING, UnreadableError, of_folder
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
 from worker.cli._results import write_evidence, write_results
 from worker.cli.run import summary
-from worker.runner import execute
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.stages import claims, offered
-from worker.store import MemoryStore
 
 DIRECT = {"method": "direct", "evaluations": 100}
 SQP = {"method": "sqp", "evaluations": 100, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.unit.searching import Function, batch, space
+from tests.unit.searching import Function, batch
 from worker.search.base import Floats
-from worker.search.basins import Basin, Rules, distinct, promising
+from worker.search.parts.basins import Basin, Rules, distinct, promising
 
 RULES = Rules(distance=0.03, barrier=0.05, at_most=8)
 
@@ -30,7 +30,7 @@ def told(function: Function, dimension: int, samples: int, rules: Rules = RULES,
     values = function(points)
     rows = promising(points, np.where(np.isnan(values), np.inf, values), 24)
     found: list[Basin] = []
-    search = distinct(points[rows], values[rows], rules, space(dimension, budget), found)
+    search = distinct(points[rows], values[rows], rules, found)
     try:
         asked = next(search)
         while budget >= len(asked):

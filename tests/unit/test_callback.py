@@ -11,7 +11,7 @@ import pytest
 
 from tests.unit.searching import batch
 from worker.search.base import Batch, Floats, Search, side_by_side
-from worker.search.callback import Ask, called_back
+from worker.search.parts.callback import Ask, called_back
 
 
 @pytest.fixture(autouse=True)

@@ -6,10 +6,11 @@ from typing import Any
 
 import pytest
 
-from campaigns import Campaign, check, effort, library, load_file
+from campaigns import Campaign, check, library, load_file
+from campaigns.asked import effort
 from tests.unit.cases import campaign
-from worker.catalog import catalogue
-from worker.problem import Problem
+from worker.catalogue.installed import catalogue
+from worker.systems.problem import Problem
 
 SEARCH = {"method": "direct", "evaluations": 10_000_000}
 NOISE = [{"component": "sensor_noise", "parameters": {"sigma": 0.05}}]

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 
 from campaigns import Catalogue, check
+from campaigns.asked.check import parameters
 from campaigns.catalogue import MethodEntry
-from campaigns.check import parameters
 from tests.unit.cases import campaign, searching
-from worker.catalog import catalogue
-from worker.problem import CampaignUnusable, Problem
+from worker.catalogue.installed import catalogue
+from worker.systems.problem import CampaignUnusable, Problem
 
 
 def found(**changes: Any) -> list[tuple[str, str, str]]:

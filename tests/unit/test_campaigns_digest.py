@@ -12,8 +12,8 @@ import pytest
 import yaml
 
 from campaigns import Campaign, library, load_file, load_text
-from campaigns.load import load_document
-from campaigns.text import to_yaml
+from campaigns.asked.load import load_document
+from campaigns.asked.text import to_yaml
 from tests.unit.cases import CASE1, campaign, document, searching
 
 

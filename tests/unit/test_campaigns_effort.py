@@ -11,10 +11,11 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from campaigns import CampaignError, Problem, reading
-from campaigns.load import LARGEST_FILE, load_document, load_text
-from campaigns.problem import shown
-from campaigns.reading import _Fast, _Loader, parse
+from campaigns import CampaignError, Problem
+from campaigns.asked import reading
+from campaigns.asked.load import LARGEST_FILE, load_document, load_text
+from campaigns.asked.problem import shown
+from campaigns.asked.reading import _Fast, _Loader, parse
 from tests.unit.cases import document
 
 LIMIT = 10.0

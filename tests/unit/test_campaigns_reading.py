@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from campaigns import CampaignError, Problem
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.unit.cases import campaign, document
 
 NESTED: Any = {}

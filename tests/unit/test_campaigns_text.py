@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from campaigns import CampaignError, library, load_file, load_text
-from campaigns.load import LARGEST_FILE, load_document
-from campaigns.reading import parse
-from campaigns.text import to_yaml
+from campaigns.asked.load import LARGEST_FILE, load_document
+from campaigns.asked.reading import parse
+from campaigns.asked.text import to_yaml
 from tests.unit.cases import campaign, document
 
 TEXTS = {

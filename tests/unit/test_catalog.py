@@ -14,8 +14,8 @@ import pytest
 from campaigns import Catalogue
 from campaigns.version import VERSION
 from tests.unit.cases import campaign
-from worker.catalog import catalogue, components, methods, source_of
-from worker.evaluate import usual_threads
+from worker.catalogue.installed import catalogue, components, methods, source_of
+from worker.systems.evaluate import usual_threads
 
 
 def test_case_1_is_there() -> None:
@@ -42,8 +42,8 @@ def test_the_catalogue_is_data() -> None:
 
 
 def test_where_a_thing_is_declared() -> None:
-    assert source_of(components()["vehicle", "unicycle"]).__name__ == "worker.vehicles.unicycle"
-    assert source_of(methods()["sqp"]).__name__ == "worker.search.sqp"
+    assert source_of(components()["vehicle", "unicycle"]).__name__ == "worker.components.vehicles.unicycle"
+    assert source_of(methods()["sqp"]).__name__ == "worker.search.methods.sqp"
 
 
 def in_a_new_process(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
@@ -64,12 +64,15 @@ def package(folder: Path, group: str, name: str, text: str) -> None:
 
 CAR = '''"""Car: a unicycle by another name."""
 from dataclasses import replace
-from worker.vehicles import unicycle
+from worker.components.vehicles import unicycle
 def begin(start, p):
     return start.x, start.y, start.theta, start.v, start.omega
 component = replace(unicycle.component, name="{name}", title="Car", begin=begin)
 '''
-EVERY = "import json; from worker.catalog import *; print(json.dumps([list(map(str, components())), list(methods())]))"
+EVERY = (
+    "import json; from worker.catalogue.installed import *; "
+    "print(json.dumps([list(map(str, components())), list(methods())]))"
+)
 
 
 def test_a_component_of_another_package_is_found(tmp_path: Path) -> None:
@@ -81,7 +84,7 @@ def test_a_component_of_another_package_is_found(tmp_path: Path) -> None:
 
 
 def test_a_method_of_another_package_is_found(tmp_path: Path) -> None:
-    text = '"""Guessing."""\nfrom dataclasses import replace\nfrom worker.search import direct\n'
+    text = '"""Guessing."""\nfrom dataclasses import replace\nfrom worker.search.methods import direct\n'
     text += 'method = replace(direct.method, name="guess")\n'
     package(tmp_path, "clearance.methods", "some_guess", text)
     done = in_a_new_process(EVERY, tmp_path)
@@ -93,7 +96,10 @@ def test_two_of_one_name_are_an_error(tmp_path: Path) -> None:
     package(tmp_path, "clearance.components", "some_car", CAR.format(name="unicycle"))
     done = in_a_new_process(EVERY, tmp_path)
     assert done.returncode == 1
-    assert "some_car declares ('vehicle', 'unicycle'), which worker.vehicles.unicycle declares too" in done.stderr
+    assert (
+        "some_car declares ('vehicle', 'unicycle'), which worker.components.vehicles.unicycle declares too"
+        in done.stderr
+    )
 
 
 def test_the_campaigns_know_nothing_of_the_physics() -> None:

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError, check
-from campaigns.plan import plan
+from campaigns.asked.plan import plan
 from tests.unit.cases import campaign
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile
-from worker.catalog import catalogue
-from worker.problem import Problem
+from worker.catalogue.installed import catalogue
 from worker.search.base import Floats
 from worker.stages import certify, search
 from worker.stages.claims import bound
 from worker.stages.sample import Sample
-from worker.store import Columns
+from worker.stages.store import Columns
+from worker.systems.problem import Problem
 
 REPETITIONS = 400
 HELD = 0.93

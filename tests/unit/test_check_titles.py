@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from campaigns.spec import Encounter
+from campaigns.asked.spec import Encounter
 from campaigns.symbols import labels
 from campaigns.verdicts import OF_VALUES, TITLES, described, validated
 from tests.unit.cases import case1

@@ -21,7 +21,7 @@ from campaigns import Campaign, load_file
 from tests.audited import audited_summary
 from tests.unit.cases import campaign, document, searching
 from worker.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
-from worker.problem import Problem
+from worker.systems.problem import Problem
 
 PATIENCE = 120.0
 """[s]; a process of its own may have to compile."""

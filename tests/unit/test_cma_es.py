@@ -10,9 +10,9 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
-from worker.search import cma_es
 from worker.search.base import Floats
-from worker.search.cma_es import method
+from worker.search.methods import cma_es
+from worker.search.methods.cma_es import method
 
 
 def valley(x: Floats) -> Floats:

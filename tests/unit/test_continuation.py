@@ -17,18 +17,19 @@ from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
-from campaigns.plan import plan
+from campaigns.asked.plan import plan
 from tests.audited import audited
 from tests.unit.cases import searching
-from worker import sources
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli._results import read_folder
-from worker.continuation import Budget, CannotContinue, carried, continued
-from worker.evaluate import InProcess
-from worker.problem import Floats
-from worker.runner import execute
-from worker.store import MemoryStore, StagePlan
+from worker.runs import sources
+from worker.runs.continuation import Budget, CannotContinue, carried, continued
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
+from worker.stages.store import StagePlan
+from worker.systems.evaluate import InProcess
+from worker.systems.problem import Floats
 
 SHORT = {"scenario__horizon": 4.0}
 """[s]; the closest approach comes at 3.1 s."""

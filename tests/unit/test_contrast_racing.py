@@ -9,12 +9,12 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import Function, batch, run, space
-from worker.search import contrast_racing
 from worker.search.base import Floats
-from worker.search.contrast_racing import method
-from worker.search.racing_pool import Pool, Rung
-from worker.search.racing_samples import Samples
-from worker.search.racing_state import CMA, COMPASS, NELDER_MEAD
+from worker.search.methods import contrast_racing
+from worker.search.methods.contrast_racing import method
+from worker.search.racing.pool import Pool, Rung
+from worker.search.racing.samples import Samples
+from worker.search.racing.state import CMA, COMPASS, NELDER_MEAD
 
 
 def bowl(x: Floats) -> Floats:

@@ -9,7 +9,7 @@ from scipy.optimize import differential_evolution
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
 from worker.search.base import Floats
-from worker.search.differential_evolution import method
+from worker.search.methods.differential_evolution import method
 
 
 def bowl(x: Floats) -> Floats:

@@ -14,11 +14,12 @@ import pytest
 from tests.unit.cases import campaign, case1
 from tests.unit.functions import PUBLISHED, on_unit_cube
 from tests.unit.searching import Searched, batch, run, space
-from worker.search import direct, direct_l
+from worker.runs.store import MemoryStore
 from worker.search.base import Batch, Floats, Method
-from worker.search.direct import method
+from worker.search.methods import direct, direct_l
+from worker.search.methods.direct import method
 from worker.stages.base import Context, Driven, drive
-from worker.store import Columns, MemoryStore, StagePlan
+from worker.stages.store import Columns, StagePlan
 
 
 def counted(name: str, within: float) -> int:

@@ -9,12 +9,12 @@ import pytest
 from scipy import stats
 
 from campaigns import CampaignError, check
-from campaigns.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.uncertainty import matrix, positive_definite
+from campaigns.asked.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
+from campaigns.asked.uncertainty import matrix, positive_definite
 from tests.unit.cases import campaign
-from worker.catalog import catalogue
-from worker.distributions import Distributions, Floats, Range
-from worker.problem import Problem
+from worker.catalogue.installed import catalogue
+from worker.systems.distributions import Distributions, Floats, Range
+from worker.systems.problem import Problem
 
 LOW, HIGH = 4.0, 6.0
 

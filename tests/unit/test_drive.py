@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from tests.unit.cases import campaign, case1
-from worker.runner import Cancelled, ReplayMismatch
+from worker.runs.runner import Cancelled, ReplayMismatch
+from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, FAILED, OK, TIMEOUT, Batch, Floats, Search
 from worker.stages import base
 from worker.stages.base import Context, Driven, drive
-from worker.store import Columns, MemoryStore, StagePlan
+from worker.stages.store import Columns, StagePlan
 
 
 class Counting:

@@ -9,15 +9,15 @@ from typing import Any
 import pytest
 
 from campaigns import Catalogue, check, library, load_file
-from campaigns.check import flyable
-from campaigns.load import load_document
-from campaigns.text import to_yaml
+from campaigns.asked.check import flyable
+from campaigns.asked.load import load_document
+from campaigns.asked.text import to_yaml
 from tests.unit.cases import campaign, document
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 from worker.cli import invoke
-from worker.continuation import Budget, CannotContinue, continued
-from worker.problem import Problem
+from worker.runs.continuation import Budget, CannotContinue, continued
 from worker.stages.distances import clause, overlooked
+from worker.systems.problem import Problem
 
 WALL = {"component": "box", "parameters": {"position": {"x": 9.0, "y": 3.5}, "length": 16.0, "width": 0.2}}
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.contract.scenes import problem
 from tests.unit.cases import CASE1
 from tests.unit.test_live import Live, live  # noqa: F401
-from worker.catalog import components
-from worker.field import UNITS, Field, field
+from worker.catalogue.installed import components
 from worker.kernels.component import Avoider
-from worker.problem import Floats, Problem
-from worker.trace import Flown, fly
+from worker.systems.closed_loop.field import UNITS, Field, field
+from worker.systems.closed_loop.trace import Flown, fly
+from worker.systems.problem import Floats, Problem
 
 AVOIDERS = sorted(c.name for c in components().values() if isinstance(c, Avoider))
 SHIPPED = {name: load_file(path) for name, path in library().items()}

@@ -8,14 +8,15 @@ import pytest
 from campaigns import Campaign
 from tests.unit.cases import case1, searching
 from tests.unit.searching import Function, batch
-from worker.catalog import methods
-from worker.problem import Floats
+from worker.catalogue.installed import methods
+from worker.runs.store import MemoryStore
 from worker.search.base import Space
 from worker.stages import findings, search
 from worker.stages.base import Context, Driven, drive
 from worker.stages.comparison import compare
 from worker.stages.findings import Found
-from worker.store import Finding, MemoryStore, StagePlan
+from worker.stages.store import Finding, StagePlan
+from worker.systems.problem import Floats
 
 GLOBAL = [m.name for m in methods().values() if m.kind == "global"]
 BUDGET = 3000

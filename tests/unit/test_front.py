@@ -12,14 +12,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from campaigns.load import load_document
+from campaigns.asked.load import load_document
 from tests.unit.cases import CASE1, campaign
 from worker.cli._results import write_results
-from worker.problem import Problem
-from worker.runner import execute
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.search.base import FAILED, OK
 from worker.stages import front
-from worker.store import Columns, MemoryStore
+from worker.stages.store import Columns
+from worker.systems.problem import Problem
 
 TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))
 

@@ -8,10 +8,10 @@ import pytest
 from tests.unit.cases import case1
 from tests.unit.sampled import asked, context, evaluate
 from tests.unit.searching import Function, batch, run
-from worker.search import direct, direct_l
 from worker.search.base import Floats, Method
+from worker.search.methods import direct, direct_l
 from worker.stages import gap, search
-from worker.store import Columns
+from worker.stages.store import Columns
 
 
 def stored(

@@ -10,9 +10,10 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search import breeding, genetic
 from worker.search.base import EXCLUDED, FAILED, Floats
-from worker.search.genetic import Options, method
+from worker.search.methods import genetic
+from worker.search.methods.genetic import Options, method
+from worker.search.parts import breeding
 
 
 def bowl(x: Floats) -> Floats:

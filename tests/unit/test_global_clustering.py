@@ -10,11 +10,11 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import Function, batch, run
-from worker.search import global_clustering
 from worker.search.base import EXCLUDED, FAILED, Batch, Floats, Minimum
-from worker.search.descent import End
-from worker.search.global_clustering import ALONE, Clusters, Found, Options, Sample, critical_distance, method
-from worker.search.unirandi import STEP, unirandi
+from worker.search.methods import global_clustering
+from worker.search.methods.global_clustering import ALONE, Clusters, Found, Options, Sample, critical_distance, method
+from worker.search.parts.descent import End
+from worker.search.parts.unirandi import STEP, unirandi
 
 
 def two_bowls(x: Floats) -> Floats:

@@ -9,9 +9,9 @@ import pytest
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search import direct, direct_l, hybrid_direct
 from worker.search.base import EXCLUDED, FAILED, Floats
-from worker.search.hybrid_direct import method
+from worker.search.methods import direct, direct_l, hybrid_direct
+from worker.search.methods.hybrid_direct import method
 
 
 def corner(x: Floats) -> Floats:

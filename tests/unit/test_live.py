@@ -1,4 +1,4 @@
-"""Live flights: the protocol of `python -m worker.live`, with a real process."""
+"""Live flights: the protocol of `python -m worker.processes.live`, with a real process."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Live:
 
     def __init__(self, **environment: str) -> None:
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        command = [sys.executable, "-m", "worker.live"]
+        command = [sys.executable, "-m", "worker.processes.live"]
         self.process = subprocess.Popen(command, env={**os.environ, **environment}, **pipes)
         assert self.process.stdout is not None
         self.buffer = b""

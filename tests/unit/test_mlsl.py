@@ -10,7 +10,7 @@ import pytest
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
 from worker.search.base import Floats
-from worker.search.mlsl import Options, method
+from worker.search.methods.mlsl import Options, method
 
 LOCALS = get_args(get_type_hints(Options)["local"])
 

@@ -11,8 +11,8 @@ import pytest
 
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, evaluate
 from tests.unit.searching import run, space
-from worker.search import monte_carlo
 from worker.search.base import Floats
+from worker.search.methods import monte_carlo
 from worker.stages import search
 from worker.stages.claims import bound
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.unit.searching import space
 from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats
-from worker.search.nsga2 import Options, extend, search
+from worker.search.methods.nsga2 import Options, extend, search
 
 Several = Callable[[Floats], Floats]
 

@@ -9,9 +9,9 @@ import pytest
 from scipy import stats
 
 from tests.unit.cases import campaign, case1, searching
-from worker.problem import Problem
+from worker.runs.store import MemoryStore
 from worker.stages.base import Context
-from worker.store import MemoryStore
+from worker.systems.problem import Problem
 
 
 @pytest.mark.parametrize(

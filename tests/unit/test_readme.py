@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from campaigns import check
-from campaigns.load import load_text
-from worker.catalog import catalogue, components
+from campaigns.asked.load import load_text
+from worker.catalogue.installed import catalogue, components
 from worker.kernels.assemble import Loop
 from worker.kernels.component import Obstacle, declared
 from worker.kernels.layout import Parts
-from worker.problem import Problem
+from worker.systems.problem import Problem
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 

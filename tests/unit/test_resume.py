@@ -10,12 +10,13 @@ import pytest
 
 from campaigns import Campaign
 from tests.unit.cases import searching
-from worker.evaluate import InProcess
-from worker.problem import Problem
-from worker.runner import Cancelled, Tally, execute
+from worker.runs.runner import Cancelled, Tally, execute
+from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, Floats
 from worker.stages import base
-from worker.store import Columns, Conclusion, MemoryStore, join
+from worker.stages.store import Columns, Conclusion, join
+from worker.systems.evaluate import InProcess
+from worker.systems.problem import Problem
 
 SEARCHES = (
     {"method": "direct", "evaluations": 150},

@@ -9,9 +9,10 @@ import pytest
 from campaigns import Campaign
 from tests.unit.cases import campaign
 from tests.unit.test_resume import Interrupted, Unreliable, outcome
-from worker.runner import execute
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.stages import base
-from worker.store import MemoryStore, join
+from worker.stages.store import join
 
 MONTE_CARLO: tuple[dict[str, Any], ...] = (
     {}, {"sampling": "latin_hypercube"}, {"sampling": "sobol"}, {"interval": 0.1},

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from campaigns.spec import MAX_SEED
+from campaigns.asked.spec import MAX_SEED
 from tests.unit.cases import searching
-from worker.problem import Problem
-from worker.runner import execute
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.stages import offered, seeds
 from worker.stages.base import Context
-from worker.store import Conclusion, MemoryStore
+from worker.stages.store import Conclusion
+from worker.systems.problem import Problem
 
 NOISE: list[dict[str, Any]] = [{"component": "sensor_noise", "parameters": {"sigma": 0.15}}]
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError
-from campaigns.plan import plan
+from campaigns.asked.plan import plan
 from tests.unit.sampled import asked, context, evaluate
-from worker.problem import Problem
+from worker.runs.store import MemoryStore
 from worker.search.base import OK, Batch, Floats
 from worker.stages import sensitivity
-from worker.store import MemoryStore
+from worker.systems.problem import Problem
 
 THREE: dict[str, Any] = {
     "vehicle.m": {"low": 4, "high": 6}, "vehicle.J": {"low": 0.04, "high": 0.06}, "avoider.k_rep": {"plus_minus": 1},
@@ -111,7 +111,7 @@ def test_a_design_with_flights_that_are_missing_is_not_computed(kind: str) -> No
 def test_nothing_is_computed_that_was_not_asked_for() -> None:
     found = ran(lambda u: u.sum(axis=1), {})
     assert (found["morris"], found["sobol"], found["points"]) == (None, None, 3)
-    heavy = "import sys, worker.runner; print('SALib' in sys.modules)"
+    heavy = "import sys, worker.runs.runner; print('SALib' in sys.modules)"
     said = subprocess.run([sys.executable, "-c", heavy], capture_output=True, text=True, check=True).stdout
     assert said.strip() == "False"
 

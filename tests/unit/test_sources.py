@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.unit.cases import document
-from worker import sources
+from worker.runs import sources
 
 MODULE = b'"""Text."""\nX = 1.0\n\n\ndef f(x):\n    """Help."""\n    return x * X\n'
 
@@ -54,7 +54,7 @@ def test_code_is_what_can_change_a_number(edit: tuple[bytes, bytes], same: bool)
 def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
     noted = sources.note()
     assert noted.files.keys() >= {"added_here", "added_here.post", "added_here.inner.helper"}
-    assert noted.files.keys() >= {"worker.vehicles.unicycle", "worker.stages.search", "campaigns.plan"}
+    assert noted.files.keys() >= {"worker.components.vehicles.unicycle", "worker.stages.search", "campaigns.asked.plan"}
     assert noted.packages["added-here"] == "1.5"
     assert noted.packages["numpy"] == importlib.import_module("numpy").__version__
     before = sources.note().digest
@@ -64,7 +64,12 @@ def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
 
 def test_the_code_digest_leaves_out_what_starts_processes() -> None:
     modules = sources.code().modules
-    assert {"worker.vehicles.unicycle", "worker.search.direct", "worker.runner", "campaigns.spec"} <= modules.keys()
+    assert {
+        "worker.components.vehicles.unicycle",
+        "worker.search.methods.direct",
+        "worker.runs.runner",
+        "campaigns.asked.spec",
+    } <= modules.keys()
     for apart in sources.APART:
         assert apart in sources.LOADED.files, "it is not there any more"
         assert apart not in modules
@@ -88,7 +93,7 @@ def test_a_process_is_stale_once_a_file_changed_or_came(added: Path, monkeypatch
 def test_an_edit_of_equal_size_in_the_same_second_is_loaded(added: Path) -> None:
     """Bytecode would be taken for current: it is dropped before anything is loaded."""
     post = added / "post.py"
-    program = "from worker import sources; import added_here.post as post; print(post.X)"
+    program = "from worker.runs import sources; import added_here.post as post; print(post.X)"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(added.parent), os.getcwd()])}
 
     for unwanted in ("PYTHONDONTWRITEBYTECODE", "PYTHONPYCACHEPREFIX"):
@@ -110,7 +115,7 @@ def test_an_edit_of_equal_size_in_the_same_second_is_loaded(added: Path) -> None
 
 def test_live_flights_end_before_they_fly_old_code(added: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(added.parent), os.getcwd()])}
-    command = [sys.executable, "-P", "-m", "worker.live"]
+    command = [sys.executable, "-P", "-m", "worker.processes.live"]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     asked = json.dumps({"id": 1, "campaign": document(scenario__step=-1.0)}).encode() + b"\n"
     with subprocess.Popen(command, env=environment, **pipes) as live:  # type: ignore[call-overload]

@@ -11,8 +11,8 @@ from scipy.stats import qmc
 
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run, space
-from worker.search import sqp
 from worker.search.base import Floats
+from worker.search.methods import sqp
 
 
 def bowl(x: Floats) -> Floats:

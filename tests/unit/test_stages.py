@@ -12,9 +12,10 @@ from campaigns import Campaign
 from tests.audited import audited
 from tests.unit.cases import campaign, case1, searching
 from worker.reference import Reference
-from worker.runner import execute
+from worker.runs.runner import execute
+from worker.runs.store import MemoryStore
 from worker.stages.search import stream
-from worker.store import Conclusion, MemoryStore
+from worker.stages.store import Conclusion
 
 SEARCHES = (
     {"method": "direct", "evaluations": 200},

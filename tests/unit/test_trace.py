@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.unit.cases import case1
-from worker.problem import Floats
-from worker.store import Trace
-from worker.trace import trace
+from worker.stages.store import Trace
+from worker.systems.closed_loop.trace import trace
+from worker.systems.problem import Floats
 
 WORST = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 

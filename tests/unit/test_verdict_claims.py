@@ -23,7 +23,7 @@ from tests.unit.evidence import (
     validation,
     violation,
 )
-from worker.problem import Problem
+from worker.systems.problem import Problem
 from worker.verdicts.conclude import conclude
 
 STOPPED = {"kind": "budget", "text": "used its budget"}

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from campaigns import extents
-from campaigns.check import parameters
+from campaigns.asked import extents
+from campaigns.asked.check import parameters
 from worker.audit.recompute import FLOOR, Recomputed
 from worker.audit.record import MISSING, Record, UnreadableError, at
 

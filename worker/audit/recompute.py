@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.check import parameters, seeded
-from campaigns.plan import plan
+from campaigns.asked.check import parameters, seeded
+from campaigns.asked.plan import plan
 from worker.audit.record import MISSING, Columns, Record, at
 
 FLOOR = 1e-6

@@ -14,8 +14,8 @@ import numpy as np
 import sqlalchemy as sa
 
 from campaigns import Campaign, Catalogue, load_file
-from campaigns.load import load_document
-from campaigns.snapshot import digest_of
+from campaigns.asked.load import load_document
+from campaigns.asked.snapshot import digest_of
 
 MISSING: Any = "not stored by the version that made this run"
 """What is not stored, or cannot be recomputed without something that is not."""

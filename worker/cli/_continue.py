@@ -22,17 +22,18 @@ from backend.db.engine import connect, migrate, read, write
 from backend.db.queue import LEASE, Claim, LostLease, Queue
 from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
+from campaigns.asked.load import load_document
+from campaigns.asked.plan import plan
+from campaigns.asked.snapshot import values_changed
 from campaigns.flown import Flown
-from campaigns.load import load_document
-from campaigns.plan import plan
-from campaigns.snapshot import values_changed
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 from worker.cli import WrongInputError
 from worker.cli._results import flown_of, read_folder
 from worker.cli._where import existing_url_of
-from worker.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
-from worker.runner import Cancelled, ReplayMismatch
-from worker.store import Columns, Conclusion, MemoryStore, StagePlan, Store
+from worker.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
+from worker.runs.runner import Cancelled, ReplayMismatch
+from worker.runs.store import MemoryStore
+from worker.stages.store import Columns, Conclusion, StagePlan, Store
 
 Execute = Callable[[Campaign, Store, Callable[[], bool]], Conclusion]
 

@@ -14,11 +14,12 @@ from rich.table import Table
 from rich.text import Text
 
 from campaigns import Campaign, verdicts
-from campaigns.plan import plan
-from worker.catalog import methods
+from campaigns.asked.plan import plan
+from campaigns.wording import count, listed, number, signed
+from worker.catalogue.installed import methods
+from worker.runs.store import MemoryStore
 from worker.stages.base import Tally
-from worker.store import Conclusion, MemoryStore
-from worker.wording import count, listed, number, signed
+from worker.stages.store import Conclusion
 
 VERDICTS = {
     "cleared": ("✓", "Cleared", "green"),

@@ -16,15 +16,16 @@ import numpy as np
 
 from backend.db.store import plain
 from campaigns import Campaign, load_file
+from campaigns.asked.plan import plan
+from campaigns.asked.snapshot import snapshot
 from campaigns.flown import Flown
-from campaigns.plan import plan
-from campaigns.snapshot import snapshot
-from worker.catalog import catalogue
-from worker.continuation import CannotContinue
-from worker.problem import Problem
+from worker.catalogue.installed import catalogue
+from worker.runs.continuation import CannotContinue
+from worker.runs.store import MemoryStore
 from worker.search.base import STATUS
 from worker.stages import front
-from worker.store import Columns, Conclusion, MemoryStore, StagePlan, StageRecord, Trace
+from worker.stages.store import Columns, Conclusion, StagePlan, StageRecord, Trace
+from worker.systems.problem import Problem
 
 ARRAYS = "evaluations.npz"
 

@@ -19,7 +19,8 @@ from worker.cli._where import DATA, Data, Database
 
 if TYPE_CHECKING:
     from campaigns import Campaign
-    from worker.store import Conclusion, MemoryStore, Store
+    from worker.runs.store import MemoryStore
+    from worker.stages.store import Conclusion, Store
 
 Fly: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Conclusion]"
 
@@ -47,7 +48,7 @@ def run(
     database: Database = "",
 ) -> None:  # fmt: skip
     """Run a campaign here and print its verdict; the exit code is the verdict."""
-    from worker import sources as sources  # first: it records the files before they are loaded
+    from worker.runs import sources as sources  # first: it records the files before they are loaded
 
     _asked_right(file, onward, budget)
     writable(out)
@@ -86,10 +87,10 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
 
 def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
     from campaigns import CampaignError, check
-    from worker.catalog import catalogue
+    from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
-    from worker.problem import CampaignUnusable
-    from worker.store import MemoryStore
+    from worker.runs.store import MemoryStore
+    from worker.systems.problem import CampaignUnusable
 
     campaign = read_campaign(file)
     if problems := check(campaign, catalogue()):
@@ -146,7 +147,7 @@ def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
 
 def _flying(threads: int | None, quiet: bool) -> Fly:
     """What runs a campaign into a store, with progress on the terminal unless quiet."""
-    from worker.runner import execute
+    from worker.runs.runner import execute
 
     def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Conclusion:
         with interrupt.kept(cancelled) as asked:

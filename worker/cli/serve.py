@@ -23,8 +23,8 @@ from backend.db.private import SharedFolderError, keep_private
 from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, WrongInputError
 from worker.cli._where import DATA, Data, Database, url_of
 from worker.cli.login_link import ADDRESS_FILE
-from worker.lifeline import Wakeup
-from worker.serving import Server, Servers
+from worker.processes.lifeline import Wakeup
+from worker.processes.serving import Server, Servers
 
 PATIENCE = 300.0
 """How long the service may take to come up [s]."""

@@ -29,7 +29,7 @@ def submit(
     patience: Patience = PATIENCE,
 ) -> None:  # fmt: skip
     """Send a campaign to a service and wait for its verdict, which is the exit code."""
-    from campaigns.load import load_text, read_text
+    from campaigns.asked.load import load_text, read_text
     from worker.cli._campaign import found
     from worker.cli._following import follow_to_the_end, token_of
     from worker.cli._out import writable

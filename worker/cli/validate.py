@@ -19,8 +19,8 @@ def validate(
     import json
 
     from campaigns import Campaign, CampaignError, check
-    from campaigns.plan import plan
-    from worker.catalog import catalogue
+    from campaigns.asked.plan import plan
+    from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
 
     if schema:

@@ -1,6 +1,6 @@
 """`clearance worker`: claims runs from the queue and works on them until it is stopped.
 
-Start reading at `worker`; what it does is in `worker.supervisor`.
+Start reading at `worker`; what it does is in `worker.processes.supervisor`.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ def worker(
         bool, typer.Option("--check", help="Only say, by the exit code, whether a worker of this machine is alive.")
     ] = False,
     name: Annotated[str, typer.Option(help="Shown beside its runs; the default is machine:process.")] = "",
-    runner: Annotated[str, typer.Option(hidden=True)] = "worker.runner:execute",
+    runner: Annotated[str, typer.Option(hidden=True)] = "worker.runs.runner:execute",
     lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,
 ) -> None:
     """Work on runs from the queue. Start as many as there are cores; Ctrl-C gives the run back to the queue."""
     from backend.db.engine import migrate
     from backend.db.private import UMASK
-    from worker.supervisor import Supervisor, default_name
+    from worker.processes.supervisor import Supervisor, default_name
 
     if check:
         raise typer.Exit(0 if _alive(data, database) else 1)

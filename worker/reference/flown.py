@@ -14,12 +14,12 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from worker.evaluate import usual_threads
 from worker.kernels.assemble import Loop
-from worker.problem import Floats, Problem
 from worker.reference import flight, plain
 from worker.reference.instants import Stretches, Timetable
 from worker.reference.stepper import CHANNEL_ROWS, ROWS
+from worker.systems.evaluate import usual_threads
+from worker.systems.problem import Floats, Problem
 
 NAME = "DOP853"
 

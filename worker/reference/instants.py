@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.problem import Floats, Problem
+from worker.systems.problem import Floats, Problem
 
 STRETCHES = 40
 """A flight without samples of guidance is integrated in so many stretches: only from the one where it stuck on is it

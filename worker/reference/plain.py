@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from worker.problem import Floats, Problem
 from worker.reference.flight import (
     ABSOLUTE,
     COARSE,
@@ -29,6 +28,7 @@ from worker.reference.flight import (
 )
 from worker.reference.instants import Stretches
 from worker.reference.reading import LOOKS
+from worker.systems.problem import Floats, Problem
 
 
 class _Ended(Exception):

@@ -16,16 +16,17 @@ from typing import Any
 import numpy as np
 
 from campaigns import Campaign, library, load_file
-from campaigns.stages import Search as Asked
-from worker.catalog import methods
-from worker.evaluate import InProcess
-from worker.problem import Floats, Problem
+from campaigns.asked.stages import Search as Asked
+from worker.catalogue.installed import methods
 from worker.reproduce.published import D_MIN, Case, Corners, Fly, How, Result, Search, Sweep
+from worker.runs.store import MemoryStore
 from worker.search.base import OK
 from worker.stages import search as stage
 from worker.stages.base import Context
-from worker.store import Columns, MemoryStore, StagePlan, Trace
-from worker.trace import trace
+from worker.stages.store import Columns, StagePlan, Trace
+from worker.systems.closed_loop.trace import trace
+from worker.systems.evaluate import InProcess
+from worker.systems.problem import Floats, Problem
 
 SWEEP = 41
 """Points of a sweep over one parameter."""

@@ -14,9 +14,9 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from campaigns.wording import count, number
 from worker.reproduce.compare import Reproduction, Row, Value
 from worker.reproduce.published import D_MIN
-from worker.wording import count, number
 
 TITLES = {
     "4.1": "Local optimisation, unicycle",

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from campaigns import Campaign, library, load_file
-from worker.problem import Floats, Problem
 from worker.search.base import OK
 from worker.stages.confirm import FRACTION_OF_MARGIN
+from worker.systems.problem import Floats, Problem
 
 POINTS = 200
 SEED = 2**21

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import Campaign
-from worker.evaluate import Evaluate
-from worker.problem import Floats, Problem
-from worker.realisations import Seeds
+from campaigns.wording import count
 from worker.search.base import EXCLUDED, OK, Batch, Search
-from worker.store import Columns, Store, join
-from worker.wording import count
+from worker.stages.store import Columns, Store, join
+from worker.systems.closed_loop.realisations import Seeds
+from worker.systems.evaluate import Evaluate
+from worker.systems.problem import Floats, Problem
 
 Result = TypeVar("Result")
 

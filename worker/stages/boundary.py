@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.problem import Floats, Problem
+from campaigns.wording import number
 from worker.search.base import EXCLUDED, OK, Batch
 from worker.stages import slices
 from worker.stages.slices import Asking
-from worker.wording import number
+from worker.systems.problem import Floats, Problem
 
 LOOKS = 20
 """On every ray."""

@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.stages import Certify
-from worker.problem import Problem
+from campaigns.asked.stages import Certify
+from campaigns.wording import count, number
 from worker.search.base import EXCLUDED, Batch, Floats
 from worker.stages import seeds
 from worker.stages.base import Asking, Context, Seeded, drive
 from worker.stages.sample import Sample
 from worker.stages.search import stream
-from worker.store import Columns
-from worker.wording import count, number
+from worker.stages.store import Columns
+from worker.systems.problem import Problem
 
 STREAM = 2**21
 """Of random numbers: searches have those from 0 on."""

@@ -12,7 +12,7 @@ import numpy as np
 from worker.search.base import OK
 from worker.stages.base import Context, all_columns
 from worker.stages.findings import SAME_COST, Found, scale
-from worker.store import Finding
+from worker.stages.store import Finding
 
 
 def compare(context: Context, findings: list[Finding], found: Found, labels: list[str]) -> list[dict[str, Any]]:

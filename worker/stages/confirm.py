@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from worker.problem import Floats
 from worker.reference import NAME, Flight, Reference
 from worker.search.base import OK
 from worker.stages.base import Cancelled, Context
+from worker.systems.problem import Floats
 
 FRACTION_OF_MARGIN = 0.1
 FLOOR = 1e-6

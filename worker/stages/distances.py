@@ -5,11 +5,11 @@ Start reading at `clause`.
 
 from __future__ import annotations
 
-from campaigns import extents
-from campaigns.check import parameters
-from worker.catalog import catalogue
-from worker.problem import Problem
-from worker.wording import listed, number
+from campaigns.asked import extents
+from campaigns.asked.check import parameters
+from campaigns.wording import listed, number
+from worker.catalogue.installed import catalogue
+from worker.systems.problem import Problem
 
 
 def clause(problem: Problem) -> str:

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from campaigns import Campaign
-from campaigns.spec import FaultPart
-from worker.problem import Problem
+from campaigns.asked.spec import FaultPart
 from worker.search.base import OK
 from worker.stages.base import Context, all_columns
-from worker.store import Trace
-from worker.trace import trace
+from worker.stages.store import Trace
+from worker.systems.closed_loop.trace import trace
+from worker.systems.problem import Problem
 
 UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
 """Nothing is ever seen: the avoider steers to the goal as if there were no obstacle."""

@@ -3,7 +3,7 @@
 Gathers candidates stage by stage, descends from them, merges what ends in one basin, polishes, evaluates neighbours
 (the objective is not smooth), slices and the boundary. Whatever is evaluated on the way and is lower than the worst
 case becomes a candidate itself, until nothing lower is stored anywhere in the run. The tests of what is distinct are in
-`worker.search.basins`. Start reading at `search`.
+`worker.search.parts.basins`. Start reading at `search`.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from worker.problem import Floats
 from worker.search.base import OK, Batch, Search, Space
-from worker.search.basins import Basin, Rules, distinct, promising
-from worker.search.lowest import Lowest
+from worker.search.parts.basins import Basin, Rules, distinct, promising
+from worker.search.parts.lowest import Lowest
 from worker.stages import seeds
 from worker.stages.base import Context
 from worker.stages.boundary import after
-from worker.store import Columns
+from worker.stages.store import Columns
+from worker.systems.problem import Floats
 
 EACH, ALL = 12, 60
 """Points to descend from: of every stage's evaluations at most, and of everything at most."""
@@ -169,7 +169,7 @@ def _told_apart(context: Context, found: Found, starts: list[Basin]) -> Search:
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
     try:
-        yield from distinct(points, costs, _rules(context, float(costs.min())), _space(context), basins)
+        yield from distinct(points, costs, _rules(context, float(costs.min())), basins)
     finally:  # a budget's end loses none
         found.basins = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
         _keep_the_worst(context, found)

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.problem import Floats, Problem
 from worker.search.base import OK
-from worker.store import Columns
+from worker.stages.store import Columns
+from worker.systems.problem import Floats, Problem
 
 MOST = 2000
 """Points of a front that a result holds; of more, these are spread evenly over the values of the first criterion."""

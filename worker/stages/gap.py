@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from worker.problem import Problem
-from worker.search import direct
+from campaigns.wording import count, number
 from worker.search.base import Batch, Floats
-from worker.store import Columns
-from worker.wording import count, number
+from worker.search.methods import direct
+from worker.stages.store import Columns
+from worker.systems.problem import Problem
 
 DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=True)}
 """The methods that keep rectangles."""

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.stages import Morris, SobolIndices
-from worker.problem import Problem
+from campaigns.asked.stages import Morris, SobolIndices
+from campaigns.wording import count, listed
 from worker.search.base import EXCLUDED, OK, Batch
 from worker.stages.slices import Asking
-from worker.wording import count, listed
+from worker.systems.problem import Problem
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 """Of random numbers; searches have those from 0 on."""

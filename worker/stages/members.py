@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from worker.catalog import methods
+from worker.catalogue.installed import methods
 from worker.search.base import OK, Search
-from worker.store import Columns
+from worker.stages.store import Columns
 
 
 @dataclass

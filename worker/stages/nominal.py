@@ -6,8 +6,8 @@ from typing import Any
 
 from worker.search.base import STATUS
 from worker.stages.base import Context, drive, once
-from worker.store import Trace
-from worker.trace import trace
+from worker.stages.store import Trace
+from worker.systems.closed_loop.trace import trace
 
 
 def run(context: Context, position: int) -> tuple[dict[str, Any], list[Trace]]:

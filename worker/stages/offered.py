@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.problem import Floats
+from campaigns.wording import count, number
 from worker.search.base import OK
 from worker.stages import seeds
 from worker.stages.base import Context, all_columns
 from worker.stages.confirm import Case, cases, reference
-from worker.wording import count, number
+from worker.systems.problem import Floats
 
 AT_MOST = 200
 SPOT_CHECKS = 200

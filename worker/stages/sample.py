@@ -11,14 +11,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from worker.problem import Floats, Problem
-from worker.realisations import Realisations
-from worker.search import monte_carlo
+from campaigns.wording import count, listed, number
 from worker.search.base import EXCLUDED, OK
+from worker.search.methods import monte_carlo
 from worker.stages import claims
 from worker.stages.base import Context
-from worker.store import Columns
-from worker.wording import count, listed, number
+from worker.stages.store import Columns
+from worker.systems.closed_loop.realisations import Realisations
+from worker.systems.problem import Floats, Problem
 
 STEPS = 400
 """Values of the distribution function that a chart is given."""

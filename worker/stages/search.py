@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from campaigns.stages import Search as Asked
-from worker.catalog import methods
+from campaigns.asked.stages import Search as Asked
+from worker.catalogue.installed import methods
 from worker.search.base import Batch, Floats, Method, Minimum, Space
 from worker.stages import front, gap, sample
 from worker.stages.base import Context, Driven, drive

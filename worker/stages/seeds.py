@@ -12,10 +12,10 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.spec import MAX_SEED
-from worker.realisations import Seeds
+from campaigns.asked.spec import MAX_SEED
 from worker.stages.base import Context, all_columns
-from worker.store import Columns
+from worker.stages.store import Columns
+from worker.systems.closed_loop.realisations import Seeds
 
 _GAMMA = 0x9E3779B97F4A7C15
 _BITS = MAX_SEED.bit_length() - 1

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from campaigns.stages import Sensitivity
+from campaigns.asked.stages import Sensitivity
 from worker.search.base import Search
 from worker.stages import indices
 from worker.stages.base import Context, drive

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from worker.problem import Floats, Problem
 from worker.search.base import STATUS, Batch
+from worker.systems.problem import Floats, Problem
 
 POINTS = 41
 """On each slice through a worst case, beside the worst case itself."""

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.wording import listed
 from worker.reference import NAME
 from worker.search.base import OK
 from worker.stages import boundary, findings, offered, seeds
@@ -21,9 +22,8 @@ from worker.stages.base import Context, Driven, all_columns, drive
 from worker.stages.comparison import compare
 from worker.stages.confirm import Case, cases
 from worker.stages.encounter import encounter
-from worker.store import Finding, Trace
-from worker.trace import trace
-from worker.wording import listed
+from worker.stages.store import Finding, Trace
+from worker.systems.closed_loop.trace import trace
 
 
 def run(context: Context, position: int) -> tuple[dict[str, Any], list[Finding], list[Trace]]:

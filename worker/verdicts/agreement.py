@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from worker.problem import Problem
+from campaigns.wording import count, listed, number
+from worker.systems.problem import Problem
 from worker.verdicts.evidence import Check, Evidence
-from worker.wording import count, listed, number
 
 AT_MOST = 0.2
 """The largest fraction of nominal minus worst that counts as agreement, whatever a campaign asks for."""

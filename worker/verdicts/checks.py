@@ -5,13 +5,13 @@ Start reading at `checks`.
 
 from __future__ import annotations
 
-from worker.problem import Problem
+from campaigns.wording import count, number, signed
 from worker.stages import distances
+from worker.systems.problem import Problem
 from worker.verdicts.agreement import agreement
 from worker.verdicts.encounter import encounter
 from worker.verdicts.evidence import Check, Evidence
 from worker.verdicts.probability import probability
-from worker.wording import count, number, signed
 
 
 def checks(problem: Problem, evidence: Evidence) -> list[Check]:

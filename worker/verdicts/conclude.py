@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from worker.problem import Problem
-from worker.store import Conclusion
+from worker.stages.store import Conclusion
+from worker.systems.problem import Problem
 from worker.verdicts.checks import checks
 from worker.verdicts.evidence import Check, Evidence, Verdict
 from worker.verdicts.probability import statistics

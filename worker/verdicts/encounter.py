@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from worker.problem import Problem
+from campaigns.wording import listed, number
+from worker.systems.problem import Problem
 from worker.verdicts.agreement import FLAT, varies
 from worker.verdicts.evidence import Check, Evidence
-from worker.wording import listed, number
 
 MOVED = 0.01
 """Fraction of the nominal closest approach that the vehicle must at least move."""

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from worker.problem import Problem
+from campaigns.wording import count, listed
+from worker.systems.problem import Problem
 from worker.verdicts.evidence import Check, Evidence
-from worker.wording import count, listed
 
 CEILING = 0.05
 """The largest bound on P(violation) that a campaign without a target is cleared with."""

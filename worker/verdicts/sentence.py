@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from worker.catalog import catalogue
-from worker.problem import Problem
+from campaigns.wording import count, listed, number, signed
+from worker.catalogue.installed import catalogue
 from worker.stages import distances
+from worker.systems.problem import Problem
 from worker.verdicts import encounter
 from worker.verdicts.evidence import Check, Evidence, Verdict
-from worker.wording import count, listed, number, signed
 
 
 def sentence(

@@ -1,7 +1,7 @@
 """Live flights: asks a child process that flies one case at a time, so that no simulation runs in the service itself.
 
 One process for all viewers, started with the first question and again after it failed; requests and answers are one
-line of JSON each (`worker/live.py`). Start reading at `Live.fly`.
+line of JSON each (`worker/processes/live.py`). Start reading at `Live.fly`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[3]
-COMMAND = (sys.executable, "-P", "-m", "worker.live")
+COMMAND = (sys.executable, "-P", "-m", "worker.processes.live")
 
 LIMIT = 5.0
 """How long a flight may take [s]."""
@@ -85,7 +85,7 @@ class Live:
     ) -> dict[str, Any]:
         """What the avoider asks for at places of the plane of the vehicle's height, at a time [s] of that flight.
 
-        Places, demands: in the flight's own axes; what comes is told in `worker/live.py`. Raises `LiveError`.
+        Places, demands: in the flight's own axes; what comes is told in `worker/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
         return self._answered(digest, asked)

@@ -1,5 +1,5 @@
 // How far obstacles reach from their centres, and what follows for a criterion that measures to centres: a vehicle could
-// be inside an obstacle and the flight clear. The rule is the service's own (campaigns/extents.py). Start: `withinOf`.
+// be inside an obstacle and the flight clear. The rule is the service's own (campaigns/asked/extents.py). Start: `withinOf`.
 import type { Campaign, Part } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { boundsOf, numberOf, parametersOf } from './parameters'

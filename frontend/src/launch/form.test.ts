@@ -12,8 +12,8 @@ import { amended, changesOf, formOf } from './text'
 
 const THROUGH_YAML = `
 import json, sys
-from campaigns.load import load_document, load_text
-from campaigns.text import to_yaml
+from campaigns.asked.load import load_document, load_text
+from campaigns.asked.text import to_yaml
 again = {name: load_text(to_yaml(load_document(d, name)), name) for name, d in json.load(sys.stdin).items()}
 print(json.dumps({name: {"document": c.document(), "digest": c.digest} for name, c in again.items()}))
 `

@@ -15,7 +15,7 @@ export function python<T>(program: string, input = ''): T {
 const READ = `
 import json
 from campaigns import Campaign, library, load_file
-from worker.catalog import catalogue
+from worker.catalogue.installed import catalogue
 def told(path):
     campaign = load_file(path)
     return {"document": campaign.document(), "digest": campaign.digest, "text": path.read_text(encoding="utf-8")}

@@ -12,7 +12,7 @@ import { takingOut } from './taking'
 const MEANING = `
 import json, sys
 from campaigns import CampaignError
-from campaigns.load import load_document, load_text
+from campaigns.asked.load import load_document, load_text
 def meaning(read, given):
     try:
         return read(given, "x").digest

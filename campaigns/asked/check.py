@@ -1,0 +1,293 @@
+"""Holds a campaign against the catalogue: known components and methods, units, each component's own limits.
+
+The same for command line and API; the catalogue is data, so nothing of the physics is imported.
+Start reading at `check`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from campaigns.asked import effort, extents, frames, said, uncertainty
+from campaigns.asked.criteria import criteria
+from campaigns.asked.problem import MOST, Problem
+from campaigns.asked.spec import Campaign, Part
+from campaigns.asked.values import MAX_EVALUATIONS
+from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
+
+LEAST_CONFIDENCE = 0.9
+SEED = "seed"
+"""The parameter by which a random component is told which realisation it flies."""
+
+
+def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
+    """The problems of the campaign under this catalogue, the first `MOST`; an empty list means it may be asked for."""
+    return _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
+
+
+def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
+    """What keeps a campaign from being simulated with these components; stored runs are shown wherever it can be.
+
+    What `check` reports besides can be simulated, but its numbers would not mean what they seem to.
+    """
+    return _first(_check(campaign, catalogue))
+
+
+def _first(problems: Iterator[Problem]) -> list[Problem]:
+    found = list(itertools.islice(problems, MOST + 1))
+    return found if len(found) <= MOST else [*found[: MOST - 1], Problem("", "", "and more problems; mend these first")]
+
+
+def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
+    """The parts of a scenario: prefix of its parameters' paths, field in the file, role, part."""
+    s = campaign.scenario
+    yield "vehicle", "scenario.vehicle", "vehicle", s.vehicle
+    yield "controller", "scenario.controller", "controller", s.controller
+    yield "avoider", "scenario.avoider", "avoider", s.avoider
+    for i, obstacle in enumerate(s.obstacles):
+        yield f"obstacles.{i}", f"scenario.obstacles.{i}", "obstacle", obstacle
+    for i, part in enumerate(s.environment):
+        yield f"environment.{i}", f"scenario.environment.{i}", "environment", part
+    for i, fault in enumerate(s.faults):
+        yield f"faults.{i}", f"scenario.faults.{i}", "fault", fault
+    c = campaign.criterion
+    yield "criterion", "criterion", "criterion", Part(component=c.component, parameters=c.parameters)
+    for i, objective in enumerate(campaign.objectives):
+        yield f"objectives.{i}", f"objectives.{i}", "criterion", objective
+
+
+def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[ParameterEntry, float]]:
+    """Every parameter of the campaign by path, with its entry and nominal value; unknown components are left out.
+
+    A parameter that must be given and is not has the nominal value NaN; `check` reports it.
+    """
+    found: dict[str, tuple[ParameterEntry, float]] = {}
+    for prefix, _, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is not None:
+            found.update(_values(prefix, entry.parameters, part.parameters))
+            if role == "vehicle":
+                found.update(_values("start", entry.starts, campaign.scenario.start))
+            if role == "avoider":
+                found.update(_values("goal", entry.goals, campaign.scenario.goal))
+    return found
+
+
+def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
+    """The paths of the seeds: one for every part of the scenario that is random."""
+    found = []
+    for prefix, _, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is not None and role in ("environment", "fault"):
+            found += [f"{prefix}.{p.name}" for p in entry.parameters if p.name == SEED]
+    return found
+
+
+def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    for _, field, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is None:
+            names = [c.name for c in catalogue.components if c.role == role]
+            yield Problem(f"{field}.component", part.component, f"no such {role}; {said.known(part.component, names)}")
+            continue
+        yield from _given(f"{field}.parameters", entry.parameters, part.parameters)
+        if role == "vehicle":
+            yield from _given("scenario.start", entry.starts, campaign.scenario.start)
+        if role == "avoider":
+            yield from _given("scenario.goal", entry.goals, campaign.scenario.goal)
+    yield from _dimensions(campaign, catalogue)
+    yield from _fits(campaign, catalogue)
+    yield from criteria(campaign, catalogue)
+    known = parameters(campaign, catalogue)
+    unknown = _unknown(campaign, catalogue)
+    for path, uncertain in campaign.uncertain.items():
+        if not path.startswith(unknown):
+            yield from uncertainty.bounded(path, uncertain, known)
+    yield from uncertainty.correlated(campaign)
+    yield from _searches(campaign, catalogue, known)
+    yield from _certified(campaign)
+
+
+def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    yield from effort.excessive(campaign)
+    if campaign.confidence < LEAST_CONFIDENCE:
+        text = f"a statement that is wrong more than once in ten times claims nothing; at least {LEAST_CONFIDENCE:g}"
+        yield Problem("confidence", f"{campaign.confidence:g}", text)
+    known = parameters(campaign, catalogue)
+    yield from extents.centres(campaign, catalogue, known)
+    found = ((field, catalogue.component(role, part.component)) for _, field, role, part in parts(campaign))
+    yield from frames.mismatched(campaign, catalogue, [(field, entry) for field, entry in found if entry is not None])
+
+
+def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
+    """Beginnings of the paths of unknown components: one problem is enough for each."""
+    also = {"vehicle": ("start.",), "avoider": ("goal.",)}
+    return tuple(
+        beginning
+        for prefix, _, role, part in parts(campaign)
+        if catalogue.component(role, part.component) is None
+        for beginning in (f"{prefix}.", *also.get(role, ()))
+    )
+
+
+def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    found: list[tuple[str, ComponentEntry]] = []
+    for _, field, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is not None and entry.dimension is not None:
+            found.append((field, entry))
+    for field, entry in found[1:]:
+        first = found[0][1]
+        if entry.dimension != first.dimension:
+            yield Problem(
+                f"{field}.component",
+                entry.name,
+                f"lives in {entry.dimension} dimensions, the {first.role} {first.name!r} in {first.dimension}",
+            )
+
+
+def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    scenario = campaign.scenario
+    controller = catalogue.component("controller", scenario.controller.component)
+    vehicle = catalogue.component("vehicle", scenario.vehicle.component)
+    if controller is not None and vehicle is not None and vehicle.name not in controller.fits:
+        flown = ", ".join(controller.fits)
+        yield Problem(
+            "scenario.controller.component",
+            controller.name,
+            f"this controller flies {flown}, not {scenario.vehicle.component}",
+        )
+    yield from _placed(campaign, catalogue)
+    yield from _realised(campaign, catalogue)
+    avoider = catalogue.component("avoider", scenario.avoider.component)
+    if controller is not None and avoider is not None and avoider.demand not in controller.demands:
+        follows = " or ".join(controller.demands)
+        text = f"it asks for a {avoider.demand}; the controller {controller.name} follows a {follows}"
+        yield Problem("scenario.avoider.component", avoider.name, text)
+    if not scenario.obstacles:
+        yield Problem("scenario.obstacles", "[]", "give at least one obstacle: the criterion reads distances to them")
+
+
+def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    """Actuator faults are on one of the vehicle's inputs, all others on none."""
+    vehicle = catalogue.component("vehicle", campaign.scenario.vehicle.component)
+    for i, fault in enumerate(campaign.scenario.faults):
+        entry = catalogue.component("fault", fault.component)
+        if entry is None or vehicle is None:
+            continue
+        field = f"scenario.faults.{i}.on"
+        if entry.path == "actuator" and fault.on not in vehicle.inputs:
+            yield Problem(field, fault.on, f"name the input it is on: {', '.join(vehicle.inputs)}")
+        elif entry.path != "actuator" and fault.on:
+            yield Problem(field, fault.on, f"a fault of {entry.path} is not on an input; leave this out")
+        if entry.path == "guidance" and campaign.scenario.guidance.period == 0:
+            text = "only guidance with a period can be late; give scenario.guidance.period, or delay an actuator"
+            yield Problem(f"scenario.faults.{i}.component", fault.component, text)
+
+
+def _realised(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    """Seeds are listed where something is random, and are nothing to search over."""
+    random = set(seeded(campaign, catalogue))
+    seeds = campaign.scenario.realisations.seeds
+    if len(seeds) > 1 and not random:
+        text = "nothing in the scenario is random: all realisations are the same flight; leave this out"
+        yield Problem("scenario.realisations.seeds", str(seeds), text)
+    for path in sorted(random & campaign.uncertain.keys()):
+        text = "a seed picks a realisation, it is no quantity; list several in scenario.realisations.seeds"
+        yield Problem(f"uncertain.{path}", path, text)
+
+
+def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:
+    known = {e.name: e for e in entries}
+    for name, value in values.items():
+        if name not in known:
+            yield Problem(f"{field}.{name}", said.given(value), f"no such parameter; {said.known(name, known)}")
+        elif not known[name].low <= value <= known[name].high:
+            yield Problem(f"{field}.{name}", said.given(value), said.limits(known[name]))
+    for name, entry in known.items():
+        if entry.default is None and name not in values:
+            yield Problem(f"{field}.{name}", "", f"this parameter is required: {entry.text} [{entry.unit}]")
+
+
+def _searches(
+    campaign: Campaign, catalogue: Catalogue, known: Mapping[str, tuple[ParameterEntry, float]]
+) -> Iterator[Problem]:
+    for i, search in enumerate(campaign.stages.search):
+        field = f"stages.search.{i}"
+        entry = catalogue.method(search.method)
+        if entry is None:
+            names = [m.name for m in catalogue.methods]
+            yield Problem(f"{field}.method", search.method, f"no such method; {said.known(search.method, names)}")
+            continue
+        yield from _options(f"{field}.options", search.options, entry.options)
+        if search.starts and not entry.starts:
+            yield Problem(
+                f"{field}.starts", f"{len(search.starts)} starts", f"{entry.title} takes none; leave them out"
+            )
+        for j, start in enumerate(search.starts):
+            for path, value in start.items():
+                yield from _started(f"{field}.starts.{j}.{path}", path, value, campaign, known)
+
+
+def _certified(campaign: Campaign) -> Iterator[Problem]:
+    certify, dimension = campaign.stages.certify, len(campaign.uncertain)
+    if certify is not None and certify.grid is not None and certify.grid.points**dimension > MAX_EVALUATIONS:
+        most = int(MAX_EVALUATIONS ** (1 / dimension) + 1e-9)
+        advice = f"at most {most} points per axis" if most >= 2 else "leave the grid out"
+        text = f"a full grid over {dimension} parameters would have more than {MAX_EVALUATIONS:,} flights; {advice}"
+        yield Problem("stages.certify.grid.points", str(certify.grid.points), text)
+
+
+def _started(
+    field: str, path: str, value: float, campaign: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]
+) -> Iterator[Problem]:
+    if path not in campaign.uncertain:
+        yield Problem(field, path, f"not an uncertain parameter; {said.known(path, campaign.uncertain)}")
+    elif path in known:
+        low, high = campaign.uncertain[path].interval(known[path][1])
+        if not said.within(value, low, high):
+            yield Problem(field, said.given(value), f"a start lies within the bounds {low:g} to {high:g}")
+
+
+def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
+    """The few words of JSON Schema that an options dataclass yields: type, enum, minimum, maximum."""
+    properties = schema.get("properties", {})
+    for name, value in options.items():
+        if name not in properties:
+            yield Problem(f"{field}.{name}", str(value), f"no such option; {said.known(name, properties)}")
+        elif (reason := _misfit(value, properties[name])) is not None:
+            yield Problem(f"{field}.{name}", repr(value), reason)
+
+
+_TYPES = {"integer": (int,), "number": (int, float), "string": (str,), "boolean": (bool,), "null": (type(None),)}
+
+
+def _misfit(value: Any, rule: Mapping[str, Any]) -> str | None:
+    if "anyOf" in rule:
+        reasons = [_misfit(value, r) for r in rule["anyOf"]]
+        return None if None in reasons else next(r for r in reasons if r is not None)
+    kind = rule.get("type")
+    if kind in _TYPES and (not isinstance(value, _TYPES[kind]) or (isinstance(value, bool) and kind != "boolean")):
+        return f"expected a value of type {kind}"
+    if "enum" in rule and value not in rule["enum"]:
+        return f"expected one of {', '.join(map(str, rule['enum']))}"
+    limits: tuple[tuple[str, Callable[[Any, Any], bool], str], ...] = (
+        ("minimum", operator.lt, "at least"),
+        ("maximum", operator.gt, "at most"),
+        ("exclusiveMinimum", operator.le, "above"),
+        ("exclusiveMaximum", operator.ge, "below"),
+    )
+    for word, outside, text in limits:
+        if word in rule and (value != value or outside(value, rule[word])):
+            return f"expected {text} {rule[word]}"
+    return None
+
+
+def _values(
+    prefix: str, entries: list[ParameterEntry], given: Mapping[str, float]
+) -> dict[str, tuple[ParameterEntry, float]]:
+    missing = float("nan")
+    return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}

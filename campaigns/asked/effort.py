@@ -1,0 +1,85 @@
+"""What a campaign asks of the machine: steps of simulation, and numbers held in memory; both are bounded.
+
+The bounds are far above any campaign that ends, and keep a mistyped one from taking a machine for weeks or all of its
+memory. Start reading at `excessive`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from campaigns.asked.plan import plan
+from campaigns.asked.problem import Problem
+from campaigns.asked.spec import Campaign
+
+MOST_STEPS = 10**13
+"""Steps of simulation of a whole run; of 20 ns each (a vehicle in a plane) they take two days on one core. The largest
+campaign of the library has 5e8."""
+
+MOST_TRACED = 10**8
+"""Numbers of one trace, 0.8 GB; its states, what is drawn of them and distances to every obstacle count."""
+
+MOST_STORED = 3 * 10**8
+"""Numbers of all evaluations of a run, 2.4 GB: they are held together when the verdict is reached."""
+
+PREVIEW_STEPS = 2 * 10**7
+PREVIEW_TRACED = 2 * 10**7
+"""The same of a preview, which somebody waits for: about two seconds, and 0.2 GB."""
+
+STATES = 40
+"""Numbers of one step without obstacles: states, held guidance, pose and commands. With one obstacle the library's
+campaigns have at most 43, with three 51."""
+
+OBSTACLE = 8
+"""Numbers of one step for each obstacle: its state, its centre, its distances."""
+
+
+def steps(campaign: Campaign) -> int:
+    """Steps of one evaluation, all its realisations together."""
+    return traced_steps(campaign) * len(campaign.scenario.realisations.seeds)
+
+
+def traced_steps(campaign: Campaign) -> int:
+    """Steps of one flight."""
+    return round(campaign.scenario.horizon / campaign.scenario.step)
+
+
+def traced(campaign: Campaign) -> int:
+    """About how many numbers the trace of one flight has."""
+    channels = OBSTACLE + len(campaign.objectives)
+    return traced_steps(campaign) * (STATES + channels * len(campaign.scenario.obstacles))
+
+
+def excessive(campaign: Campaign) -> Iterator[Problem]:
+    """What of the campaign is more than can be run, and what to lower."""
+    evaluations = sum(stage.planned for stage in plan(campaign))
+    in_all, seeds = evaluations * steps(campaign), len(campaign.scenario.realisations.seeds)
+    if in_all > MOST_STEPS:
+        given = f"{evaluations:,} evaluations x {seeds} realisations x {traced_steps(campaign):,} steps = {in_all:.2g}"
+        text = f"at most {MOST_STEPS:.0e} steps of simulation in all: lower the evaluations of the stages, "
+        text += "the realisations, or horizon / step"
+        yield Problem("stages", given, text)
+    stored = evaluations * (len(campaign.uncertain) + len(campaign.objectives) + 3)
+    if stored > MOST_STORED:
+        given = f"{evaluations:,} evaluations of {len(campaign.uncertain)} parameters"
+        text = f"about {stored * 8 / 1e9:.1f} GB of results, at most {MOST_STORED * 8 / 1e9:g} GB: "
+        text += "lower the evaluations of the stages, or the number of uncertain parameters"
+        yield Problem("stages", given, text)
+    if traced(campaign) > MOST_TRACED:
+        given = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
+        text = f"the trace of one flight would take about {traced(campaign) * 8 / 1e9:.1f} GB, at most "
+        text += f"{MOST_TRACED * 8 / 1e9:g} GB: lengthen the step, shorten the horizon, or leave obstacles out"
+        yield Problem("scenario.step", given, text)
+
+
+def unpreviewable(campaign: Campaign) -> Iterator[Problem]:
+    """What of the nominal case is more than a preview simulates, though a run may."""
+    seeds = len(campaign.scenario.realisations.seeds)
+    if steps(campaign) > PREVIEW_STEPS:
+        given = f"{seeds} realisations x {traced_steps(campaign):,} steps"
+        text = f"a preview simulates at most {PREVIEW_STEPS:,} steps: lower the realisations or horizon / step"
+        yield Problem("scenario", given, f"{text}, or start the run, which may have more")
+    elif traced(campaign) > PREVIEW_TRACED:
+        given = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
+        text = f"the trace of a preview has at most {PREVIEW_TRACED * 8 / 1e9:g} GB: lower horizon / step"
+        yield Problem("scenario", given, f"{text}, or start the run, which may have more")

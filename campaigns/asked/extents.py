@@ -1,0 +1,85 @@
+"""The extent of obstacles against the criterion: a distance to a centre says nothing of a vehicle that is inside.
+
+Start reading at `centres`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from campaigns.asked.problem import Problem
+from campaigns.asked.said import given
+from campaigns.asked.spec import Campaign
+from campaigns.catalogue import Catalogue, ParameterEntry, ReachEntry
+
+Known = Mapping[str, tuple[ParameterEntry, float]]
+
+SLACK = 1e-9
+"""A threshold counts as equal to a reach within this fraction of it: half of a root is rarely exact."""
+
+
+def centres(campaign: Campaign, catalogue: Catalogue, known: Known) -> Iterator[Problem]:
+    """Refuses thresholds that let the vehicle be inside an obstacle while the criterion calls the flight clear."""
+    criterion, entry = campaign.criterion, catalogue.component("criterion", campaign.criterion.component)
+    measured_to = "" if entry is None else entry.measured_to
+    if criterion.from_centre and measured_to != "centre":
+        text = f"{criterion.component} does not measure to obstacles' centres; leave this out"
+        yield Problem("criterion.from_centre", "true", text)
+    if measured_to == "surface" and criterion.threshold < 0:
+        text = "below 0 the vehicle would be inside an obstacle and the flight clear; give 0 or more"
+        yield Problem("criterion.threshold", given(criterion.threshold), text)
+    inside = within(campaign, catalogue, known)
+    if measured_to == "centre" and inside and not criterion.from_centre:
+        yield Problem("criterion.threshold", given(criterion.threshold), _sentence(catalogue, inside))
+
+
+def within(campaign: Campaign, catalogue: Catalogue, known: Known) -> dict[str, float]:
+    """The obstacles by path whose largest reach is above the threshold, with that reach [m]."""
+    threshold = campaign.criterion.threshold
+    found = {}
+    for i, obstacle in enumerate(campaign.scenario.obstacles):
+        entry = catalogue.component("obstacle", obstacle.component)
+        if entry is None or entry.reach is None:
+            continue
+        reach = largest(entry.reach, f"obstacles.{i}", campaign, known)
+        if threshold < reach * (1 - SLACK):
+            found[f"obstacles.{i}"] = reach
+    return found
+
+
+def largest(reach: ReachEntry, prefix: str, campaign: Campaign, known: Known) -> float:
+    """The reach of an obstacle [m]; of an uncertain parameter the magnitude of the bound farther from 0 counts."""
+    return reach.times * math.hypot(*(_largest(f"{prefix}.{name}", campaign, known) for name in reach.of))
+
+
+def _largest(path: str, campaign: Campaign, known: Known) -> float:
+    if path not in known:
+        return 0.0
+    nominal = known[path][1]
+    uncertain = campaign.uncertain.get(path)
+    if uncertain is None:
+        return abs(nominal)
+    if uncertain.plus_minus is not None and not math.isfinite(nominal):
+        return math.nan
+    return max(map(abs, uncertain.interval(nominal)))
+
+
+def _sentence(catalogue: Catalogue, inside: Mapping[str, float]) -> str:
+    path = max(inside, key=lambda p: inside[p])
+    others = f" and {len(inside) - 1} more" if len(inside) > 1 else ""
+    surface = [c.name for c in catalogue.components if c.role == "criterion" and c.measured_to == "surface"]
+    use = f"use {' or '.join(surface)} (distance to the surface)" if surface else "measure to the surface"
+    reach = _upward(inside[path])
+    return (
+        f"this distance ends at the obstacles' centres, and {path}{others} reaches {reach} m from its own: "
+        f"the vehicle could be inside it and the flight clear; {use}, give at least {reach} m, "
+        f"or state from_centre: true if distances to the centre are meant"
+    )
+
+
+def _upward(reach: float) -> str:
+    """A number of at most 6 digits that is not below the reach, so that it is accepted where it is given."""
+    text = f"{reach:.6g}"
+    below = float(text) < reach * (1 - SLACK)
+    return f"{reach + 10.0 ** (math.floor(math.log10(reach)) - 5):.6g}" if below else text

@@ -1,0 +1,93 @@
+"""YAML or JSON in, a `Campaign` out, or every problem found: file, field, what was given, what is allowed.
+
+Start reading at `load_text`; how text becomes plain values is in `campaigns.asked.reading`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from campaigns.asked.problem import MOST, CampaignError, Problem, shown
+from campaigns.asked.reading import UnreadableError, misshapen, parse
+from campaigns.asked.spec import Campaign
+
+__all__ = ["CampaignError", "Problem", "library", "load_document", "load_file", "load_text", "read_text"]
+
+LARGEST_FILE = 1_000_000
+"""[bytes]"""
+
+LIBRARY = Path(__file__).parents[1] / "library"
+
+
+def load_file(path: Path) -> Campaign:
+    """Read a campaign from a file; raises `CampaignError` for anything that is wrong, a missing file included."""
+    return load_text(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    """The text of a campaign's file; raises `CampaignError` for one that cannot be read."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise CampaignError(str(path), [Problem("", str(path), f"the file cannot be read: {error.strerror}")]) from None
+    except ValueError as error:  # a name that no file can have
+        raise CampaignError(str(path), [Problem("", str(path), f"the file cannot be read: {error}")]) from None
+    if len(content) > LARGEST_FILE:
+        raise CampaignError(str(path), [_too_large()])
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise CampaignError(str(path), [Problem("", "", "the file is not UTF-8 text")]) from None
+
+
+def load_text(text: str, source: str = "campaign") -> Campaign:
+    """Read a campaign from YAML or JSON text."""
+    if len(text) > LARGEST_FILE:
+        raise CampaignError(source, [_too_large()])
+    try:
+        document = parse(text)
+    except UnreadableError as error:
+        raise CampaignError(source, [error.problem]) from None
+    return load_document(document, source)
+
+
+def load_document(document: Any, source: str = "campaign") -> Campaign:
+    """Read a campaign from plain JSON values."""
+    if not isinstance(document, Mapping):
+        raise CampaignError(source, [Problem("", shown(document), "a campaign is a mapping with name, scenario, ...")])
+    if problems := list(misshapen(document)):
+        raise CampaignError(source, problems)
+    try:
+        return Campaign.model_validate(document)
+    except ValidationError as error:
+        found = error.errors(include_url=False, include_context=False)
+        raise CampaignError(source, [_problem(e) for e in found[:MOST]], len(found)) from None
+
+
+def library() -> dict[str, Path]:
+    """The shipped campaigns by identifier (the file's name without its ending)."""
+    return {path.stem: path for path in sorted(LIBRARY.glob("*.yaml"))}
+
+
+def _problem(error: Any) -> Problem:
+    kind, message = error["type"], error["msg"].removeprefix("Value error, ")
+    at = list(error["loc"])
+    if "distribution" in at[:-1]:  # what follows is the kind, which is no key of the document
+        del at[at.index("distribution") + 1]
+    given = "" if kind in ("missing", "model_type") else shown(error.get("input"))
+    if kind == "extra_forbidden":
+        message = "this key is not known here; remove it or correct its spelling"
+    elif kind == "missing":
+        message = "this key is required"
+    elif at and at[-1] == "[key]":
+        message = "not the path of a parameter, such as vehicle.m or obstacles.0.position.x"
+    return Problem(".".join(str(part) for part in at if part != "[key]"), given, message)
+
+
+def _too_large() -> Problem:
+    return Problem("", f"more than {LARGEST_FILE} bytes", f"a campaign is at most {LARGEST_FILE} bytes")

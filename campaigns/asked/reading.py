@@ -1,0 +1,233 @@
+"""Text to plain JSON values: JSON by RFC 8259, YAML by the core schema of YAML 1.2 (section 10.3), without its traps.
+
+No aliases, no tags, no repeated keys, no keys but text, nothing deeper than a campaign can be: `1e-3` is a number, and
+`no`, `012:30` and `2026-01-31` are text. Start reading at `parse`; `Dumper` writes what it reads.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Hashable, Iterable, Iterator
+from typing import Any
+
+import yaml
+
+from campaigns.asked.problem import Problem, shown
+
+DEEPEST = 16
+"""A campaign nests 6 deep; parameters may be written nested."""
+
+MOST_VALUES = 200_000
+"""Values of a YAML text, keys counted: 10,000 starts in eight parameters have fewer, and are read in two seconds."""
+
+LONGEST_KEY = 200
+LARGEST_WHOLE = 2**63
+
+_PARSED_DEPTH = 100
+"""Nested deeper, the reader stops before Python's stack ends; below it `misshapen` names the place."""
+
+_EXPLAINED = 64_000
+"""Longer text that is no YAML gets libyaml's own sentence, not that of PyYAML, which takes 25 us a value."""
+
+_TOO_MANY = f"more than {MOST_VALUES:,} values, keys counted: shorten the campaign, or give it as JSON"
+
+
+class UnreadableError(ValueError):
+    """The text is no document; `problem` says where and why."""
+
+    def __init__(self, where: str, message: str) -> None:
+        self.problem = Problem(where, "", message)
+        super().__init__(str(self.problem))
+
+
+def parse(text: str) -> Any:
+    """The document as plain values; raises `UnreadableError`."""
+    text = text.removeprefix("\ufeff")
+    try:
+        if text.lstrip().startswith("{"):
+            try:
+                return json.loads(text, object_pairs_hook=_distinct)
+            except json.JSONDecodeError:
+                pass  # a YAML mapping may begin with a brace too
+        return _yaml(text)
+    except UnreadableError:
+        raise
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f"line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise UnreadableError(where, f"not readable as YAML: {error.problem or error.context}") from None
+    except RecursionError:
+        raise UnreadableError("", "not readable as YAML: nested too deeply") from None
+    except (yaml.YAMLError, ValueError, ArithmeticError) as error:
+        said = str(error).partition("\n")[0]
+        raise UnreadableError("", f"not readable as YAML: {said}") from None
+
+
+def _yaml(text: str) -> Any:
+    """YAML by libyaml, ten times as fast; what it refuses is read again for the sentence that PyYAML has for it."""
+    try:
+        return yaml.load(text, Loader=_Fast)
+    except (_RefusedError, RecursionError):
+        raise
+    except (yaml.YAMLError, UnicodeEncodeError):
+        if len(text) > _EXPLAINED:
+            raise
+        return yaml.load(text, Loader=_Loader)
+
+
+def repeated(names: Iterable[str]) -> str | None:
+    """The first name that is given a second time, in one pass; None where all are distinct."""
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            return name
+        seen.add(name)
+    return None
+
+
+Place = tuple[Any, str | int] | None
+"""Where a value stands: the place of what holds it, and its key; spelled out only where something is wrong."""
+
+
+def field(place: Place) -> str:
+    """A place as text, `scenario.obstacles.0`."""
+    keys: list[str] = []
+    while place is not None:
+        keys.append(str(place[1]))
+        place = place[0]
+    return ".".join(reversed(keys))
+
+
+def misshapen(document: Any) -> Iterator[Problem]:
+    """Where a document is not plain JSON values of a sane depth; whatever passes is safe to walk recursively."""
+    waiting: list[tuple[Place, Any, int]] = [(None, document, 0)]
+    while waiting:
+        place, value, depth = waiting.pop()
+        if isinstance(value, dict | list) and depth > DEEPEST:
+            yield Problem(field(place)[:LONGEST_KEY], "", f"nested deeper than {DEEPEST} levels")
+            return
+        if isinstance(value, dict):
+            for key in value:
+                if not isinstance(key, str) or len(key) > LONGEST_KEY or not _is_unicode(key):
+                    yield Problem(
+                        field(place), shown(key), f"a key is Unicode text of at most {LONGEST_KEY} characters"
+                    )
+                    return
+            waiting += [((place, key), inner, depth + 1) for key, inner in reversed(value.items())]
+        elif isinstance(value, list):
+            waiting += [((place, i), inner, depth + 1) for i, inner in reversed(list(enumerate(value)))]
+        elif isinstance(value, str) and not _is_unicode(value):
+            yield Problem(field(place), shown(value), "this text holds half a surrogate pair, which is no Unicode text")
+        elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+            yield Problem(field(place), "", "a whole number of more than 64 bits")
+        elif value is not None and not isinstance(value, str | int | float | bool):
+            yield Problem(field(place), shown(value), "expected text, a number, true, false, null, a list or a mapping")
+
+
+def _brief(value: Any) -> str:
+    return repr(value[:LONGEST_KEY] if isinstance(value, str | list) else value)[:LONGEST_KEY]
+
+
+def _is_unicode(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        twice = repeated(name for name, _ in pairs)
+        raise UnreadableError("", f"not readable as JSON: the key {_brief(twice)} is given twice")
+    return found
+
+
+class _RefusedError(yaml.MarkedYAMLError):
+    """Readable YAML that is no plain document."""
+
+    def __init__(self, problem: str, mark: Any) -> None:
+        super().__init__(problem=problem, problem_mark=mark)
+
+
+class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
+    """Without aliases (a small file must stay small), tags, repeated keys, and more values than a campaign has."""
+
+    values = depth = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        event = self.peek_event()  # type: ignore[attr-defined]
+        if isinstance(event, yaml.AliasEvent):
+            raise _RefusedError("aliases (*name) are not allowed, write the value out", event.start_mark)
+        if getattr(event, "tag", None) is not None:
+            raise _RefusedError(
+                f"tags ({event.tag[:LONGEST_KEY]}) are not allowed, write the plain value", event.start_mark
+            )
+        self.values += 1
+        if self.values > MOST_VALUES:
+            raise _RefusedError(_TOO_MANY, event.start_mark)
+        if self.depth > _PARSED_DEPTH:
+            raise RecursionError
+        self.depth += 1
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, str):
+                raise _RefusedError(f"keys are text, given {_brief(key)}", key_node.start_mark)
+            if key in seen:
+                raise _RefusedError(f"the key {_brief(key)} is given twice", key_node.start_mark)
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+    def construct_whole(self, node: yaml.ScalarNode) -> int:
+        """A whole number is decimal: 012 is 12."""
+        return int(node.value)
+
+
+class _Loader(_Plain, yaml.SafeLoader):
+    """Reads with PyYAML's own scanner and parser."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+
+
+_Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class _Fast(_Plain, _Parser):  # type: ignore[misc]
+    """Reads with libyaml's scanner and parser where PyYAML was built with it; composed here, so that values count."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+
+    def __init__(self, text: str) -> None:
+        _Parser.__init__(self, text)
+        self.anchors: dict[str, yaml.Node] = {}
+
+
+class Dumper(yaml.SafeDumper):
+    """Quotes whatever text `parse` would take for something else."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+
+
+_CORE = (
+    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+    ("bool", r"true|True|TRUE|false|False|FALSE", list("tTfF")),
+    ("int", r"[-+]?[0-9]+", list("-+0123456789")),
+    (
+        "float",
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+        list("-+.0123456789"),
+    ),
+)
+
+for _kind, _pattern, _first in _CORE:
+    for _reader in (_Loader, _Fast, Dumper):
+        _reader.add_implicit_resolver(f"tag:yaml.org,2002:{_kind}", re.compile(f"^(?:{_pattern})$"), _first)
+_Plain.add_constructor("tag:yaml.org,2002:int", _Plain.construct_whole)  # type: ignore[type-var]

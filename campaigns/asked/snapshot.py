@@ -1,0 +1,174 @@
+"""The part of a catalogue that a campaign uses, kept with its runs: what its components and methods meant then.
+
+A snapshot is a catalogue itself, of the used entries alone, and is known by its own digest, so that runs share it.
+Start reading at `snapshot`; what is otherwise now is told by `changes`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from campaigns.asked.check import parameters, parts
+from campaigns.asked.spec import Campaign
+from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry
+
+_WORDS = {
+    "title": "title",
+    "dimension": "dimension",
+    "frame": "frame of axes",
+    "written_in": "frame of axes that it takes for granted",
+    "moving": "movement by itself",
+    "fits": "list of vehicles that it flies",
+    "demand": "kind of demand",
+    "demands": "kinds of demand that it follows",
+    "inputs": "inputs",
+    "path": "place in the loop",
+    "unit": "unit",
+    "quantity": "quantity",
+    "worse": "end that is sought",
+    "of": "object that it reads",
+    "measured_to": "point that distances end at",
+    "reach": "reach",
+    "kind": "kind",
+    "source": "source",
+    "how": "way to search, in short",
+    "starts": "taking of start points",
+    "evaluations": "usual budget",
+}
+_GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
+
+
+def snapshot(campaign: Campaign, catalogue: Catalogue) -> Catalogue:
+    """The entries that the campaign uses, in the catalogue's order; what the catalogue does not know is left out."""
+    used = {(role, part.component) for _, _, role, part in parts(campaign)}
+    asked = {search.method for search in campaign.stages.search}
+    return Catalogue(
+        version=catalogue.version,
+        components=[c for c in catalogue.components if (c.role, c.name) in used],
+        methods=[m for m in catalogue.methods if m.name in asked],
+    )
+
+
+def digest_of(document: Mapping[str, Any]) -> str:
+    """SHA-256 over the canonical JSON form of a snapshot's document, 64 hexadecimal digits."""
+    canonical = json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def changes(then: Catalogue, now: Catalogue) -> list[str]:
+    """What another catalogue says otherwise of a snapshot's entries, as clauses; the version is left to the reader."""
+    found: list[str] = []
+    for component in then.components:
+        called = f"the {component.role} {component.name}"
+        found += _component(called, component, now.component(component.role, component.name))
+    for method in then.methods:
+        found += _method(f"the method {method.name}", method, now.method(method.name))
+    return found
+
+
+def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[str]:
+    """What makes other flights of the campaign, as clauses: values in force, units, components that are gone."""
+    gone = [c for c in then.components if now.component(c.role, c.name) is None]
+    if gone:
+        return [_gone(f"the {c.role} {c.name}") for c in gone]
+    found, after = [], parameters(campaign, now)
+    for path, (entry, value) in parameters(campaign, then).items():
+        if path not in after:
+            found.append(f"there is no {path} here any more")
+            continue
+        was, is_ = _value(value, entry.unit), _value(after[path][1], after[path][0].unit)
+        if was != is_:
+            found.append(f"{path} was {was}, here it is {is_}")
+    return found
+
+
+def _component(called: str, then: ComponentEntry, now: ComponentEntry | None) -> Iterator[str]:
+    if now is None:
+        yield _gone(called)
+        return
+    yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name"))
+    for group, of in _GROUPS.items():
+        before, after = _by_name(then, group), _by_name(now, group)
+        yield from _defaults(called, then, now, group)
+        for name, entry in after.items():
+            if name in before:
+                yield from _parameter(f"{of}{name} of {called}", before[name], entry)
+            else:
+                yield f"{called} has one more parameter here, {of}{name}"
+
+
+def _defaults(called: str, then: ComponentEntry, now: ComponentEntry, group: str) -> Iterator[str]:
+    """The values that a campaign gets without giving them, and parameters that are no longer there."""
+    after, of = _by_name(now, group), _GROUPS[group]
+    for name, before in _by_name(then, group).items():
+        if name not in after:
+            yield f"{called} has no parameter {of}{name} here any more"
+        elif after[name].default != before.default:
+            was, is_ = _value(before.default, before.unit), _value(after[name].default, after[name].unit)
+            yield f"the default of {of}{name} of {called} was {was}, here it is {is_}"
+
+
+def _parameter(called: str, then: ParameterEntry, now: ParameterEntry) -> Iterator[str]:
+    if (then.low, then.high) != (now.low, now.high):
+        was, is_ = (f"{p.low:g} to {p.high:g}" for p in (then, now))
+        yield f"the limits of {called} were {was}, here they are {is_}"
+    for field in ("symbol", "unit", "text"):
+        was, is_ = getattr(then, field), getattr(now, field)
+        if was != is_:
+            yield f"the {field} of {called} was “{was}”, here it is “{is_}”"
+
+
+def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator[str]:
+    if now is None:
+        yield _gone(called)
+        return
+    yield from _fields(called, then, now, ("name", "options"))
+    before, after = _options(then), _options(now)
+    for name in {**before, **after}:
+        if name not in after or name not in before:
+            yield f"{called} has {'no' if name in before else 'one more'} option {name} here"
+        elif before[name] != after[name]:
+            was, is_ = (options[name].get("default") for options in (before, after))
+            what = f"its default was {was}, here it is {is_}" if was != is_ else "its limits or text are others here"
+            yield f"the option {name} of {called}: {what}"
+
+
+def _fields(
+    called: str, then: ComponentEntry | MethodEntry, now: ComponentEntry | MethodEntry, but: tuple[str, ...]
+) -> Iterator[str]:
+    """Plain fields; of the long text only that it is another one."""
+    for field in type(then).model_fields:
+        was, is_ = getattr(then, field), getattr(now, field)
+        # What the catalogue of then did not record yet says nothing of a change.
+        if field in but or was == is_ or field not in then.model_fields_set:
+            continue
+        if field == "text":
+            yield f"the text of {called} (equations, source) is another one here"
+        else:
+            yield f"the {_WORDS.get(field, field)} of {called} was {_told(was)}, here it is {_told(is_)}"
+
+
+def _gone(called: str) -> str:
+    return f"{called} is not in this installation any more"
+
+
+def _by_name(entry: ComponentEntry, group: str) -> dict[str, ParameterEntry]:
+    return {p.name: p for p in getattr(entry, group)}
+
+
+def _options(entry: MethodEntry) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = entry.options.get("properties", {})
+    return found
+
+
+def _value(value: float | None, unit: str) -> str:
+    return "none" if value is None else f"{repr(value).removesuffix('.0')} {unit}".strip()
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(str, value)) or "none"
+    return "none" if value in (None, "") else f"“{value}”" if isinstance(value, str) else str(value)

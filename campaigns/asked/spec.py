@@ -1,0 +1,226 @@
+"""The campaign: scenario, uncertain parameters, criterion, stages, seed; immutable and known by its digest.
+
+Only what holds without knowing the components is checked here (types, sizes, intervals); units and a component's own
+limits are held by `campaigns.asked.check` against the catalogue. Start reading at `Campaign`.
+"""
+
+# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
+from __future__ import annotations
+
+import hashlib
+import json
+import operator
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from campaigns.asked.distributions import Correlation, Uncertain
+from campaigns.asked.stages import Search, Stages
+from campaigns.asked.values import (
+    AS_NUMBER,
+    AS_WHOLE,
+    MAX_EVALUATIONS,
+    Identifier,
+    Name,
+    Notes,
+    Number,
+    Path,
+    Reason,
+    Source,
+    Strict,
+    Summary,
+    Values,
+)
+
+__all__ = [
+    "MAX_EVALUATIONS",
+    "MAX_SEED",
+    "Campaign",
+    "Criterion",
+    "Part",
+    "Realisations",
+    "Scenario",
+    "Search",
+    "Stages",
+]
+
+MAX_STEPS = 2_000_000
+MAX_SEED = 2**20
+
+
+class Part(Strict):
+    """A component and the values of its parameters; what is left out takes the component's default."""
+
+    component: Identifier
+    parameters: Values = {}
+
+
+class FaultPart(Part):
+    """A fault; one of an actuator says which of the vehicle's inputs it is on."""
+
+    on: Annotated[str, Field(max_length=60)] = ""
+
+
+class Guidance(Strict):
+    """How often the avoider is asked: at every stage of the integrator, or at its own period with a hold between."""
+
+    period: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
+    """[s]; 0 is continuous."""
+
+
+class Realisations(Strict):
+    """Which realisations of noise and gusts every evaluation flies, and which of them counts.
+
+    The same fixed ones for every evaluation, so that the cost is a function of the parameters. `worst` is the lowest
+    value of the criterion among them, `mean` their average.
+    """
+
+    seeds: Annotated[list[Annotated[int, Field(ge=0, lt=MAX_SEED), AS_WHOLE]], Field(min_length=1, max_length=64)] = [0]
+    combine: Literal["worst", "mean"] = "worst"
+
+    @field_validator("seeds")
+    @classmethod
+    def _distinct(cls, seeds: list[int]) -> list[int]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError("the same seed is given twice: every realisation would count by how often it is listed")
+        return seeds
+
+
+class Scenario(Strict):
+    """What flies: vehicle, controller, avoider; from where to where; past what; for how long at what step."""
+
+    vehicle: Part
+    controller: Part
+    avoider: Part
+    start: Values = {}
+    goal: Values
+    obstacles: Annotated[list[Part], Field(max_length=64)] = []
+    environment: Annotated[list[Part], Field(max_length=16)] = []
+    faults: Annotated[list[FaultPart], Field(max_length=32)] = []
+    horizon: Annotated[float, Field(gt=0), AS_NUMBER]
+    """[s]"""
+    step: Annotated[float, Field(gt=0), AS_NUMBER]
+    """[s]"""
+    guidance: Guidance = Guidance()
+    realisations: Realisations = Realisations()
+
+    @model_validator(mode="after")
+    def _sizes(self) -> Scenario:
+        steps, period = self.horizon / self.step, self.guidance.period
+        if steps < 1:
+            raise ValueError(f"the step of {self.step:g} s is longer than the horizon of {self.horizon:g} s")
+        if steps > MAX_STEPS:
+            raise ValueError(
+                f"horizon / step = {steps:.3g} steps, at most {MAX_STEPS:,} are allowed: "
+                "lengthen the step or shorten the horizon"
+            )
+        if not _is_whole(steps):
+            raise ValueError(f"the horizon of {self.horizon:g} s is not a whole number of steps of {self.step:g} s")
+        if period > 0 and not _is_whole(period / self.step):
+            raise ValueError(f"the guidance period of {period:g} s is not a whole number of steps of {self.step:g} s")
+        return self
+
+
+def _is_whole(ratio: float) -> bool:
+    return ratio >= 0.5 and abs(ratio - round(ratio)) <= 1e-6 * ratio
+
+
+def _no_default(schema: dict[str, Any]) -> None:
+    """What is left out at its default is not filled in by those who read the JSON Schema either."""
+    schema.pop("default", None)
+
+
+class Criterion(Strict):
+    """The flight is clear when the criterion's value stays above `threshold`."""
+
+    component: Identifier = "separation"
+    parameters: Values = {}
+    threshold: Number
+    from_centre: Annotated[bool, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = False
+    """States that distances to the obstacles' centres are meant where the threshold is within an obstacle.
+
+    Left out of the canonical form where it is not stated: campaigns that do not have it keep their digests.
+    """
+
+
+class Encounter(Strict):
+    """What a verdict otherwise asks of the encounter and the author states to be intended, each with the reason.
+
+    closest_approach: inside the horizon, neither at its start nor at its end; motion: the vehicle moves; avoidance: the
+    avoider makes a difference; influence: an uncertain parameter does.
+    """
+
+    intended: dict[Literal["closest_approach", "motion", "avoidance", "influence"], Reason] = {}
+
+
+class Objective(Part):
+    """A further criterion: every evaluation has its value too, and searches for several criteria look for its front.
+
+    It decides nothing and has no threshold.
+    """
+
+
+class Published(Strict):
+    """A published value to show beside ours."""
+
+    label: Name
+    value: Number
+    at: dict[Path, Number] = {}
+    source: Source = ""
+
+
+class Campaign(Strict):
+    """What is asked: one verification campaign.
+
+    `digest` identifies it: equal campaigns have equal digests whatever file form, key order or spelling of a default
+    they came from.
+    """
+
+    version: Annotated[Literal[1], AS_WHOLE] = 1
+    name: Name
+    summary: Summary = ""
+    notes: Notes = ""
+    tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
+    scenario: Scenario
+    uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
+    correlations: Annotated[list[Correlation], Field(max_length=2016)] = []
+    """Of the random samples; pairs that are not given are uncorrelated."""
+    criterion: Criterion
+    """It decides the verdict."""
+    objectives: Annotated[list[Objective], Field(max_length=8)] = []
+    """Further criteria beside it; objectives.0, objectives.1, ... in paths."""
+    stages: Stages
+    agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 0.05
+    """Share of nominal minus worst within which the global methods must agree."""
+    target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
+    """Where given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
+    from the first plain random search."""
+    confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = 0.95
+    encounter: Annotated[Encounter, Field(exclude_if=lambda given: not given.intended)] = Encounter()
+    """Left out of the canonical form where nothing is stated: campaigns that do not have it keep their digests."""
+    seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
+    published: Annotated[list[Published], Field(max_length=100)] = []
+
+    @field_validator("uncertain")
+    @classmethod
+    def _in_order(cls, uncertain: dict[str, Uncertain]) -> dict[str, Uncertain]:
+        """By name, small letters first (m, J): the search's axes must not depend on how a file orders its keys."""
+        return dict(sorted(uncertain.items(), key=lambda item: item[0].swapcase()))
+
+    @field_validator("tags")
+    @classmethod
+    def _distinct(cls, tags: list[str]) -> list[str]:
+        return list(dict.fromkeys(tags))
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over the canonical JSON form, 64 hexadecimal digits."""
+        return hashlib.sha256(self.canonical().encode()).hexdigest()
+
+    def canonical(self) -> str:
+        """The JSON form with sorted keys, every default written out."""
+        return json.dumps(self.document(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+    def document(self) -> dict[str, Any]:
+        """The campaign as plain JSON values."""
+        return self.model_dump(mode="json", by_alias=True)

@@ -1,0 +1,97 @@
+"""The stages of a campaign and what each is told: budgets, options, tolerances. Start reading at `Stages`."""
+
+# ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from campaigns.asked.values import AS_NUMBER, AS_WHOLE, MAX_EVALUATIONS, Identifier, Number, Option, Path, Strict
+
+
+class Morris(Strict):
+    """Elementary effects (Morris 1991): trajectories over a grid of levels, one parameter stepped at a time."""
+
+    trajectories: Annotated[int, Field(ge=2, le=10_000), AS_WHOLE] = 20
+    levels: Annotated[int, Field(ge=4, le=64, multiple_of=2), AS_WHOLE] = 4
+
+
+class SobolIndices(Strict):
+    """Sobol indices (Saltelli 2010): shares of the variance; `samples` times dimension + 2 flights."""
+
+    samples: Annotated[int, Field(ge=8, le=2**20), AS_WHOLE] = 256
+
+    @field_validator("samples")
+    @classmethod
+    def _power(cls, samples: int) -> int:
+        if samples & (samples - 1):
+            lower = 2 ** (samples.bit_length() - 1)
+            raise ValueError(f"Sobol points are balanced for powers of two only; give {lower} or {2 * lower}")
+        return samples
+
+
+class Sensitivity(Strict):
+    """One parameter at a time over its bounds, the others nominal; Morris and Sobol indices where asked for."""
+
+    points: Annotated[int, Field(ge=2, le=2001), AS_WHOLE] = 21
+    morris: Morris | None = None
+    sobol: SobolIndices | None = None
+
+
+class Search(Strict):
+    """One search stage: a method, its budget of evaluations, its options and, where it uses them, its starts."""
+
+    method: Identifier
+    evaluations: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS), AS_WHOLE]
+    options: Annotated[dict[str, Option], Field(max_length=100)] = {}
+    starts: Annotated[list[dict[Path, Number]], Field(max_length=10_000)] = []
+    """Points to start from, by path in the parameters' units; a path left out is nominal."""
+
+
+class Grid(Strict):
+    """A full grid: so many points on every axis, the bounds among them."""
+
+    points: Annotated[int, Field(ge=2, le=2001), AS_WHOLE] = 21
+
+
+class Certify(Strict):
+    """An independent sample from the distributions, declared before the run: what a probability is claimed from.
+
+    `samples` flights that are not excluded; `quantile` of the criterion's value that is bounded from below.
+    """
+
+    samples: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS), AS_WHOLE] = 3000
+    quantile: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] = 0.05
+    grid: Grid | None = None
+
+
+class Validate(Strict):
+    """How the findings are flown again: tolerance against the other integrator and half the step, and neighbours."""
+
+    tolerance: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 1e-3
+    """Share of the criterion's value; a tenth of the margin holds as well."""
+    neighbours: Annotated[int, Field(ge=0, le=100_000), AS_WHOLE] = 300
+    reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
+    """Share of each range within which the neighbours lie."""
+
+
+class Findings(Strict):
+    """When two worst cases are one, how many are kept, and how many evaluations telling them apart may take."""
+
+    at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
+    evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = 20_000
+    distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 0.03
+    """Nearer than this share of every range, two are one."""
+    barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = 0.05
+    """No hill above this share of nominal minus worst between them, two are one."""
+
+
+class Stages(Strict):
+    """What a run does, in this order; nominal is always flown."""
+
+    sensitivity: Sensitivity | None = Sensitivity()
+    search: Annotated[list[Search], Field(min_length=1, max_length=32)]
+    certify: Certify | None = None
+    findings: Findings = Findings()
+    validate_: Validate = Field(default=Validate(), alias="validate")

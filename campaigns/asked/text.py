@@ -1,0 +1,32 @@
+"""A campaign as YAML for people: what was said, defaults left out. Start reading at `to_yaml`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+from pydantic import BaseModel
+
+from campaigns.asked.reading import Dumper
+from campaigns.asked.spec import Campaign
+
+_ALWAYS = frozenset({"version", "component", "kind", "seed"})
+"""Written even where they are the default: the first three say what a mapping is, the seed is part of every answer."""
+
+
+def to_yaml(campaign: Campaign) -> str:
+    """YAML text that reads back as an equal campaign (the same digest)."""
+    text: str = yaml.dump(_said(campaign), Dumper=Dumper, sort_keys=False, allow_unicode=True, width=100)
+    return text
+
+
+def _said(value: Any) -> Any:
+    if isinstance(value, BaseModel):
+        fields = type(value).model_fields
+        pairs = ((field.alias or name, field, getattr(value, name)) for name, field in fields.items())
+        return {key: _said(inner) for key, field, inner in pairs if key in _ALWAYS or inner != field.default}
+    if isinstance(value, dict):
+        return {key: _said(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_said(inner) for inner in value]
+    return value

@@ -1,0 +1,108 @@
+"""Holds what is uncertain against the catalogue: paths, units, bounds, distributions, correlations.
+
+Start reading at `bounded`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from campaigns.asked import said
+from campaigns.asked.distributions import Correlation, Normal, Triangular, TruncatedNormal, Uncertain
+from campaigns.asked.problem import Problem
+from campaigns.asked.spec import Campaign
+from campaigns.catalogue import ParameterEntry
+
+LEAST_PIVOT = 1e-9
+
+
+def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[ParameterEntry, float]]) -> Iterator[Problem]:
+    """Whether the parameter is there, in its unit, and its bounds lie within its own limits."""
+    field = f"uncertain.{path}"
+    if path not in known:
+        yield Problem(field, path, f"the scenario has no such parameter; {said.known(path, known)}")
+        return
+    entry, nominal = known[path]
+    if uncertain.unit is not None and said.unit(uncertain.unit) != said.unit(entry.unit):
+        yield Problem(f"{field}.unit", uncertain.unit, f"the unit of {path} is {entry.unit or '1 (no unit)'}")
+    if nominal != nominal:  # a required value is missing, which is said elsewhere
+        return
+    low, high = uncertain.interval(nominal)
+    if not low < high:
+        yield Problem(
+            f"{field}.plus_minus",
+            str(uncertain.plus_minus),
+            f"around the nominal value {nominal:g} this is an empty interval; give low and high",
+        )
+        return
+    for name, bound in (("low", low), ("high", high)):
+        if not entry.low <= bound <= entry.high:
+            key = name if uncertain.plus_minus is None else "plus_minus"
+            yield Problem(f"{field}.{key}", said.given(bound), f"{name} bound: {said.limits(entry)}")
+    if not low <= nominal <= high:
+        yield Problem(
+            field,
+            f"{low:g} to {high:g}",
+            f"the nominal value {nominal:g} lies outside the bounds; widen them or move it",
+        )
+    yield from _distributed(field, uncertain, low, high)
+
+
+def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> Iterator[Problem]:
+    given = uncertain.distribution
+    middle = {"mode": given.mode} if isinstance(given, Triangular) else {}
+    if isinstance(given, Normal | TruncatedNormal):
+        middle = {"mean": given.mean}
+    for name, value in middle.items():
+        if not said.within(value, low, high):
+            yield Problem(f"{field}.distribution.{name}", said.given(value), f"must lie within {low:g} to {high:g}")
+
+
+def correlated(campaign: Campaign) -> Iterator[Problem]:
+    """Whether the correlations are of uncertain parameters, each pair once, and can hold all at the same time."""
+    seen: dict[frozenset[str], int] = {}
+    found = False
+    for i, correlation in enumerate(campaign.correlations):
+        field, (one, other) = f"correlations.{i}.between", correlation.between
+        pair = frozenset(correlation.between)
+        for path in correlation.between:
+            if path not in campaign.uncertain:
+                found = True
+                text = f"not an uncertain parameter; {said.known(path, campaign.uncertain)}"
+                yield Problem(field, path, text)
+        if one == other:
+            found = True
+            yield Problem(field, one, "a parameter is correlated with another one, not with itself")
+        elif pair in seen:
+            found = True
+            yield Problem(field, f"{one}, {other}", f"this pair is given already, as correlations.{seen[pair]}")
+        seen.setdefault(pair, i)
+    if not found and not positive_definite(matrix(campaign.correlations, list(campaign.uncertain))):
+        text = "no joint distribution has all of these: their matrix is not positive definite; bring some nearer to 0"
+        yield Problem("correlations", f"{len(campaign.correlations)} pairs", text)
+
+
+def matrix(correlations: Sequence[Correlation], paths: Sequence[str]) -> list[list[float]]:
+    """The correlations as a matrix over these paths."""
+    place = {path: k for k, path in enumerate(paths)}
+    rows = [[float(i == k) for k in range(len(paths))] for i in range(len(paths))]
+    for correlation in correlations:
+        i, k = (place[path] for path in correlation.between)
+        rows[i][k] = rows[k][i] = correlation.value
+    return rows
+
+
+def positive_definite(rows: Sequence[Sequence[float]]) -> bool:
+    """By Cholesky's factors, none of whose squared pivots may be below 1e-9."""
+    factor: list[list[float]] = []
+    for i, row in enumerate(rows):
+        made: list[float] = []
+        for k in range(i):
+            left = row[k] - sum(a * b for a, b in zip(made, factor[k], strict=False))
+            made.append(left / factor[k][k])
+        pivot = row[i] - sum(a * a for a in made)
+        if pivot < LEAST_PIVOT:
+            return False
+        factor.append([*made, math.sqrt(pivot)])
+    return True

@@ -1,0 +1,1 @@
+"""What this installation has: components and search methods, found by presence. Start reading at `installed`."""

@@ -1,0 +1,46 @@
+"""No avoidance in space: flies on at the planned speed, heading and climb, whatever is in the way.
+
+    V = speed (cos(climb) cos(heading), cos(climb) sin(heading), -sin(climb))
+
+Axes with z down. Shows what an encounter would be without avoidance.
+Source: Srikanthakumar, section 7.4 and figure 7.4.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from worker.kernels.component import Avoider
+from worker.kernels.maths import kernel
+from worker.physics.resolution import Plan
+from worker.physics.space import Vector, course
+
+
+class Nothing(NamedTuple):
+    """It has nothing to set."""
+
+
+@kernel
+def steer(
+    t: float, q: Vector, v: Vector, goal: Plan, bodies: Any, memory: tuple[()], p: Nothing
+) -> tuple[Vector, tuple[()]]:
+    return course(goal.speed, goal.heading, goal.climb), ()
+
+
+@kernel
+def remember(p: Nothing) -> tuple[()]:
+    return ()
+
+
+component = Avoider(
+    name="cruise_3d",
+    title="No avoidance, flies on",
+    dimension=3,
+    demand="velocity",
+    parameters=Nothing,
+    goal=Plan,
+    memory=0,
+    steer=steer,
+    remember=remember,
+    frame="ned",
+)

@@ -1,0 +1,57 @@
+"""Circle that goes round: its centre moves on a circle at constant speed, anticlockwise where the speed is positive.
+
+    c(t) = centre + R (cos phi, sin phi),   phi = phase + speed t / R
+
+Gives way to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its own centre.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from worker.kernels.component import Derived, Obstacle, Parameter, Reach
+from worker.kernels.maths import kernel, sincos
+from worker.kernels.views import Body
+from worker.physics.shapes import disc
+
+
+class OrbitingCircle(NamedTuple):
+    centre_x: Annotated[float, Parameter("m", "Centre of the way, x", -1e6, 1e6, symbol="x", name="centre.x")]
+    centre_y: Annotated[float, Parameter("m", "Centre of the way, y", -1e6, 1e6, symbol="y", name="centre.y")]
+    way: Annotated[float, Parameter("m", "Radius of the way", 1e-3, 1e6, symbol="R")] = 5.0
+    phase: Annotated[float, Parameter("rad", "Where it is at the start, from the x axis", -6.4, 6.4, "φ_0")] = 0.0
+    speed: Annotated[float, Parameter("m/s", "Speed, positive anticlockwise", -1e3, 1e3, symbol="v_o")] = 1.0
+    radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
+
+
+class Constants(NamedTuple):
+    x: float
+    y: float
+    way: float
+    phase: float
+    speed: float
+    rate: float
+    radius: float
+
+
+@kernel
+def derive(p: OrbitingCircle, trim: object) -> tuple[float, ...]:
+    return p.centre_x, p.centre_y, p.way, p.phase, p.speed, p.speed / p.way, p.radius
+
+
+@kernel
+def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
+    s, c = sincos(p.phase + p.rate * t)
+    return disc((p.x + p.way * c, p.y + p.way * s), (-p.speed * s, p.speed * c), p.radius, q)
+
+
+component = Obstacle(
+    name="orbiting_circle",
+    title="Circle, circular way",
+    dimension=2,
+    parameters=OrbitingCircle,
+    body=body,
+    moving=True,
+    derived=Derived(Constants, derive),
+    reach=Reach(("radius",)),
+)

@@ -1,0 +1,106 @@
+"""Loops that every autopilot of a fixed-wing aircraft shares: references from a demand, PID loops held by their stops.
+
+Srikanthakumar, equations 3.46 to 3.50; integration is conditional (Astrom and Hagglund, Advanced PID Control (2006),
+section 3.5): an integrator stands still while its actuator is at a stop and the error pushes on. Start at `referred`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+from worker.kernels.component import Parameter, Signal
+from worker.kernels.maths import atan2, clip, kernel, norm2, wrap
+from worker.physics.aircraft import State
+from worker.physics.space import Vector, norm3
+
+STILL = 1e-9
+"""A horizontal demand smaller than this asks for no heading [N] or [m/s]."""
+
+SIGNALS = (
+    Signal("u_demand", "u_d", "m/s"),
+    Signal("phi_demand", "φ_d", "rad"),
+    Signal("theta_demand", "θ_d", "rad"),
+    Signal("psi_demand", "ψ_d", "rad"),
+)
+
+
+class Loops(NamedTuple):
+    """Elevator, aileron and throttle loops, and what the demand is held within."""
+
+    K_p1: Annotated[float, Parameter("", "Pitch loop, proportional gain", 0.0, 1e3)] = 0.35
+    K_i1: Annotated[float, Parameter("1/s", "Pitch loop, integral gain", 0.0, 1e3)] = 0.2
+    K_d1: Annotated[float, Parameter("s", "Pitch loop, gain of the pitch rate", 0.0, 1e3)] = 0.02
+    K_p2: Annotated[float, Parameter("", "Roll loop, proportional gain", 0.0, 1e3)] = 0.8
+    K_i2: Annotated[float, Parameter("1/s", "Roll loop, integral gain", 0.0, 1e3)] = 0.1
+    K_d2: Annotated[float, Parameter("s", "Roll loop, gain of the roll rate", 0.0, 1e3)] = 0.1
+    K_p4: Annotated[float, Parameter("s/m", "Speed loop, proportional gain", 0.0, 1e3)] = 0.1
+    K_i4: Annotated[float, Parameter("1/m", "Speed loop, integral gain", 0.0, 1e3)] = 0.05
+    k_u: Annotated[float, Parameter("m/(s N)", "Speed demanded per force", 0.0, 1e3)] = 0.2
+    u_min: Annotated[float, Parameter("m/s", "Least speed demanded", 0.0, 1e3)] = 14.0
+    u_max: Annotated[float, Parameter("m/s", "Greatest speed demanded", 0.0, 1e3)] = 20.0
+    gamma_max: Annotated[float, Parameter("rad", "Steepest climb and descent demanded", 0.0, 1.5, symbol="γ_max")] = 0.3
+    e_max: Annotated[float, Parameter("rad", "Largest heading error acted on", 1e-3, 3.2, symbol="e_ψ,max")] = 0.4
+    stop: Annotated[float, Parameter("rad", "Largest deflection commanded", 1e-2, 1.5, symbol="δ_max")] = (
+        0.4363323129985824
+    )
+
+
+@kernel
+def doubt(p: Any) -> float:
+    """0, but no number where a limit is none: a comparison with such a one would let everything pass."""
+    return 0.0 * (p.u_min + p.u_max + p.gamma_max + p.e_max + p.stop)  # type: ignore[no-any-return]
+
+
+@kernel
+def referred(x: State, demand: Vector, per_demand: float, p: Any) -> Vector:
+    """What a demand asks for: speed [m/s] and path angle [rad] within their limits, heading [rad]."""
+    level = norm2(demand[0], demand[1])
+    speed = clip(per_demand * norm3(demand), p.u_min, p.u_max)
+    climb = clip(atan2(-demand[2], level), -p.gamma_max, p.gamma_max)
+    return speed, climb, (x[5] if level < STILL else atan2(demand[1], demand[0]))
+
+
+@kernel
+def from_force(x: State, demand: Vector, p: Any) -> Vector:
+    """References of a force [N]."""
+    return referred(x, demand, p.k_u, p)
+
+
+@kernel
+def from_velocity(x: State, demand: Vector, p: Any) -> Vector:
+    """References of a velocity [m/s]."""
+    return referred(x, demand, 1.0, p)
+
+
+@kernel
+def turn(x: State, heading: float, p: Any) -> float:
+    """The error of the heading that is acted on [rad]."""
+    return clip(wrap(heading - x[5]), -p.e_max, p.e_max)
+
+
+@kernel
+def held(wanted: float, low: float, high: float, rate: float, push: float) -> tuple[float, float]:
+    """A command within its stops, and what its integrator adds: nothing while `push` drives it farther out."""
+    given = clip(wanted, low, high)
+    return given, (0.0 if (wanted - given) * push > 0.0 else rate)
+
+
+@kernel
+def elevator(x: State, theta: float, total: float, p: Any) -> tuple[float, float]:
+    """Elevator [rad] and the derivative of its integrator; nose up is negative."""
+    e = theta - x[4]
+    return held(p.elevator - (p.K_p1 * e + p.K_i1 * total - p.K_d1 * x[10]), -p.stop, p.stop, e, -e)
+
+
+@kernel
+def aileron(x: State, phi: float, total: float, p: Any) -> tuple[float, float]:
+    """Aileron [rad] and the derivative of its integrator; right roll is positive."""
+    e = phi - x[3]
+    return held(p.K_p2 * e + p.K_i2 * total - p.K_d2 * x[9], -p.stop, p.stop, e, e)
+
+
+@kernel
+def throttle(x: State, speed: float, total: float, p: Any) -> tuple[float, float]:
+    """Throttle, 0 to 1, and the derivative of its integrator."""
+    e = speed - x[6]
+    return held(p.throttle + p.K_p4 * e + p.K_i4 * total, 0.0, 1.0, e, e)

@@ -1,0 +1,1 @@
+"""How a worker lives: supervisor, child processes, live simulations, memory bounds. Start reading at `supervisor`."""

@@ -1,0 +1,127 @@
+"""The process that does a worker's work: it may crash, hang or hold the interpreter, and harms nobody else.
+
+Its supervisor writes claims to its standard input and reads one answer each, as lines of JSON; what the physics prints
+goes to standard error. Run as `python -m worker.processes.child`; start reading at `serve`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from typing import Any, TextIO
+
+from worker.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+import sqlalchemy as sa
+
+from backend.db import workers
+from backend.db.engine import connect, write
+from backend.db.queue import Claim, LostLease
+from backend.db.store import PATIENCE, OtherCode, OtherComponents, RunStore
+from campaigns import Campaign, CampaignError, Catalogue
+from campaigns.asked.load import load_document
+from worker.stages.store import Store
+
+Execute = Callable[[Campaign, Store], Any]
+
+RUNNER = "worker.runs.runner:execute"
+
+
+def main() -> None:
+    """Read database and runner from the input, publish the catalogue, then work on claims until the input ends.
+
+    Where the code changed while it was loaded, nothing is published: the supervisor starts another child.
+    """
+    requests, answers = _private_streams()
+    setup = json.loads(requests.readline())
+    engine = connect(setup["database"])
+    execute = resolve(setup["runner"])
+    from worker.catalogue.installed import catalogue
+    from worker.processes import memory
+
+    document, code = catalogue(), sources.code()
+    memory.bound()
+    fresh = not sources.stale()
+    if fresh:
+        write(engine, lambda connection: workers.publish(connection, document, code), PATIENCE)
+    _say(answers, {"ready": True, "fresh": fresh})
+    serve(engine, execute, document, requests, answers)
+
+
+def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO) -> None:
+    """Work on one claim after the other; how each ended is an answer, never an exception.
+
+    `{"fresh": true}` asks whether the loaded code is that of the files. A claim is not begun with other code.
+    """
+    for line in requests:
+        request = json.loads(line)
+        if "fresh" in request:
+            _say(answers, {"fresh": not sources.stale()})
+        elif sources.stale():
+            _say(answers, {"outcome": "stale", "text": ""})
+        else:
+            _say(answers, perform(execute, engine, components, Claim(**request)))
+
+
+def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
+    """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (no retry helps), `failed` (this attempt)."""
+    from worker.processes import memory
+    from worker.stages.base import ReplayMismatch
+    from worker.systems.problem import CampaignUnusable
+
+    try:
+        campaign = load_document(claim.document, f"run {claim.run_id}")
+        store = RunStore(engine, claim)
+        store.describe(campaign, components)
+        if execute(campaign, store) is None:
+            return {"outcome": "failed", "text": "the runner ended without a verdict"}
+    except LostLease:
+        return {"outcome": "lost", "text": ""}
+    except (CampaignUnusable, CampaignError, OtherComponents, OtherCode, ReplayMismatch) as error:
+        return {"outcome": "unusable", "text": str(error)}
+    except MemoryError:  # the next attempt would need as much
+        traceback.print_exc()
+        return {"outcome": "unusable", "text": memory.sentence()}
+    except (Exception, SystemExit) as error:
+        traceback.print_exc()
+        what = " ".join(str(error).split())
+        return {
+            "outcome": "failed",
+            "text": f"the runner raised {type(error).__name__}" + (f": {what}" if what else ""),
+        }
+    return {"outcome": "done", "text": ""}
+
+
+def resolve(name: str) -> Execute:
+    """The function named as `module:function`."""
+    module, _, function = name.partition(":")
+    found: Execute = getattr(importlib.import_module(module), function)
+    return found
+
+
+def _private_streams() -> tuple[TextIO, TextIO]:
+    """Standard input and output for the supervisor alone: a print or an input() in the physics must not reach it."""
+    requests = os.fdopen(os.dup(0), "r", encoding="utf-8")
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.close(nothing)
+    os.dup2(2, 1)
+    return requests, answers
+
+
+def _say(answers: TextIO, message: dict[str, Any]) -> None:
+    answers.write(json.dumps(message) + "\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(1)

@@ -1,0 +1,77 @@
+"""A supervisor's side of its child process: one line of JSON each way, with a deadline.
+
+Start reading at `Child.receive`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from typing import Any
+
+from worker.processes import lifeline
+from worker.processes.lifeline import Wakeup
+
+
+class ChildEndedError(RuntimeError):
+    """The child has ended; the message says how, to follow "the worker process"."""
+
+
+class Child:
+    """A running `worker.processes.child`, its own process group, which dies with this process."""
+
+    def __init__(self, setup: dict[str, Any], wakeup: Wakeup) -> None:
+        command = [sys.executable, "-P", "-m", "worker.processes.child"]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
+        self._process = lifeline.start(command, when_orphaned=signal.SIGKILL, **pipes)
+        self._wakeup, self._received = wakeup, b""
+        self.send(setup)
+
+    def alive(self) -> bool:
+        """Whether it is still there."""
+        return self._process.poll() is None
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Hand over one message; raises `ChildEndedError`."""
+        assert self._process.stdin is not None
+        data = memoryview(json.dumps(message).encode() + b"\n")
+        try:
+            while data:
+                data = data[self._process.stdin.write(data) :]
+        except BrokenPipeError:
+            raise self._ended() from None
+
+    def receive(self, seconds: float) -> dict[str, Any] | None:
+        """The next message; None when there is none within the time [s] or a signal came. Raises `ChildEndedError`."""
+        assert self._process.stdout is not None
+        deadline = time.monotonic() + seconds
+        while b"\n" not in self._received:
+            if not self._wakeup.wait(deadline - time.monotonic(), self._process.stdout.fileno()):
+                return None
+            data = os.read(self._process.stdout.fileno(), 65536)
+            if not data:
+                raise self._ended()
+            self._received += data
+        line, _, self._received = self._received.partition(b"\n")
+        message: dict[str, Any] = json.loads(line)
+        return message
+
+    def kill(self) -> None:
+        """End it and all that it started."""
+        lifeline.kill_group(self._process)
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                stream.close()
+
+    def _ended(self) -> ChildEndedError:
+        """How it ended: it has closed its pipe, so it is about to, unless it closed the pipe alone."""
+        try:
+            status = self._process.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            status = lifeline.kill_group(self._process)
+        self.kill()
+        return ChildEndedError(lifeline.how_it_ended(status))

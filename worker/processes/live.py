@@ -1,0 +1,158 @@
+"""Live flights for the service: a child process that answers requests on standard input, one line of JSON each.
+
+Request  {"id", "campaign", "parameters": {path: value}, "rows"}; parameters left out are nominal.
+Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
+Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in
+`worker.systems.closed_loop.field`.
+Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...]}.
+Response {"stale": true}: nothing was simulated, since the code has changed; the process ends, another loads it.
+Run as `python -m worker.processes.live`; it ends with its input, and so with whoever started it. Start reading at
+`answer`.
+"""
+
+from __future__ import annotations
+
+from worker.runs import sources  # first: it records the files before they are loaded
+
+# isort: split
+import json
+import os
+import sys
+from collections import OrderedDict
+from typing import Any, TextIO
+
+import numpy as np
+
+from campaigns import CampaignError
+from campaigns.asked.load import load_document
+from worker.processes import memory
+from worker.systems.closed_loop.field import MOST, UNITS, field
+from worker.systems.closed_loop.trace import fly, trace
+from worker.systems.problem import CampaignUnusable, Problem
+
+KEPT = 16
+"""Problems kept ready; the one longest unused makes room."""
+
+ROWS = 400
+
+
+def main() -> None:
+    """Answer requests until the input ends."""
+    # The answers' stream is ours alone: whatever a component prints must not reach the service.
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    memory.bound()
+    _say(answers, {"ready": True})
+    problems: OrderedDict[str, Problem] = OrderedDict()
+    for line in sys.stdin.buffer:
+        if sources.stale():
+            _say(answers, {"stale": True})
+            return
+        _say(answers, answer(line, problems))
+
+
+def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, Any]:
+    """The response to one request; whatever is wrong with it is an error with a sentence."""
+    number = None
+    try:
+        request = json.loads(line)
+        if not isinstance(request["id"], int | str):
+            raise TypeError("id is a whole number or text")
+        number = request["id"]
+        problem = _problem(request["campaign"], problems)
+        parameters = request.get("parameters", {})
+        values = {path: _value(problem, path, value) for path, value in parameters.items()}
+        kind = request.get("kind", "flight")
+        if kind == "field":
+            return {"id": number} | _field(problem, values, request["time"], request["places"])
+        if kind != "flight":
+            raise ValueError(f"kind is 'flight' or 'field', given {kind!r}")
+        return {"id": number} | _flight(problem, values, request.get("rows", ROWS))
+    except (CampaignError, CampaignUnusable) as error:
+        return {"id": number, "error": str(error)}
+    except MemoryError:
+        problems.clear()
+        return {"id": number, "error": memory.sentence()}
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        return {"id": number, "error": f"not a request for a flight: {type(error).__name__}: {error}"}
+    except Exception as error:
+        return {"id": number, "error": f"the flight could not be made: {type(error).__name__}: {error}"}
+
+
+def _problem(document: Any, problems: OrderedDict[str, Problem]) -> Problem:
+    campaign = load_document(document, "the campaign of a live flight")
+    problem = problems.pop(campaign.digest, None) or Problem(campaign)
+    problems[campaign.digest] = problem
+    if len(problems) > KEPT:
+        problems.popitem(last=False)
+    return problem
+
+
+def _flight(problem: Problem, values: dict[str, float], rows: int) -> dict[str, Any]:
+    flown = trace(problem, "live", values, rows)
+    cost = flown.meta["cost"]
+    return {
+        "status": flown.meta["status"],
+        "reason": flown.meta["reason"],
+        "cost": cost,
+        "margin": None if cost is None else cost - flown.meta["threshold"],
+        "columns": flown.columns,
+        "data": {c["name"]: _plain(flown.data[:, k]) for k, c in enumerate(flown.columns)},
+        "meta": _finite(flown.meta),
+    }
+
+
+def _field(problem: Problem, values: dict[str, float], time: Any, places: Any) -> dict[str, Any]:
+    if isinstance(time, bool) or not isinstance(time, int | float) or not np.isfinite(time):
+        raise TypeError(f"time takes a number of seconds, given {time!r}")
+    wanted = np.asarray(places, dtype=np.float64)
+    if wanted.ndim != 2 or wanted.shape[1] != 2 or not 0 < len(wanted) <= MOST or not np.isfinite(wanted).all():
+        raise ValueError(f"places are 1 to {MOST} pairs of finite numbers")
+    found = field(problem, fly(problem, values), float(time), wanted)
+    return {
+        "time": found.time,
+        "place": found.place.tolist(),
+        "velocity": _plain(found.velocity),
+        "kind": found.kind,
+        "memory": found.memory,
+        "unit": UNITS[found.kind],
+        "own": found.own.tolist() if np.isfinite(found.own).all() else None,
+        "demand": [row.tolist() if np.isfinite(row).all() else None for row in found.demand],
+    }
+
+
+def _value(problem: Problem, path: str, value: Any) -> float:
+    """The value of a parameter, which must exist and lie within its component's limits."""
+    if path not in problem.paths:
+        raise ValueError(f"the scenario has no parameter {path!r}")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{path} takes a number, given {value!r}")
+    limits = next(p for s in problem.loop.sections for p in s.parameters if f"{s.prefix}.{p.name}" == path)
+    if not limits.low <= value <= limits.high:
+        raise ValueError(f"{path} lies within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
+    return float(value)
+
+
+def _plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
+    return [float(v) if np.isfinite(v) else None for v in column]
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no NaN: what is not finite is null."""
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, list):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def _say(answers: TextIO, message: dict[str, Any]) -> None:
+    answers.write(json.dumps(message, allow_nan=False) + "\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(1)

@@ -1,0 +1,116 @@
+"""The processes behind `clearance serve`: started together, watched, started again when they die, stopped together.
+
+What they print goes to files in the data folder. Start reading at `Servers.watch`.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from worker.processes import lifeline
+from worker.processes.lifeline import Wakeup
+
+STOP = 5.0
+"""How long the processes may take to end by themselves [s]."""
+
+LONGEST_PAUSE = 30.0
+"""The longest wait before a process that keeps dying is started again [s]."""
+
+STEADY = 60.0
+"""A process that lived this long before it died is started again at once [s]."""
+
+LARGEST_LOG = 10_000_000
+"""A log larger than this is begun anew, the old one kept beside it [bytes]."""
+
+
+@dataclass
+class Server:
+    """One process that is to run: its name, command and log."""
+
+    name: str
+    command: Sequence[str]
+    environment: Mapping[str, str]
+    log: Path
+    when_orphaned: signal.Signals
+    process: subprocess.Popen[bytes] | None = None
+    started: float = 0.0
+    pause: float = 0.0
+    due: float = 0.0
+    status: int | None = None
+    """How it last ended, as `Popen.returncode`."""
+
+    def start(self) -> None:
+        """Start it, its output at the end of its log."""
+        self.log.parent.mkdir(parents=True, exist_ok=True)
+        if self.log.exists() and self.log.stat().st_size > LARGEST_LOG:
+            self.log.replace(self.log.with_suffix(".old.log"))
+        with self.log.open("ab") as output:
+            self.process = lifeline.start(
+                self.command,
+                when_orphaned=self.when_orphaned,
+                env={**os.environ, **self.environment},
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+            )
+        self.started = time.monotonic()
+
+    def tail(self, lines: int = 8) -> str:
+        """The last lines of its log."""
+        try:
+            text = self.log.read_text(errors="replace")[-4000:]
+        except OSError:
+            return ""
+        return "\n".join("    " + line for line in text.splitlines()[-lines:])
+
+
+class Servers:
+    """All the processes; `report` is told, in a sentence, whatever happens to them."""
+
+    def __init__(self, servers: Sequence[Server], wakeup: Wakeup, report: Callable[[str], None]) -> None:
+        self.servers, self.report, self._wakeup = servers, report, wakeup
+
+    def start(self) -> None:
+        """Start them all."""
+        for server in self.servers:
+            server.start()
+
+    def watch(self, seconds: float) -> list[Server]:
+        """Look after them for about this long [s]; returns those that died meanwhile, to be started again in time."""
+        self._wakeup.wait(seconds)
+        return [server for server in self.servers if self._died(server)]
+
+    def stop(self) -> None:
+        """Ask them to end, wait a little, and end by force what is left."""
+        running = [server.process for server in self.servers if server.process is not None]
+        for process in running:
+            process.send_signal(signal.SIGTERM)
+        deadline = time.monotonic() + STOP
+        while any(process.poll() is None for process in running) and time.monotonic() < deadline:
+            self._wakeup.wait(0.05)
+        for process in running:
+            lifeline.kill_group(process)
+
+    def _died(self, server: Server) -> bool:
+        at = time.monotonic()
+        if server.process is None:
+            if at >= server.due:
+                server.start()
+            return False
+        status = server.process.poll()
+        if status is None:
+            return False
+        lifeline.kill_group(server.process)
+        server.process, server.status = None, status
+        server.pause = 0.0 if at - server.started > STEADY else min(LONGEST_PAUSE, max(0.5, 2 * server.pause))
+        server.due = at + server.pause
+        how = lifeline.how_it_ended(status)
+        self.report(f"The {server.name} {how}; it is started again in {server.pause:g} s. From {server.log}:")
+        self.report(server.tail())
+        return True

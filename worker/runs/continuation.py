@@ -1,0 +1,118 @@
+"""A finished search goes on under a larger budget: the new run replays what the old one stored and flies only the rest.
+
+A method is deterministic, so that its first evaluations under the larger budget are the stored ones, bit by bit. What
+flew depends on all that came before and is flown anew. What other code flew is refused. Start at `continued`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, fields
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from campaigns import Campaign, check
+from campaigns.asked.load import load_document
+from campaigns.asked.plan import plan
+from campaigns.asked.spec import MAX_EVALUATIONS, Search
+from campaigns.flown import Flown, differences, differing, other_code
+from campaigns.wording import count, listed
+from worker.catalogue.installed import catalogue, methods
+from worker.runs import sources
+from worker.runs.provenance import flown
+from worker.runs.store import MemoryStore
+from worker.stages.store import Columns, StagePlan, StageRecord
+from worker.systems.problem import Problem
+
+
+class CannotContinue(ValueError):
+    """The run cannot be continued; the message says why and what can be done."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """A search's budget afterwards: so many evaluations more, or so many in all."""
+
+    evaluations: int
+    more: bool
+
+    @staticmethod
+    def read(text: str) -> Budget:
+        """`+20000` is so many more, `20000` so many in all; raises `CannotContinue` for anything else."""
+        if not re.fullmatch(r"\+?[0-9_]{1,12}", text) or int(text) < 1:
+            raise CannotContinue(
+                f"the budget {text!r} is none; give +20000 for so many evaluations more, 20000 for so many in all"
+            )
+        return Budget(int(text), text.startswith("+"))
+
+    def after(self, before: int) -> int:
+        """What a budget of `before` evaluations becomes."""
+        return before + self.evaluations if self.more else max(before, self.evaluations)
+
+
+def continued(campaign: Campaign, budget: Budget) -> Campaign:
+    """The campaign with larger budgets for every search that can go on; raises `CannotContinue` where none can."""
+    document = campaign.document()
+    raised = [_raised(search, budget) for search in campaign.stages.search]
+    if not any(raised):
+        asked = listed([methods()[s.method].title for s in campaign.stages.search])
+        able = listed([m.title for m in methods().values() if m.extend is not None])
+        raise CannotContinue(
+            f"none of its searches ({asked}) goes on beyond {count(budget.evaluations)} evaluations; "
+            f"these can be continued: {able}"
+        )
+    document["stages"]["search"] = [
+        changed or search for changed, search in zip(raised, document["stages"]["search"], strict=True)
+    ]
+    larger = load_document(document, "the continued campaign")
+    if problems := check(larger, catalogue()):
+        raise CannotContinue(f"a campaign like it is refused now: {'; '.join(map(str, problems))}")
+    return larger
+
+
+def _raised(search: Search, budget: Budget) -> dict[str, Any] | None:
+    method = methods()[search.method]
+    evaluations = budget.after(search.evaluations)
+    if method.extend is None or evaluations <= search.evaluations:
+        return None
+    if evaluations > MAX_EVALUATIONS:
+        raise CannotContinue(f"{count(evaluations)} evaluations are more than the {count(MAX_EVALUATIONS)} allowed")
+    known: TypeAdapter[Any] = TypeAdapter(method.options)
+    try:
+        options = method.extend(known.validate_python(search.options), evaluations - search.evaluations)
+    except ValueError:
+        return None
+    usual = method.options()
+    changed = {f.name: getattr(options, f.name) for f in fields(options)}
+    told = {name: v for name, v in changed.items() if name in search.options or v != getattr(usual, name)}
+    asked = search.model_dump(mode="json")
+    return asked | {"evaluations": evaluations, "options": told}
+
+
+def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Columns]:
+    """The stored evaluations by the position of the stage that replays them; raises `CannotContinue`."""
+    stages = [(p.kind, p.method) for p in plan(new)]
+    if [(r.plan.kind, r.plan.method) for r in store.stages] != stages or [
+        (p.kind, p.method) for p in plan(old)
+    ] != stages:
+        raise CannotContinue("its stages were planned by another version of Clearance; run the campaign again")
+    found = {at: store.evaluations(at) for at, (kind, _) in enumerate(stages) if kind != "validate"}
+    return {at: columns for at, columns in found.items() if columns is not None and len(columns.status)}
+
+
+def refuse_other_code(new: Campaign, then: Flown, modules: dict[str, str] | None = None) -> None:
+    """Raises `CannotContinue` where a run was flown by code or packages that may fly otherwise here.
+
+    `modules` are the digests of its modules, where they are stored. What was not stored is not compared.
+    """
+    here, code = flown(Problem(new)), sources.code()
+    others = differences(then, here, differing(modules, code.modules) if modules else None)
+    if others:
+        raise CannotContinue(other_code("it", others))
+
+
+def preloaded(new: Campaign, evaluations: dict[int, Columns]) -> MemoryStore:
+    """A store in memory that a run of the new campaign resumes from."""
+    stages = [StageRecord(StagePlan(*planned)) for planned in plan(new)]
+    return MemoryStore(stages=stages, chunks={at: [columns] for at, columns in evaluations.items()})

@@ -1,0 +1,59 @@
+"""What must be stored with a number so that it can be repeated: code, versions, machine, settings of the flight.
+
+Stored as the first stage of a run begins; a run that other code began is refused. Start reading at `begin`.
+"""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from llvmlite import binding
+from numba.core.codegen import get_host_cpu_features
+
+from campaigns.flown import Flown
+from worker.runs import sources
+from worker.stages.store import Store
+from worker.systems.problem import Problem
+
+
+def begin(store: Store, problem: Problem) -> None:
+    """Store what is about to fly; raises `backend.db.store.OtherCode` where other code has flown already."""
+    store.flies(flown(problem), sources.code())
+
+
+def flown(problem: Problem) -> Flown:
+    """What flies a problem in this process."""
+    return Flown.of(provenance(problem))
+
+
+def provenance(problem: Problem) -> dict[str, Any]:
+    """Versions of the code and its packages, the processor, and how the flights are integrated."""
+    return {
+        "clearance": version("clearance"),
+        "python": platform.python_version(),
+        "code": sources.code().digest,
+        "packages": dict(sources.LOADED.packages),
+        "system": f"{platform.system()} {platform.machine()}",
+        "cpu": _processor(),
+        "lanes": problem.loop.lanes,
+        "step": problem.step,
+        "integrator": "RK4",
+        "loop": problem.loop.digest,
+    }
+
+
+def _processor() -> dict[str, str]:
+    named: str = get_host_cpu_features()  # type: ignore[no-untyped-call]
+    features = sorted(f[1:] for f in named.split(",") if f.startswith("+"))
+    return {"model": _model(), "target": binding.get_host_cpu_name(), "features": " ".join(features)}
+
+
+def _model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")

@@ -1,0 +1,192 @@
+"""The source files of this installation: what this process loaded, and whether they are still the same.
+
+Imported first in every process that simulates: it records the files before they are loaded, so that an edit while they
+load shows. Packages that add components or methods by entry points are covered too. Start reading at `stale`, `code`.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib.util
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # nothing of ours is loaded before its files are recorded
+    from campaigns.flown import Code
+
+PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
+"""Packages of others that can change a number."""
+
+GROUPS = ("clearance.components", "clearance.methods")
+OURS = ("campaigns", "worker", "backend.db")
+APART = ("backend.db", "worker.cli", "worker.processes")
+"""Modules that start processes, store and print: they are loaded again when they change, but change no number."""
+
+_SUFFIXES = (".py", ".so", ".pyd")
+_Stamp = tuple[tuple[str, int, int, int, int], ...]
+
+
+@dataclass(frozen=True)
+class Noted:
+    """The files as they are at one moment."""
+
+    files: dict[str, bytes]
+    """The content by the module's name."""
+    packages: dict[str, str]
+    """Versions: those of `PACKAGES`, and of the packages that add components."""
+    digest: str
+    """Of both, byte by byte."""
+    paths: tuple[str, ...]
+    """Files and folders whose change may make another digest."""
+
+
+def note() -> Noted:
+    """Read all files now."""
+    files: dict[str, bytes] = {}
+    paths: list[str] = []
+    added = _added()
+    for name, place in [*_ours(), *((name, place) for name, place, _ in added)]:
+        for module, path in _modules(name, place, paths):
+            with suppress(FileNotFoundError):  # it was deleted since the folder was read
+                files[module] = path.read_bytes()
+                paths.append(str(path))
+    packages = {name: _version(name) for name in PACKAGES}
+    packages |= {entry.dist.name: entry.dist.version for _, _, entry in added if entry.dist is not None}
+    sink = hashlib.sha256(repr(sorted(packages.items())).encode())
+    for module in sorted(files):
+        sink.update(f"{module}:{hashlib.sha256(files[module]).hexdigest()};".encode())
+    return Noted(files, packages, sink.hexdigest(), (*paths, *sys.path))
+
+
+def stale() -> bool:
+    """Whether the files, or the versions of the packages, are others now than those that this process loaded."""
+    global _same
+    stamp = _stamp(LOADED.paths)  # before the files are read: an edit meanwhile shows the next time
+    if stamp == _same:
+        return False
+    if note().digest != LOADED.digest:
+        return True
+    _same = stamp  # they were touched, or something else appeared beside them
+    return False
+
+
+@cache
+def code() -> Code:
+    """The loaded code that can change a number; what documents it counts for nothing."""
+    from campaigns.flown import Code
+
+    modules = {
+        name: _meaning(content)
+        for name, content in sorted(LOADED.files.items())
+        if not any(name == apart or name.startswith(f"{apart}.") for apart in APART)
+    }
+    whole = "".join(f"{name}:{digest};" for name, digest in modules.items())
+    return Code(hashlib.sha256(whole.encode()).hexdigest(), modules)
+
+
+def _meaning(content: bytes) -> str:
+    """A digest of a module by its syntax tree; of a compiled module, by its bytes. 16 hexadecimal digits."""
+    told: list[str] = []
+    try:
+        _told(ast.parse(content), told)
+    except (SyntaxError, ValueError):
+        return hashlib.sha256(content).hexdigest()[:16]
+    return hashlib.sha256("\0".join(told).encode("utf-8", "surrogatepass")).hexdigest()[:16]
+
+
+def _told(node: Any, told: list[str]) -> None:
+    """A syntax tree without positions, comments and strings that stand alone; the same in every version of Python."""
+    if isinstance(node, ast.AST):
+        told.append(type(node).__name__)
+        for name in node._fields:
+            value = getattr(node, name, None)
+            if value is not None and value != [] and name != "ctx":
+                told.append(name)
+                _told(value, told)
+        told.append(")")
+    elif isinstance(node, list):
+        for item in node:
+            if not (isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant)):
+                _told(item, told)
+        told.append("]")
+    else:
+        told.append(repr(node))
+
+
+def _ours() -> Iterator[tuple[str, Path]]:
+    root = Path(__file__).parents[2]
+    for name in OURS:
+        yield name, root.joinpath(*name.split("."))
+
+
+def _added() -> list[tuple[str, Path, EntryPoint]]:
+    """The packages or single modules of others that entry points name, each with where it is."""
+    found: dict[str, tuple[str, Path, EntryPoint]] = {}
+    for entry in (entry for group in GROUPS for entry in entry_points(group=group)):
+        parts = entry.module.split(".")
+        if parts[0] in {name.split(".")[0] for name in OURS}:
+            continue
+        for count in range(1, len(parts) + 1):  # a namespace package is shared with others: go below it
+            name = ".".join(parts[:count])
+            with suppress(ImportError, ValueError):
+                spec = importlib.util.find_spec(name)
+                if spec is not None and spec.origin is not None:
+                    place = Path(spec.origin).parent if spec.submodule_search_locations else Path(spec.origin)
+                    found[name] = (name, place, entry)
+                    break
+    return list(found.values())
+
+
+def _modules(name: str, place: Path, folders: list[str]) -> Iterator[tuple[str, Path]]:
+    if place.is_file():
+        yield name, place
+        return
+    for folder, inner, files in os.walk(place):
+        inner[:] = sorted(f for f in inner if f != "__pycache__")
+        folders.append(folder)
+        below = ".".join([name, *Path(folder).relative_to(place).parts])
+        for file in sorted(files):
+            if file.endswith(_SUFFIXES):
+                stem = file.partition(".")[0]
+                yield below if stem == "__init__" else f"{below}.{stem}", Path(folder, file)
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _stamp(paths: tuple[str, ...]) -> _Stamp:
+    found = []
+    for path in paths:
+        with suppress(OSError):
+            at = os.stat(path)
+            found.append((path, at.st_mtime_ns, at.st_ctime_ns, at.st_size, at.st_ino))
+    return tuple(found)
+
+
+def _drop_old_bytecode(paths: tuple[str, ...]) -> None:
+    """Python takes bytecode for current when the source's size and second are the same: not after a quick edit."""
+    for path in paths:
+        if path.endswith(".py"):
+            with suppress(OSError, NotImplementedError):
+                compiled = importlib.util.cache_from_source(path)
+                if os.stat(path).st_mtime_ns >= os.stat(compiled).st_mtime_ns:
+                    os.unlink(compiled)
+
+
+LOADED = note()
+"""The files as they were before this process loaded them."""
+
+_same: _Stamp | None = None
+_drop_old_bytecode(LOADED.paths)

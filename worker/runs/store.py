@@ -1,0 +1,61 @@
+"""A store in memory: what the command line runs into and writes out at the end. The seam is `worker.stages.store`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from campaigns.flown import Code, Flown
+from worker.stages.store import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
+
+
+@dataclass
+class MemoryStore:
+    """Everything in memory; what the command line writes out at the end."""
+
+    stages: list[StageRecord] = field(default_factory=list)
+    chunks: dict[int, list[Columns]] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+    traces: dict[str, Trace] = field(default_factory=dict)
+    conclusion: Conclusion | None = None
+    flown: Flown | None = None
+
+    def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
+        if not self.stages:
+            self.stages = [StageRecord(plan) for plan in stages]
+        return list(self.stages)
+
+    def flies(self, flown: Flown, code: Code) -> None:
+        self.flown = flown
+
+    def begin(self, position: int) -> None:
+        stage = self.stages[position]
+        self.stages[position] = StageRecord(stage.plan, "running", stage.seconds)
+
+    def evaluations(self, position: int) -> Columns | None:
+        return join(self.chunks.get(position, []))
+
+    def append(self, position: int, first: int, columns: Columns) -> None:
+        held = sum(len(c.status) for c in self.chunks.get(position, []))
+        if first != held:
+            raise ValueError(f"stage {position} holds {held} evaluations, given some from index {first} on")
+        self.chunks.setdefault(position, []).append(columns)
+
+    def finish(
+        self,
+        position: int,
+        result: dict[str, Any],
+        seconds: float,
+        findings: Sequence[Finding] = (),
+        traces: Sequence[Trace] = (),
+    ) -> None:
+        self.stages[position] = StageRecord(self.stages[position].plan, "done", seconds, result)
+        self.findings.extend(findings)
+        self.traces.update({t.name: t for t in traces})
+
+    def found(self) -> list[Finding]:
+        return sorted(self.findings, key=lambda f: f.cost)
+
+    def conclude(self, conclusion: Conclusion) -> None:
+        self.conclusion = conclusion

@@ -1,0 +1,132 @@
+"""CMA-ES with restarts: samples a normal distribution that learns the shape of the valley it is in, again and again.
+
+Hansen and Ostermeier, Completely derandomized self-adaptation in evolution strategies (Evol. Comput. 9, 2001), as
+pycma; restarts with twice the population each time (Auger and Hansen, IPOP, CEC 2005) or, by default, in turns with
+small ones (Hansen, BIPOP, GECCO 2009). A point without a value ranks last in its generation. Global by its restarts.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.parts.lowest import Lowest
+
+STEP = 1e-9
+"""A descent ends when its deviations are below this, as a share of every range."""
+
+# pycma's words for why it stopped, in ours; the first that holds is told.
+STOPS = {
+    "tolflatfitness": "the cost is the same everywhere around",
+    "tolfun": "the cost no longer changes",
+    "tolfunrel": "the cost no longer changes",
+    "tolfunhist": "the cost no longer changes",
+    "tolx": "the step is within its tolerance",
+    "tolstagnation": "the cost got no better for long",
+    "tolxstagnation": "the step is within its tolerance",
+    "tolconditioncov": "the valley is too narrow for its numbers",
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """Deviations are shares of each parameter's range."""
+
+    restarts: Annotated[
+        Literal["bipop", "ipop"], Field(description="Small and growing populations in turns, or growing ones")
+    ] = "bipop"
+    population: Annotated[int, Field(ge=0, le=10_000, description="First population; 0: 4 + 3 ln(n)")] = 0
+    deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.3
+    growth: Annotated[float, Field(ge=1, le=10, description="What the population grows by at a restart")] = 2.0
+
+
+def search(space: Space, options: Options) -> Search:
+    """One generation is one request; it goes on with restarts for as long as it is asked."""
+    default = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
+    large, spent = default, {"large": 0, "small": 0}
+    spent["large"] += yield from _descend(space, default, options.deviation)
+    while True:
+        if options.restarts == "bipop" and spent["small"] < spent["large"]:
+            share = space.random.random() ** 2
+            population = int(default * (0.5 * large / default) ** share)
+            deviation = options.deviation * 10.0 ** (-2.0 * space.random.random())
+            spent["small"] += yield from _descend(space, max(population, default), deviation, spent["large"] // 2)
+        else:
+            large = int(np.ceil(large * options.growth))
+            spent["large"] += yield from _descend(space, large, options.deviation)
+
+
+def _descend(space: Space, population: int, deviation: float, most: float = np.inf) -> Generator[Floats, Batch, int]:
+    """One run of the strategy from a random point; returns its evaluations."""
+    start = space.random.random(space.dimension)
+    best = Lowest(start)
+    text = "the search ended"
+    try:
+        strategy = _strategy(start, deviation, population, space.random)
+        while best.evaluations < most:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                asked = strategy.ask()
+            points = np.clip(np.array(asked), 0.0, 1.0)
+            batch = yield points.copy()
+            values = batch.ranked()
+            best.see(points, values)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                strategy.tell(asked, _last(values).tolist())
+                stopped = strategy.stop()
+            if stopped:
+                text = next((said for word, said in STOPS.items() if word in stopped), "the strategy stopped")
+                break
+        else:
+            text = "its share of evaluations is used up"
+        return best.evaluations
+    finally:
+        best.report(space, text)
+
+
+def _strategy(start: Floats, deviation: float, population: int, random: np.random.Generator) -> Any:
+    import cma  # only now: it takes most of a second to load
+
+    options = {
+        "bounds": [0.0, 1.0],
+        "popsize": population,
+        "randn": lambda *shape: random.standard_normal(shape),  # its own would be numpy's global stream
+        "seed": np.nan,
+        "tolx": STEP,
+        "verbose": -9,
+        "verb_log": 0,
+    }
+    if len(start) == 1:
+        options["maxstd_boundrange"] = np.inf  # keeping to its limit breaks it where there is one parameter
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return cma.CMAEvolutionStrategy(start, deviation, options)
+
+
+def _last(values: Floats) -> Floats:
+    """Values to rank by: those that are infinite come after every other, all at one place."""
+    known = np.isfinite(values)
+    if known.all():
+        return values
+    worst = float(values[known].max()) if known.any() else 0.0
+    return np.where(known, values, worst + 1e-3 * max(abs(worst), 1e-3))
+
+
+method = Method(
+    name="cma_es",
+    title="CMA-ES",
+    kind="global",
+    how="Global by restarts. Learns the valley's shape",
+    source="Hansen and Ostermeier 2001, as pycma",
+    evaluations=5000,
+    options=Options,
+    search=search,
+    extend=lambda options, more: options,
+)

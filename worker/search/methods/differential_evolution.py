@@ -1,0 +1,99 @@
+"""Differential evolution: every member of a population is tried against a mix of others, by their differences.
+
+Storn and Price, Differential evolution (J. Global Optimization 11, 1997), as SciPy's differential_evolution with its
+defaults, one generation a batch. A point without a value loses to every point that has one. It ends when the
+population has gathered in one valley, and that may be the wrong one; restarts help.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from worker.search.base import Floats, Method, Search, Space
+from worker.search.parts.callback import Ask, called_back
+from worker.search.parts.lowest import Lowest
+
+GENERATIONS = 10**9
+"""More than any budget has."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """SciPy's names and defaults, but that `mutation` and `dither` are the lower end and the width of its pair."""
+
+    strategy: Literal[
+        "best1bin", "best1exp", "best2bin", "best2exp", "rand1bin", "rand1exp", "rand2bin", "rand2exp",
+        "randtobest1bin", "randtobest1exp", "currenttobest1bin", "currenttobest1exp",
+    ] = "best1bin"  # fmt: skip
+    population: Annotated[int, Field(ge=1, le=1000, description="Members per parameter; at least 5 in all")] = 15
+    mutation: Annotated[float, Field(ge=0, le=1, description="Weight of a difference, at least")] = 0.5
+    dither: Annotated[float, Field(ge=0, le=0.99, description="Random amount added to it each generation")] = 0.5
+    recombination: Annotated[float, Field(ge=0, le=1, description="Share of parameters taken from the mix")] = 0.7
+    tolerance: Annotated[
+        float, Field(ge=0, le=1, description="Stop when the costs' deviation is below this share of their mean")
+    ] = 0.01
+    restarts: Annotated[int, Field(ge=0, le=1_000_000, description="Begins anew so often after such a stop")] = 0
+
+
+def search(space: Space, options: Options) -> Search:
+    """One generation is one request; ends by the tolerance alone."""
+    text = ""
+    for _ in range(options.restarts + 1):
+        text = yield from _gather(space, options)
+    return text if options.restarts == 0 else f"did the {options.restarts} restarts asked for, at last {text}"
+
+
+def _gather(space: Space, options: Options) -> Search:
+    best = Lowest()
+    text = "the search ended"
+    try:
+        text = yield from called_back(lambda ask: _run(ask, space, options, best))
+        return text
+    finally:
+        best.report(space, text)
+
+
+def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:
+    def costs(x: Floats) -> Floats:
+        points = np.clip(x.T, 0.0, 1.0)
+        values = ask(points.copy()).ranked()
+        best.see(points, values)
+        return values
+
+    box: Any = [(0.0, 1.0)] * space.dimension
+    vectorised: Any = costs
+    mutation = (options.mutation, options.mutation + options.dither) if options.dither else options.mutation
+    from scipy.optimize import differential_evolution  # a campaign's process must start fast
+
+    done = differential_evolution(
+        vectorised,
+        box,
+        strategy=options.strategy,
+        popsize=options.population,
+        mutation=mutation,
+        recombination=options.recombination,
+        tol=options.tolerance,
+        maxiter=GENERATIONS,
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+        rng=space.random,
+    )
+    return f"the population gathered in one valley after {done.nit} generations"
+
+
+method = Method(
+    name="differential_evolution",
+    title="Differential evolution",
+    kind="global",
+    how="Global. A population led by its differences",
+    source="Storn and Price 1997, as SciPy",
+    evaluations=5000,
+    options=Options,
+    search=search,
+    extend=lambda options, more: replace(options, restarts=1_000_000),
+)

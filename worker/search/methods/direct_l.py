@@ -1,0 +1,29 @@
+"""DIRECT-L: DIRECT that looks closer around the best it knows and less into the wide.
+
+Gablonsky, Kelley, A locally-biased form of the DIRECT algorithm (J. Global Optim. 21, 2001): a rectangle's size is its
+longest side, which makes fewer sizes, and of every size a single rectangle is divided, the oldest of ties. Quicker
+where there are few local minima; otherwise as `direct`, which it is made of.
+"""
+
+from __future__ import annotations
+
+from worker.search.base import Method, Search, Space
+from worker.search.methods.direct import Boxes, Options, divided, extend
+
+
+def search(space: Space, options: Options) -> Search:
+    """One iteration is one request, as in `direct`."""
+    return divided(Boxes(space.dimension), options, biased=True)
+
+
+method = Method(
+    name="direct_l",
+    title="DIRECT-L",
+    kind="global",
+    how="Global, deterministic. Divides the box, near the best",
+    source="Gablonsky, Kelley 2001",
+    evaluations=2000,
+    options=Options,
+    search=search,
+    extend=extend,
+)

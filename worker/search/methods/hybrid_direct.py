@@ -1,0 +1,83 @@
+"""Hybrid DIRECT: DIRECT divides the box, then SQP descends from its best point and from its other promising centres.
+
+Jones, Perttunen, Stuckman (1993) and Kraft (1988), joined as H-DIRECT: DIRECT soon comes near the best valleys and
+takes long to reach their bottoms, above all on a bound, which centres of rectangles never touch; SQP is the reverse.
+DIRECT ends by its own rules or when its share of the budget is spent, so a larger budget changes the points: a finished
+search cannot be continued. The best centre goes first and alone, the others follow side by side: low ones, far from
+anything lower.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.methods import direct, sqp
+from worker.search.parts import basins
+
+
+@dataclass(frozen=True)
+class Options(direct.Options):
+    """DIRECT's own, how much of the budget it may use, and what the descents need."""
+
+    share: Annotated[float, Field(gt=0, le=1, description="DIRECT's share of the budget at most")] = 0.7
+    biased: Annotated[bool, Field(description="Divide as DIRECT-L does")] = False
+    centres: Annotated[int, Field(ge=1, le=1000, description="Centres to descend from, the best among them")] = 5
+    differences: Literal["central", "forward"] = "central"
+    difference: Annotated[float, Field(gt=0, le=0.1, description="Step of the differences")] = 1e-5
+    gradients: Annotated[int, Field(ge=1, le=100_000, description="Gradients per descent at most")] = 200
+
+
+def search(space: Space, options: Options) -> Search:
+    boxes = direct.Boxes(space.dimension)
+    said = yield from _divided(boxes, space, options)
+    starts = _centres(boxes, options.centres)
+    if len(starts) == 0:
+        return f"DIRECT: {said}; no centre had a value"
+    asked = sqp.Options(
+        differences=options.differences, difference=options.difference, iterations=options.gradients
+    )  # fmt: skip
+    text = yield from sqp.search(replace(space, starts=starts[:1]), asked)
+    if len(starts) > 1:
+        yield from sqp.search(replace(space, starts=starts[1:]), asked)
+    return f"DIRECT: {said}; SQP from {len(starts)} centres, from the best of them: {text}"
+
+
+def _divided(boxes: direct.Boxes, space: Space, options: Options) -> Generator[Floats, Batch, str]:
+    """DIRECT until it stops or asks for more than its share; the first iterations it always gets."""
+    dividing, spent = direct.divided(boxes, options, options.biased), 0
+    try:
+        points = next(dividing)
+        while spent + len(points) <= options.share * space.budget or boxes.count <= 1:
+            spent += len(points)
+            points = dividing.send((yield points))
+    except StopIteration as ended:
+        return str(ended.value)
+    finally:
+        dividing.close()
+    return f"used its share of {spent} evaluations"
+
+
+def _centres(boxes: direct.Boxes, at_most: int) -> Floats:
+    """The centres to descend from (k, n), the best first."""
+    count = boxes.count
+    ranked = np.where(boxes.lost[:count], np.inf, boxes.value[:count])
+    return boxes.centre[basins.promising(boxes.centre[:count], ranked, at_most)]
+
+
+method = Method(
+    name="hybrid_direct",
+    title="Hybrid DIRECT",
+    kind="global",
+    how="Global, deterministic. Divides the box, then descends",
+    source="Jones et al. 1993 and Kraft 1988",
+    evaluations=3000,
+    options=Options,
+    search=search,
+    repeats=True,
+)

@@ -1,0 +1,73 @@
+"""SQP multistart: sequential quadratic programming from every start, all starts side by side.
+
+Kraft, A software package for sequential quadratic programming (DFVLR-FB 88-28, 1988), as NLopt's LD_SLSQP or, as a
+cross-check, SciPy's SLSQP. Gradients by finite differences, a point and its differences go out as one batch. Finds the
+local minimum of each start's valley and guarantees nothing of the others. Without given starts it takes scrambled
+Sobol points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from worker.search.base import Floats, Method, Minimum, Search, Space, side_by_side
+from worker.search.parts.descent import Settings, descend
+
+
+@dataclass(frozen=True)
+class Options:
+    """Differences and tolerances are shares of each parameter's range and of the cost."""
+
+    starts: Annotated[int, Field(ge=1, le=10_000, description="Sobol starts where the campaign gives none")] = 8
+    implementation: Literal["nlopt", "scipy"] = "nlopt"
+    differences: Literal["central", "forward"] = "central"
+    difference: Annotated[float, Field(gt=0, le=0.1, description="Step of the differences")] = 1e-5
+    step_tolerance: Annotated[float, Field(gt=0, le=0.1, description="Stop when a step is smaller (NLopt's only)")] = (
+        1e-7
+    )
+    cost_tolerance: Annotated[float, Field(ge=0, le=0.1, description="Stop when the cost changes less")] = 1e-10
+    iterations: Annotated[int, Field(ge=1, le=100_000, description="Gradients per start at most")] = 200
+
+
+def search(space: Space, options: Options) -> Search:
+    starts = space.starts
+    if len(starts) == 0:
+        from scipy.stats import qmc  # a campaign's process must start fast
+
+        sampler = qmc.Sobol(space.dimension, rng=space.random)
+        starts = sampler.random_base2(int(np.ceil(np.log2(options.starts))))[: options.starts]
+    said = yield from side_by_side([_descend(space, options, start) for start in starts])
+    return f"every start ended: {', '.join(sorted(set(said)))}" if len(starts) > 1 else said[0]
+
+
+def _descend(space: Space, options: Options, start: Floats) -> Search:
+    settings = Settings(
+        library=options.implementation,
+        differences=options.differences,
+        difference=options.difference,
+        step_tolerance=options.step_tolerance,
+        cost_tolerance=options.cost_tolerance,
+        iterations=options.iterations,
+    )
+    end = yield from descend(start, settings)
+    if np.isfinite(end.cost):
+        space.report(Minimum(end.point, end.cost, start, end.evaluations, end.text))
+    return end.text
+
+
+method = Method(
+    name="sqp",
+    title="SQP multistart",
+    kind="local",
+    how="Local gradients from every start",
+    source="Kraft 1988, as NLopt LD_SLSQP",
+    evaluations=2000,
+    options=Options,
+    search=search,
+    repeats=True,
+    starts=True,
+)

@@ -1,0 +1,1 @@
+"""What search methods share: local descents, clustering, evolutionary operators, adapters to libraries."""

@@ -1,0 +1,64 @@
+"""Runs an optimiser of NLopt, which asks for one point at a time, as a search. Start reading at `optimised`.
+
+NLopt wants a number for every point. One without a value gets the highest cost seen so far; that number stays inside
+the library: what is counted, kept and reported comes from the evaluations themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import nlopt
+import numpy as np
+
+from worker.search.base import Floats, Search, Space
+from worker.search.parts.callback import Ask, called_back
+from worker.search.parts.lowest import Lowest
+
+SAID = {
+    nlopt.FTOL_REACHED: "the cost no longer changes",
+    nlopt.XTOL_REACHED: "the step is within its tolerance",
+    nlopt.STOPVAL_REACHED: "the cost cannot be lower",
+}
+
+
+def optimised(space: Space, build: Callable[[], Any]) -> Search:
+    """Let the optimiser that `build` makes search the unit cube until it ends by itself; reports its lowest point."""
+    best = Lowest()
+    text = "the search ended"
+    seed = int(space.random.integers(1, 2**31))
+    try:
+        text = yield from called_back(lambda ask: _run(ask, space.dimension, build, best, seed))
+        return text
+    finally:
+        best.report(space, text)
+
+
+def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed: int) -> str:
+    highest = -np.inf
+
+    def cost(x: Floats, gradient: Floats) -> float:
+        nonlocal highest
+        # A model spoilt by rounding may ask for no point at all: then the middle.
+        point = np.where(np.isfinite(x), np.clip(x, 0.0, 1.0), 0.5)[None, :]
+        values = ask(point.copy()).ranked()
+        best.see(point, values)
+        value = float(values[0])
+        if not np.isfinite(value):
+            return highest if np.isfinite(highest) else 0.0
+        highest = max(highest, value)
+        return value
+
+    nlopt.srand(seed)  # NLopt's stream belongs to the thread, and this thread is the search's own
+    optimiser = build()
+    optimiser.set_min_objective(cost)
+    optimiser.set_lower_bounds(np.zeros(dimension))
+    optimiser.set_upper_bounds(np.ones(dimension))
+    try:
+        optimiser.optimize(np.full(dimension, 0.5))
+    except (nlopt.RoundoffLimited, nlopt.roundoff_limited):
+        return "rounding stopped the search"
+    except (nlopt.runtime_error, RuntimeError, MemoryError, ValueError) as error:
+        return f"the library stopped the search: {error or type(error).__name__}"
+    return SAID.get(optimiser.last_optimize_result(), "the library's own rule stopped the search")

@@ -1,0 +1,64 @@
+"""UNIRANDI: a local search along random directions that asks for nothing but values.
+
+Jarvi, A random search optimizer (University of Turku, 1973), as in GLOBAL (Csendes 1988): a step along a random
+direction or against it; a success is doubled until it fails, two failures halve the step. Start at `unirandi`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+
+from worker.search.base import OK, Batch, Floats
+from worker.search.parts.descent import End
+
+STEP = 0.0005
+"""The first step in shares of the ranges: 0.001 on the original's box from -1 to 1."""
+BLOCK = 64
+TINY = 1e-300
+
+
+def unirandi(
+    random: np.random.Generator, start: Floats, cost: float, tolerance: float, most: int
+) -> Generator[Floats, Batch, End]:
+    """Search from a start of known cost, one point at a time, at most so many; steps beyond a bound end on it.
+
+    Ends when, after two failures, the last line gained less than the tolerance relatively or the step is shorter.
+    """
+    tolerance = max(tolerance, 1e-14)  # below that no step changes a point
+    point, step, failures, gain, spent = start.copy(), STEP, 0, 1.0, 0
+    while True:
+        directions = random.standard_normal((BLOCK, len(start)))
+        directions /= np.sqrt((directions * directions).sum(axis=1, keepdims=True))
+        for direction in directions:
+            better = False
+            for reach in (step, -step):
+                # Doubled for as long as it succeeds; the failure after a success ends the line.
+                while True:
+                    trial = np.minimum(np.maximum(point + reach * direction, 0.0), 1.0)
+                    if (trial == point).all():
+                        break
+                    if spent >= most:
+                        return End(point, cost, spent, f"used its {most} evaluations")
+                    batch = yield trial[None, :].copy()
+                    spent += 1
+                    value = batch.costs[0, 0]
+                    if batch.status[0] != OK or not value < cost:
+                        break
+                    gain = (cost - value) / max(abs(value), TINY)
+                    point, cost, better = trial, float(value), True
+                    reach *= 2.0
+                if better:
+                    step = 0.5 * abs(reach)
+                    break
+            if better:
+                failures = 0
+                continue
+            failures += 1
+            if failures == 2:
+                step, failures = 0.5 * step, 0
+                if gain < tolerance:
+                    return End(point, cost, spent, "the cost no longer changes")
+                if step < tolerance:
+                    return End(point, cost, spent, "the step is within its tolerance")

@@ -1,0 +1,180 @@
+"""CMA-ES as a compiled state machine, many side by side: (mu/mu_w, lambda), begun anew at its best point for ever.
+
+Hansen, The CMA evolution strategy: a tutorial (arXiv:1604.00772, 2016), its constants; with a Cholesky factor in place
+of the symmetric square root (Suttorp, Hansen, Igel, Machine Learning 75, 2009). Points are reflected at the box's
+faces; one without a value is drawn again, five times at most, and then plays no part. Start reading at `tell`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worker.search.base import Floats
+from worker.search.racing.state import BEGIN, CMA, Ints, State, compiled
+
+Random = np.random.Generator
+
+FINEST = 1e-6
+"""A strategy whose deviations are all below this begins anew."""
+FLAT, REDRAWS = 10, 5
+
+
+def tell(s: State, rows: Ints, random: Random) -> None:
+    """Go on with those of these searchers that are CMA-ES, until each wants points."""
+    _tell(s, rows, random)
+
+
+@compiled
+def _tell(s: State, rows: Ints, random: Random) -> None:
+    for t in rows:
+        if s.kind[t] != CMA:
+            continue
+        if s.stage[t] == BEGIN:
+            _begin(s, t, random)
+        elif not _redrawn(s, t, random):
+            _learn(s, t)
+            if s.flat[t] >= FLAT or not _widest(s, t) >= FINEST:
+                s.step[t] = s.begin[t, 1]
+                _begin(s, t, random)
+            else:
+                _draw_all(s, t, random)
+
+
+@compiled
+def _begin(s: State, t: int, random: Random) -> None:
+    n = s.best.shape[1]
+    s.flat[t] = 0
+    s.matrix[t] = 0.0
+    s.factor[t] = 0.0
+    s.vectors[t] = 0.0
+    s.vectors[t, 1] = s.best[t]
+    for i in range(n):
+        s.matrix[t, i, i] = 1.0
+        s.factor[t, i, i] = 1.0
+    _draw_all(s, t, random)
+
+
+@compiled
+def _draw_all(s: State, t: int, random: Random) -> None:
+    s.stage[t] = 0
+    s.wanted[t] = int(s.rates[6])
+    for i in range(s.wanted[t]):
+        s.which[t, i] = i
+        _draw(s, t, i, random)
+
+
+@compiled
+def _draw(s: State, t: int, i: int, random: Random) -> None:
+    """Point i: mean + sigma A z, reflected."""
+    n = s.best.shape[1]
+    for k in range(n):
+        s.order[t, k] = random.standard_normal()
+    for k in range(n):
+        y = 0.0
+        for j in range(k + 1):
+            y += s.factor[t, k, j] * s.order[t, j]
+        x = abs(s.vectors[t, 1, k] + s.step[t] * y) % 2.0
+        s.points[t, i, k] = 2.0 - x if x > 1.0 else x
+
+
+@compiled
+def _redrawn(s: State, t: int, random: Random) -> bool:
+    """Whether some points without a value are drawn again; wants them then."""
+    lost = 0
+    if s.stage[t] < REDRAWS:
+        for i in range(int(s.rates[6])):
+            if not np.isfinite(s.values[t, i]):
+                s.which[t, lost] = i
+                lost += 1
+                _draw(s, t, i, random)
+    s.stage[t] += 1
+    s.wanted[t] = lost
+    return lost > 0
+
+
+@compiled
+def _learn(s: State, t: int) -> None:
+    """One generation: mean, both paths, covariance, deviation."""
+    n, population = s.best.shape[1], int(s.rates[6])
+    values = s.values[t, :population]
+    rank = np.argsort(values, kind="mergesort")
+    known = 0
+    for i in range(population):
+        known += 1 if np.isfinite(values[i]) else 0
+    if known == 0 or values[rank[0]] == values[rank[known - 1]]:
+        s.flat[t] += 1
+    else:
+        s.flat[t] = 0
+    if known == 0:
+        s.step[t] *= 0.5
+        return
+    if values[rank[0]] < s.cost[t]:
+        s.cost[t] = values[rank[0]]
+        s.best[t] = s.points[t, rank[0]]
+    mu = min(len(s.weights), known)
+    total = s.weights[:mu].sum()
+    m, c_sigma, d_sigma, c_c, c_1, c_mu = s.rates[:6]
+    sigma = s.step[t]
+    mean, path, walk = s.vectors[t, 1], s.vectors[t, 2], s.vectors[t, 3]
+    old = mean.copy()
+    mean[:] = 0.0
+    for i in range(mu):
+        mean += s.weights[i] / total * s.points[t, rank[i]]
+    y = (mean - old) / sigma
+    z = _solved(s.factor[t], y)
+    walk *= 1.0 - c_sigma
+    walk += np.sqrt(c_sigma * (2.0 - c_sigma) * m) * z
+    length = np.sqrt((walk**2).sum())
+    expected = np.sqrt(n) * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n))
+    straight = 1.0 if length < (1.4 + 2.0 / (n + 1.0)) * expected else 0.0  # no path while the deviation must grow
+    path *= 1.0 - c_c
+    path += straight * np.sqrt(c_c * (2.0 - c_c) * m) * y
+    for a in range(n):
+        for b in range(a + 1):
+            many = 0.0
+            for i in range(mu):
+                p = s.points[t, rank[i]]
+                many += s.weights[i] / total * (p[a] - old[a]) * (p[b] - old[b])
+            s.matrix[t, a, b] = (
+                (1.0 - c_1 - c_mu) * s.matrix[t, a, b] + c_1 * path[a] * path[b] + c_mu * many / sigma**2
+            )
+    s.step[t] = sigma * np.exp(min(1.0, c_sigma / d_sigma * (length / expected - 1.0)))
+    _factorise(s, t)
+
+
+@compiled
+def _solved(factor: Floats, y: Floats) -> Floats:
+    """z of factor z = y, the factor lower triangular."""
+    z = y.copy()
+    for k in range(len(y)):
+        for j in range(k):
+            z[k] -= factor[k, j] * z[j]
+        z[k] /= factor[k, k]
+    return z
+
+
+@compiled
+def _factorise(s: State, t: int) -> None:
+    """Cholesky; a covariance that rounding has spoilt gets a step of 0, which begins anew."""
+    n = s.best.shape[1]
+    for a in range(n):
+        for b in range(a + 1):
+            rest = s.matrix[t, a, b]
+            for j in range(b):
+                rest -= s.factor[t, a, j] * s.factor[t, b, j]
+            if a == b:
+                if not rest > 0.0:
+                    s.step[t] = 0.0
+                    return
+                s.factor[t, a, a] = np.sqrt(rest)
+            else:
+                s.factor[t, a, b] = rest / s.factor[t, b, b]
+
+
+@compiled
+def _widest(s: State, t: int) -> float:
+    """The largest deviation along any parameter."""
+    widest = 0.0
+    for k in range(s.best.shape[1]):
+        widest = max(widest, s.matrix[t, k, k])
+    return float(s.step[t] * np.sqrt(widest))

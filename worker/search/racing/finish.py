@@ -1,0 +1,123 @@
+"""The finish of contrast racing: incumbents without a hill between them are one valley; the best valleys are polished.
+
+Hill-valley test: Ursem, Multinational evolutionary algorithms (CEC 1999). Start reading at `Finish.run`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Protocol
+
+import numpy as np
+
+from worker.search.base import Batch, Floats, Minimum, Space
+from worker.search.racing.pool import NEAR, Pool
+from worker.search.racing.samples import Samples
+from worker.search.racing.state import COMPASS, Ints
+
+CANDIDATES, VALLEYS, COMPARED = 30, 12, 3
+"""Best incumbents merged; valleys kept; nearest valleys each is compared with."""
+CAP = 0.04
+"""Share of the budget that merging may take."""
+LAST = 1_000_000
+"""The rung of those that are polished: above every other."""
+
+
+class Asked(Protocol):
+    """What the finish must know of the options."""
+
+    @property
+    def first(self) -> int: ...
+    @property
+    def hill(self) -> float: ...
+    @property
+    def polished(self) -> int: ...
+
+
+class Finish:
+    """The valleys found, by the number of the searcher that stands for each."""
+
+    def __init__(self, pool: Pool) -> None:
+        self.pool = pool
+        self.valleys: list[int] = []
+        self.polished: list[int] = []
+
+    def run(self, used: int, total: int, samples: Samples, asked: Asked) -> Generator[Floats, Batch, int]:
+        """Merge, then polish until `total` evaluations are used; returns how many it used itself."""
+        if self.pool.count == 0:
+            return 0
+        median = float(np.median(samples.value[: samples.count]))
+        scale = asked.hill * max(median - float(self.pool.cost.min()), 0.0)
+        spent = yield from self._merge(int(CAP * total), scale)
+        spent += yield from self._polish(total - used - spent, asked)
+        return spent
+
+    def _merge(self, cap: int, scale: float) -> Generator[Floats, Batch, int]:
+        pool, spent = self.pool, 0
+        self.valleys = []
+        for c in np.argsort(pool.cost, kind="stable")[:CANDIDATES]:
+            if len(self.valleys) == VALLEYS or spent >= cap:
+                break
+            distance = np.abs(pool.best[self.valleys] - pool.best[c]).max(axis=1)
+            if not (distance < NEAR).any():
+                near = np.array(self.valleys)[np.argsort(distance, kind="stable")[:COMPARED]]
+                same, points = yield from self._same(int(c), near, scale)
+                spent += points
+                if same:
+                    continue
+                self.valleys.append(int(c))
+        return spent
+
+    def _same(self, c: int, valleys: Ints, scale: float) -> Generator[Floats, Batch, tuple[bool, int]]:
+        """Whether no hill lies between c and one of these: the middle first, the quarters only where it is low."""
+        pool, spent = self.pool, 0
+        for shares in ((0.5,), (0.25, 0.75)):
+            if len(valleys) == 0:
+                return False, spent
+            a, b = pool.best[valleys], pool.best[c]
+            points = np.concatenate([a + share * (b - a) for share in shares])
+            batch = yield points
+            spent += len(points)
+            values = batch.ranked().reshape(len(shares), len(valleys))
+            limit = np.maximum(pool.cost[valleys], pool.cost[c]) + scale
+            valleys = valleys[(values <= limit).all(axis=0)]
+        return len(valleys) > 0, spent
+
+    def _polish(self, room: int, asked: Asked) -> Generator[Floats, Batch, int]:
+        """Go on from the best valleys, those first that had the fewest evaluations."""
+        pool, spent = self.pool, 0
+        n = pool.best.shape[1]
+        self.polished = [self._polisher(t) for t in self.valleys[: asked.polished]]
+        self.valleys[: len(self.polished)] = self.polished
+        rows = np.array(self.polished, dtype=np.int64)
+        had = np.minimum(pool.state.evaluations[rows], 5 * asked.first * n)
+        began = pool.state.evaluations[rows].copy()
+        while spent < room:
+            count = had + pool.state.evaluations[rows] - began
+            some = rows[count < count.min() + 2 * n]
+            points = pool.wanted(some)
+            batch = yield points.copy()
+            spent += len(points)
+            pool.tell(some, batch.ranked())
+        return spent
+
+    def _polisher(self, t: int) -> int:
+        """The searcher that polishes t: one that was made for it, and counts on from its evaluations."""
+        pool = self.pool
+        if pool.rung[t] == LAST:
+            return t
+        made = pool.begin(pool.best[t].copy(), float(pool.cost[t]), pool.starts[t], COMPASS, 0.05, 0.02, LAST)
+        pool.state.evaluations[made] = pool.state.evaluations[t]
+        return made
+
+    def report(self, space: Space) -> None:
+        """The valleys as minima; where it ended before it merged any, the best incumbents that are not near."""
+        pool = self.pool
+        merged = bool(self.valleys)
+        for t in self.valleys or pool.apart(VALLEYS):
+            if t in self.polished:
+                text = "polished to the end of the search"
+            else:
+                text = "a valley of its own, not polished" if merged else "the search ended before it was polished"
+            evaluations = int(pool.state.evaluations[t])
+            space.report(Minimum(pool.best[t].copy(), float(pool.cost[t]), pool.starts[t], max(evaluations, 1), text))

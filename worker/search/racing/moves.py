@@ -1,0 +1,232 @@
+"""Compass search and Nelder-Mead as compiled state machines, many side by side; both hand over to CMA-ES.
+
+Compass: Kolda, Lewis, Torczon, Optimization by direct search (SIAM Review 45, 2003), over random bases; Nelder and Mead
+(Computer Journal 7, 1965) with the coefficients of Gao and Han (Comput. Optim. Appl. 51, 2012), which suit any
+dimension. A point without a value is never accepted. Start reading at `tell`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from worker.search.racing.state import BEGIN, CMA, COMPASS, NELDER_MEAD, Ints, State, compiled
+
+Random = np.random.Generator
+
+FINE = 1e-4
+"""A search whose step is below this hands over."""
+
+
+def tell(s: State, rows: Ints, random: Random) -> None:
+    """Go on with those of these searchers that are of this file, until each wants points or is handed over."""
+    _tell(s, rows, random)
+
+
+@compiled
+def _tell(s: State, rows: Ints, random: Random) -> None:
+    for t in rows:
+        if s.kind[t] == COMPASS:
+            if s.stage[t] == BEGIN:
+                s.step[t] = s.begin[t, 0]
+                _poll(s, t, random)
+                _compass_next(s, t, random)
+            else:
+                _compass_told(s, t, random)
+        elif s.kind[t] == NELDER_MEAD:
+            if s.stage[t] == BEGIN:
+                s.step[t] = s.begin[t, 0]
+                _simplex_begin(s, t)
+            else:
+                _simplex_told(s, t)
+
+
+@compiled
+def _hand_over(s: State, t: int) -> None:
+    s.kind[t] = CMA
+    s.stage[t] = BEGIN
+    s.step[t] = s.begin[t, 1]
+    s.wanted[t] = 0
+
+
+@compiled
+def _clip(x: float) -> float:
+    return min(max(x, 0.0), 1.0)
+
+
+@compiled
+def _want(s: State, t: int, count: int) -> None:
+    """Want the first `count` rows of its points."""
+    s.wanted[t] = count
+    for i in range(count):
+        s.which[t, i] = i
+
+
+@compiled
+def _take(s: State, t: int, i: int) -> bool:
+    """Take its point i for the incumbent if it is better."""
+    if not s.values[t, i] < s.cost[t]:
+        return False
+    s.cost[t] = s.values[t, i]
+    s.best[t] = s.points[t, i]
+    return True
+
+
+# ---- compass: a random orthonormal basis each time, the last good direction first
+
+
+@compiled
+def _poll(s: State, t: int, random: Random) -> None:
+    """A fresh random basis (Gram and Schmidt) and order; position -1 is the last good direction."""
+    n = s.best.shape[1]
+    q = s.matrix[t]
+    for i in range(n):
+        norm = 0.0
+        while norm < 1e-3:
+            for k in range(n):
+                q[i, k] = random.standard_normal()
+            for j in range(i):
+                along = 0.0
+                for k in range(n):
+                    along += q[i, k] * q[j, k]
+                for k in range(n):
+                    q[i, k] -= along * q[j, k]
+            norm = np.sqrt((q[i] ** 2).sum())
+        q[i] /= norm
+    for i in range(2 * n):
+        j = int(random.random() * (i + 1))
+        s.order[t, i] = s.order[t, j]
+        s.order[t, j] = i
+    s.stage[t] = -2
+
+
+@compiled
+def _compass_next(s: State, t: int, random: Random) -> None:
+    """The next point of the poll that differs from the incumbent; after the last one half the step."""
+    n = s.best.shape[1]
+    while s.step[t] >= FINE:
+        s.stage[t] += 1
+        at = s.stage[t]
+        if at == 2 * n:
+            s.step[t] *= 0.5
+            _poll(s, t, random)
+            continue
+        moved = 0.0
+        for k in range(n):
+            if at < 0:
+                along = s.vectors[t, 0, k]
+            else:
+                d = int(s.order[t, at])
+                along = s.matrix[t, d // 2, k] * (1.0 if d % 2 == 0 else -1.0)
+            s.points[t, 0, k] = _clip(s.best[t, k] + s.step[t] * along)
+            moved = max(moved, abs(s.points[t, 0, k] - s.best[t, k]))
+        if moved > 0.0:
+            _want(s, t, 1)
+            return
+    _hand_over(s, t)
+
+
+@compiled
+def _compass_told(s: State, t: int, random: Random) -> None:
+    if _take(s, t, 0):
+        at = s.stage[t]
+        if at < 0:
+            s.step[t] = min(2.0 * s.step[t], 0.5)
+        else:
+            d = int(s.order[t, at])
+            s.vectors[t, 0] = s.matrix[t, d // 2] * (1.0 if d % 2 == 0 else -1.0)
+        _poll(s, t, random)
+    _compass_next(s, t, random)
+
+
+# ---- Nelder-Mead with the coefficients of Gao and Han (2012)
+
+
+@compiled
+def _simplex_begin(s: State, t: int) -> None:
+    """One vertex more along each axis, inwards at the box's faces."""
+    n = s.best.shape[1]
+    for i in range(n):
+        s.points[t, i] = s.best[t]
+        h = s.step[t]
+        s.points[t, i, i] += h if s.best[t, i] + h <= 1.0 else -h
+    s.matrix[t, 0] = s.best[t]
+    s.order[t, 0] = s.cost[t]
+    s.stage[t] = 0
+    _want(s, t, n)
+
+
+@compiled
+def _simplex_point(s: State, t: int, i: int, along: float) -> None:
+    """Point i of its request: from the centre of all vertices but the worst, so far away from the worst."""
+    n = s.best.shape[1]
+    for k in range(n):
+        centre = s.matrix[t, :n, k].sum() / n
+        s.points[t, i, k] = _clip(centre + along * (centre - s.matrix[t, n, k]))
+
+
+@compiled
+def _simplex_put(s: State, t: int, row: int, i: int) -> None:
+    """Point i becomes vertex `row`."""
+    s.matrix[t, row] = s.points[t, i]
+    s.order[t, row] = s.values[t, i]
+
+
+@compiled
+def _simplex_told(s: State, t: int) -> None:
+    """Stages: 0 vertices came, 1 reflected, 2 expanded, 3 and 4 contracted outside and inside."""
+    n = s.best.shape[1]
+    wanted, stage = s.wanted[t], s.stage[t]
+    for i in range(wanted):
+        _take(s, t, i)
+    expand, contract, shrink = 1.0 + 2.0 / n, 0.75 - 0.5 / n, max(1.0 - 1.0 / n, 0.5)
+    value = s.values[t, 0]
+    if stage == 0:
+        for i in range(n):
+            _simplex_put(s, t, i + 1, i)
+    elif stage == 1:
+        s.points[t, 1] = s.points[t, 0]  # kept: the next point may be worse
+        s.values[t, 1] = value
+        if value < s.order[t, 0]:
+            s.stage[t] = 2
+            _simplex_point(s, t, 0, expand)
+            _want(s, t, 1)
+            return
+        if value < s.order[t, n - 1]:
+            _simplex_put(s, t, n, 1)
+        else:
+            outside = value < s.order[t, n]
+            s.stage[t] = 3 if outside else 4
+            _simplex_point(s, t, 0, contract if outside else -contract)
+            _want(s, t, 1)
+            return
+    elif stage == 2:
+        _simplex_put(s, t, n, 0 if value < s.values[t, 1] else 1)
+    elif (stage == 3 and value <= s.values[t, 1]) or (stage == 4 and value < s.order[t, n]):
+        _simplex_put(s, t, n, 0)
+    else:
+        for i in range(n):
+            for k in range(n):
+                s.points[t, i, k] = _clip(s.matrix[t, 0, k] + shrink * (s.matrix[t, i + 1, k] - s.matrix[t, 0, k]))
+        s.stage[t] = 0
+        _want(s, t, n)
+        return
+    _simplex_next(s, t)
+
+
+@compiled
+def _simplex_next(s: State, t: int) -> None:
+    """Sort the vertices and reflect the worst, or hand over when they have come together."""
+    n = s.best.shape[1]
+    rank = np.argsort(s.order[t, : n + 1], kind="mergesort")
+    s.matrix[t] = s.matrix[t][rank]
+    s.order[t, : n + 1] = s.order[t, : n + 1][rank]
+    size = 0.0
+    for i in range(1, n + 1):
+        for k in range(n):
+            size = max(size, abs(s.matrix[t, i, k] - s.matrix[t, 0, k]))
+    if size < FINE:
+        _hand_over(s, t)
+        return
+    s.stage[t] = 1
+    _simplex_point(s, t, 0, 1.0)
+    _want(s, t, 1)

@@ -1,0 +1,276 @@
+"""The flight that shows a case: time, pose, states, commands, separation as columns, and the closest approach.
+
+States come from the compiled loop itself, so a trace shows the very flight whose cost was counted.
+Start reading at `trace`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from worker.search.base import FAILED, STATUS
+from worker.stages import front
+from worker.stages.store import Trace
+from worker.systems.problem import Floats, Problem
+
+POSE = 6
+
+
+def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | None = None) -> Trace:
+    """Fly one case and return its trace, thinned to about `rows` rows around the closest approach where given.
+
+    Of several realisations it shows the worst; the cost told is that of the evaluation.
+    values: parameters by path; what is left out is nominal. Raises KeyError for an unknown path.
+    """
+    flown = fly(problem, values)
+    states, vector = flown.states, flown.vector
+    seen = _Seen(problem, problem.loop.observe(states, vector, problem.step), vector)
+    closest = _closest(problem, seen)
+    kept = _kept(len(states), rows, closest)
+    data = np.column_stack(
+        (
+            kept * problem.step,
+            seen.columns[kept, :POSE],
+            states[kept][:, _further(problem)],
+            seen.commands[kept],
+            seen.moving[kept],
+            seen.separation(kept),
+        )
+    )
+    meta = _meta(problem, seen, values) | {
+        "closest": closest,
+        "status": STATUS[flown.status],
+        "reason": flown.reason,
+        "cost": _known(flown.costs[0, 0]),
+        "values": _values(problem, flown.costs),
+    }
+    if problem.realisations.places:
+        meta["realisation"] = _realisation(problem, flown.realisation, flown.own_cost)
+    return Trace(name, _columns(problem), data, meta)
+
+
+@dataclass(frozen=True)
+class Flown:
+    """One case as it was flown: of several realisations the worst, with the evaluation's costs and status."""
+
+    vector: Floats
+    """Its flat parameters (size,)."""
+    states: Floats
+    """States and held guidance at every step (steps + 1 at most, ...), as long as they mean anything."""
+    status: int
+    reason: str
+    costs: Floats
+    """Of the evaluation (1, k); NaN unless it is ok."""
+    realisation: int
+    own_cost: float
+    """Of the realisation shown."""
+
+
+def fly(problem: Problem, values: Mapping[str, float]) -> Flown:
+    """Fly one case; values: parameters by path, what is left out is nominal. Raises KeyError for an unknown path."""
+    vectors = problem.realisations.flights(problem.vector(values)[None, :])
+    several = len(vectors) > 1
+    flown = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=0 if several else 1)
+    codes, said = problem.judge(flown.status, flown.when)
+    batch, reasons = problem.realisations.combined(flown.costs, codes, said)
+    shown = problem.realisations.worst(flown.costs, codes)
+    states = flown.trace[0] if not several else _again(problem, vectors[shown])
+    flying = np.isfinite(states).all(axis=1)
+    states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
+    if codes[shown] == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
+        states = states[: round(float(flown.when[shown]) / problem.step) + 1]
+    return Flown(
+        vector=vectors[shown],
+        states=states,
+        status=int(batch.status[0]),
+        reason=reasons.get(0, ""),
+        costs=batch.costs[:1],
+        realisation=shown,
+        own_cost=float(flown.costs[shown, 0]),
+    )
+
+
+def _again(problem: Problem, vector: Floats) -> Floats:
+    """The states of one realisation, flown once more by itself: traces of all of them would take all the memory.
+
+    A flight's bits depend on its vector alone, so it is the flight whose cost was counted.
+    """
+    flown = problem.loop.fly(vector[None, :], problem.step, *problem.counts(problem.step), traced=1)
+    states: Floats = flown.trace[0]
+    return states
+
+
+def _realisation(problem: Problem, shown: int, cost: float) -> dict[str, Any]:
+    """Which realisation the trace shows, of how many, and its own cost."""
+    realised = problem.realisations
+    return {
+        "seed": realised.seeds[shown],
+        "seeds": len(realised.seeds),
+        "combine": realised.combine,
+        "cost": _known(cost),
+    }
+
+
+def _values(problem: Problem, costs: Floats) -> dict[str, float | None]:
+    """By every criterion's name its value, in its own sign; costs (1, k)."""
+    names = [c["name"] for c in front.criteria(problem)]
+    return dict(zip(names, map(_known, front.values(problem, costs)[0]), strict=True))
+
+
+def _known(cost: float) -> float | None:
+    return float(cost) if np.isfinite(cost) else None
+
+
+class _Seen:
+    """The observed columns of one flight by what they show."""
+
+    def __init__(self, problem: Problem, columns: Floats, vector: Floats) -> None:
+        self.problem, self.columns, self.vector = problem, columns, vector
+        obstacles = problem.parts.obstacles
+        last = columns.shape[1] - problem.loop.channels.total
+        deciding = problem.loop.channels.of["criterion"]
+        first = last - 3 * len(obstacles)
+        self.commands = columns[:, POSE:first]
+        self.centres = columns[:, first:last].reshape(len(columns), len(obstacles), 3)
+        self.channels = columns[:, last:]
+        self.distances = self.channels[:, slice(*deciding)]
+        """The channels of the criterion that decides, one for each obstacle."""
+        moving = [i for i, o in enumerate(obstacles) if o.moving]
+        self.moving = self.centres[:, moving, :].reshape(len(columns), 3 * len(moving))
+
+    def cost(self, channels: Floats) -> float:
+        """The criterion's value of one reading of the channels."""
+        extended = self.problem.loop.extend(self.vector)
+        return float(self.problem.loop.part("cost")(tuple(map(float, channels)), extended))
+
+    def separation(self, kept: Any) -> Floats:
+        """The criterion's value at every row (m,)."""
+        cost, p = self.problem.loop.part("cost"), self.problem.loop.extend(self.vector)
+        return np.array([cost(tuple(map(float, row)), p) for row in self.channels[kept]])
+
+
+def _further(problem: Problem) -> list[int]:
+    """The vehicle's states that the pose does not show already."""
+    vehicle = problem.parts.vehicle
+    shown = {"x", "y", "z", "phi", "theta", "psi"} if vehicle.dimension == 3 else {"x", "y", "theta", "psi"}
+    return [k for k, s in enumerate(vehicle.states) if s.name not in shown]
+
+
+def _columns(problem: Problem) -> list[dict[str, str]]:
+    vehicle, signals, criterion = problem.parts.vehicle, problem.loop.signals, problem.parts.criterion
+
+    def column(name: str, symbol: str, unit: str, group: str) -> dict[str, str]:
+        return {"name": name, "symbol": symbol, "unit": unit, "group": group}
+
+    commands = (*vehicle.inputs, *problem.parts.controller.signals)
+    moving = [i for i, o in enumerate(problem.parts.obstacles) if o.moving]
+    return [
+        column("t", "t", "s", "time"),
+        *(column(s.name, s.symbol, s.unit, "pose") for s in signals[:POSE]),
+        *(column(s.name, s.symbol, s.unit, "state") for s in (vehicle.states[k] for k in _further(problem))),
+        *(column(s.name, s.symbol, s.unit, "command") for s in commands),
+        *(column(f"obstacle.{i}.{a}", a, "m", "pose") for i in moving for a in "xyz"),
+        column("separation", "d", criterion.unit, "separation"),
+    ]
+
+
+def _closest(problem: Problem, seen: _Seen) -> dict[str, Any] | None:
+    """When, where and to which obstacle the flight came closest, refined by the parabola as the cost is."""
+    channels = seen.distances
+    if problem.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
+        return None
+    row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
+    lowest, shift = float(channels[row, obstacle]), 0.0
+    if 0 < row < len(channels) - 1:
+        left, mid, right = (float(c) for c in channels[row - 1 : row + 2, obstacle])
+        bend = left - 2 * mid + right
+        if bend > 0:
+            shift = 0.5 * (left - right) / bend
+            lowest = mid - 0.125 * (left - right) ** 2 / bend
+    return {
+        "time": (row + shift) * problem.step,
+        "row": row,
+        "value": seen.cost(np.full(seen.channels.shape[1], lowest)),
+        "position": _between(seen.columns[:, :3], row, shift),
+        "speed": _speed(seen.columns[:, :3], row, shift, problem.step),
+        "obstacle": obstacle,
+        "obstacle_position": _between(seen.centres[:, obstacle], row, shift),
+    }
+
+
+def _between(places: Floats, row: int, shift: float) -> list[float]:
+    """The place a share `shift` of a step after a row, on the parabola through its neighbours."""
+    here = places[row]
+    if shift != 0.0:
+        back, ahead = places[row - 1], places[row + 1]
+        here = here + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * here + ahead)
+    return [float(c) for c in here]
+
+
+def _speed(places: Floats, row: int, shift: float, step: float) -> float | None:
+    """Over ground and through space, on the parabola through a row and its neighbours; None at the ends [m/s]."""
+    if not 0 < row < len(places) - 1:
+        return None
+    back, here, ahead = places[row - 1 : row + 2]
+    moved = 0.5 * (ahead - back) + shift * (back - 2 * here + ahead)
+    return _known(float(np.linalg.norm(moved)) / step)
+
+
+def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> Any:
+    if rows is None or count <= rows:
+        return np.arange(count)
+    even = np.linspace(0, count - 1, max(rows - 21, 2)).round().astype(int)
+    around = np.arange(-10, 11) + (closest["row"] if closest else 0)
+    return np.unique(np.concatenate([even, around[(around >= 0) & (around < count)]]))
+
+
+def _free(problem: Problem, vector: Floats, i: int) -> float | None:
+    """Radius of the disc about an obstacle's centre that must stay free [m]; None where no disc is what must."""
+    criterion, reach = problem.parts.criterion, problem.parts.obstacles[i].reach
+
+    def value(path: str) -> float:
+        return float(vector[problem.paths[path]]) if path in problem.paths else 0.0
+
+    if criterion.measured_to != "surface":
+        return value("criterion.threshold")
+    if reach is None or len(reach.of) != 1:
+        return None
+    surface = reach.times * value(f"obstacles.{i}.{reach.of[0]}")
+    return surface + value("criterion.threshold") + value("criterion.body_radius")
+
+
+def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[str, Any]:
+    vector = seen.vector
+
+    def place(prefix: str) -> list[float]:
+        paths = problem.paths
+        return [float(vector[paths[f"{prefix}.{a}"]]) if f"{prefix}.{a}" in paths else 0.0 for a in "xyz"]
+
+    def radius(i: int) -> float:
+        at = problem.paths.get(f"obstacles.{i}.radius")
+        return 0.0 if at is None else float(vector[at])
+
+    obstacles = [
+        {
+            "component": o.name,
+            "title": o.title,
+            "position": [float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
+            "radius": radius(i),
+            "free_radius": _free(problem, vector, i),
+            "moving": o.moving,
+        }
+        for i, o in enumerate(problem.parts.obstacles)
+    ]
+    return {
+        "frame": problem.parts.vehicle.frame,
+        "vehicle": problem.parts.vehicle.name,
+        "obstacles": obstacles,
+        "start": place("start"),
+        "goal": place("goal"),
+        "threshold": float(vector[problem.paths["criterion.threshold"]]),
+        "parameters": {r.path: float(vector[r.index]) for r in problem.ranges} | dict(values),
+    }

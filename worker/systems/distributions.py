@@ -1,0 +1,120 @@
+"""The distributions of a campaign: numbers uniform on [0, 1) become points of the unit cube, correlated as asked.
+
+Correlations are a Gaussian copula: normal numbers mixed by Cholesky's factor, then every marginal's own quantile
+(Nelsen, An Introduction to Copulas, 2006, section 2.3). Start reading at `Distributions.quantile`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from campaigns.asked.distributions import Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
+from campaigns.asked.uncertainty import matrix
+
+Floats = NDArray[np.float64]
+
+FLAT = 1e5
+"""A normal distribution so many ranges wide is uniform to 1e-11."""
+
+LEAST = 1e-300
+"""Uniform numbers this small have a normal number behind them."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """One uncertain parameter: its path, place in the flat vector, bounds, nominal value and distribution."""
+
+    path: str
+    index: int
+    low: float
+    high: float
+    nominal: float
+    distribution: Distribution
+
+
+class Distributions:
+    """What random points of a campaign are drawn from."""
+
+    def __init__(self, ranges: Sequence[Range], correlations: Sequence[Correlation] = ()) -> None:
+        self.ranges = tuple(ranges)
+        paths = [r.path for r in ranges]
+        correlated = {path for c in correlations if c.value != 0.0 for path in c.between}
+        self.mixed = [k for k, path in enumerate(paths) if path in correlated]
+        """The parameters that the copula joins."""
+        self.factor: Floats = np.linalg.cholesky(np.array(matrix(correlations, paths))[np.ix_(self.mixed, self.mixed)])
+        beyond = [_beyond(r) for r in ranges]
+        self.outside = float(1.0 - np.prod([1.0 - p for p in beyond]))
+        """The probability that a draw lies beyond the bounds, or an upper bound of it: their sum, when they are
+        correlated."""
+        if any(beyond[k] > 0.0 for k in self.mixed):
+            self.outside = min(1.0, float(sum(beyond)))
+
+    def quantile(self, uniform: Floats) -> Floats:
+        """Numbers (m, n) uniform on [0, 1) as points of the campaign's distributions, all within the bounds.
+
+        Of an unbounded normal that is correlated, a value beyond a bound is drawn again within: what the tail leaves
+        of its number is uniform itself. So a point whose values all lie inside is the one that the unbounded
+        distributions would have given, and the probability of any other is at most `outside`.
+        """
+        mixed = np.asarray(uniform, dtype=np.float64).copy()
+        if self.mixed:
+            normal = special.ndtri(np.clip(mixed[:, self.mixed], LEAST, 1.0 - 2.0**-53)) @ self.factor.T
+            for column, k in enumerate(self.mixed):
+                mixed[:, k] = _within(self.ranges[k], normal[:, column])
+        return self.marginals(mixed)
+
+    def marginals(self, uniform: Floats) -> Floats:
+        """The same with every parameter by itself: correlations are left out."""
+        points = np.empty_like(uniform)
+        for k, r in enumerate(self.ranges):
+            points[:, k] = _quantile(r, uniform[:, k])
+        return points
+
+
+def _scaled(r: Range, mean: float, deviation: float) -> tuple[float, float]:
+    """Mean and deviation as shares of the range."""
+    return (mean - r.low) / (r.high - r.low), deviation / (r.high - r.low)
+
+
+def _beyond(r: Range) -> float:
+    """The probability of lying beyond the bounds."""
+    if not isinstance(r.distribution, Normal):
+        return 0.0
+    mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
+    return float(special.ndtr(-mean / deviation) + special.ndtr((mean - 1.0) / deviation))
+
+
+def _within(r: Range, normal: Floats) -> Floats:
+    """Normal numbers as numbers uniform on [0, 1] of what lies within the bounds."""
+    if not isinstance(r.distribution, Normal):
+        return np.asarray(special.ndtr(normal))
+    mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
+    low, high = -mean / deviation, (1.0 - mean) / deviation
+    below, above = special.ndtr(low), special.ndtr(-high)
+    inside = (special.ndtr(normal) - below) / max(1.0 - below - above, LEAST)
+    left = np.where(normal < low, special.ndtr(normal) / max(below, LEAST), special.ndtr(-normal) / max(above, LEAST))
+    return np.clip(np.where((normal < low) | (normal > high), left, inside), 0.0, 1.0)
+
+
+def _quantile(r: Range, u: Floats) -> Floats:
+    """Of one parameter, as shares of its range."""
+    given = r.distribution
+    if isinstance(given, Uniform):
+        return u
+    from scipy import stats  # a campaign's process must start fast
+
+    if isinstance(given, Normal | TruncatedNormal):
+        mean, deviation = _scaled(r, given.mean, given.deviation)
+        if deviation > FLAT:  # the truncated tails cancel, what is left is level
+            return u
+        shaped = stats.truncnorm.ppf(u, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
+    elif isinstance(given, Triangular):
+        shaped = stats.triang.ppf(u, float(np.clip((given.mode - r.low) / (r.high - r.low), 0.0, 1.0)))
+    else:
+        shaped = special.betaincinv(given.alpha, given.beta, u)
+    return np.clip(np.asarray(shaped, dtype=np.float64), 0.0, 1.0)

@@ -17,8 +17,8 @@ from worker.catalogue.installed import catalogue
 from worker.cli._results import evidence
 from worker.cli.run import summary
 from worker.runs.store import MemoryStore
-from worker.stages import offered
-from worker.stages.store import Conclusion
+from worker.stages.parts import offered
+from worker.stages.parts.store import Conclusion
 
 
 def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> list[Item]:

@@ -1,6 +1,6 @@
 """The criteria of a campaign as the catalogue describes them: the one that decides, then the objectives.
 
-They are named as results name them (`worker.stages.front.criteria`), in the order of the costs' columns.
+They are named as results name them (`worker.stages.parts.front.criteria`), in the order of the costs' columns.
 Start reading at `criteria`.
 """
 

@@ -30,8 +30,8 @@ from worker.cli._report import print_report
 from worker.cli.run import summary
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.stages import offered
-from worker.stages.store import Conclusion
+from worker.stages.parts import offered
+from worker.stages.parts.store import Conclusion
 
 FAILING = {"vehicle.J": {"low": 0.0004, "high": 0.06}}
 EXCLUDED = {"obstacles.0.position.x": {"low": -0.8, "high": 4.2}}

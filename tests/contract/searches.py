@@ -16,8 +16,8 @@ from tests.unit.searching import Function, batch, space
 from worker.catalogue.installed import methods
 from worker.runs.store import MemoryStore
 from worker.search.base import Batch, Floats, Method, Minimum
-from worker.stages.base import Context, Driven, drive
-from worker.stages.store import StagePlan
+from worker.stages.parts.base import Context, Driven, drive
+from worker.stages.parts.store import StagePlan
 
 EACH = pytest.mark.parametrize("method", methods().values(), ids=lambda m: m.name)
 BUDGET = 400

@@ -20,7 +20,7 @@ from backend.db.records import Conclusion, StagePlan
 from campaigns import Campaign, Problem
 from tests.faults.cases import columns
 from worker.runs import provenance
-from worker.stages.store import Store
+from worker.stages.parts.store import Store
 from worker.systems import problem as ready
 from worker.systems.problem import CampaignUnusable
 

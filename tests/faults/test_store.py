@@ -13,7 +13,7 @@ from backend.db.records import Columns, Conclusion, StagePlan, StageRecord
 from backend.db.store import RunStore, plain
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
-from worker.stages.store import Store
+from worker.stages.parts.store import Store
 
 
 @pytest.fixture

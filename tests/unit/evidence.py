@@ -7,8 +7,8 @@ from typing import Any
 
 from campaigns import Campaign
 from tests.unit.cases import case1
-from worker.stages.claims import bound
-from worker.stages.store import Conclusion, Finding
+from worker.stages.parts.claims import bound
+from worker.stages.parts.store import Conclusion, Finding
 from worker.systems.problem import Problem
 from worker.verdicts.conclude import conclude
 from worker.verdicts.evidence import Evidence

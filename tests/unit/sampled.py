@@ -14,8 +14,8 @@ from campaigns import Campaign
 from tests.unit.cases import campaign, case1
 from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats
-from worker.stages.base import Context
-from worker.stages.store import StagePlan
+from worker.stages.parts.base import Context
+from worker.stages.parts.store import StagePlan
 from worker.systems.problem import Problem
 
 THRESHOLD = 0.5

@@ -33,7 +33,7 @@ from worker.cli._results import write_evidence, write_results
 from worker.cli.run import summary
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.stages import claims, offered
+from worker.stages.parts import claims, offered
 
 DIRECT = {"method": "direct", "evaluations": 100}
 SQP = {"method": "sqp", "evaluations": 100, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]}

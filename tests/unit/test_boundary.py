@@ -10,9 +10,9 @@ import pytest
 from tests.unit.cases import campaign, case1
 from tests.unit.sampled import THRESHOLD, context, evaluate
 from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats, Search
-from worker.stages import boundary
-from worker.stages.base import drive
-from worker.stages.slices import slices
+from worker.stages.parts import boundary
+from worker.stages.parts.base import drive
+from worker.stages.parts.slices import slices
 
 WORST = np.array([0.0, 0.0])
 """Of d = threshold - 0.2 + u + v; nominal is (0.5, 0.5)."""

@@ -14,9 +14,9 @@ from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, costs, ev
 from worker.catalogue.installed import catalogue
 from worker.search.base import Floats
 from worker.stages import certify, search
-from worker.stages.claims import bound
-from worker.stages.sample import Sample
-from worker.stages.store import Columns
+from worker.stages.parts.claims import bound
+from worker.stages.parts.sample import Sample
+from worker.stages.parts.store import Columns
 from worker.systems.problem import Problem
 
 REPETITIONS = 400

@@ -27,7 +27,7 @@ from worker.runs import sources
 from worker.runs.continuation import Budget, CannotContinue, carried, continued
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.stages.store import StagePlan
+from worker.stages.parts.store import StagePlan
 from worker.systems.evaluate import InProcess
 from worker.systems.problem import Floats
 

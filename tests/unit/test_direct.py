@@ -18,8 +18,8 @@ from worker.runs.store import MemoryStore
 from worker.search.base import Batch, Floats, Method
 from worker.search.methods import direct, direct_l
 from worker.search.methods.direct import method
-from worker.stages.base import Context, Driven, drive
-from worker.stages.store import Columns, StagePlan
+from worker.stages.parts.base import Context, Driven, drive
+from worker.stages.parts.store import Columns, StagePlan
 
 
 def counted(name: str, within: float) -> int:

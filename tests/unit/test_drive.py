@@ -13,9 +13,9 @@ from tests.unit.cases import campaign, case1
 from worker.runs.runner import Cancelled, ReplayMismatch
 from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, FAILED, OK, TIMEOUT, Batch, Floats, Search
-from worker.stages import base
-from worker.stages.base import Context, Driven, drive
-from worker.stages.store import Columns, StagePlan
+from worker.stages.parts import base
+from worker.stages.parts.base import Context, Driven, drive
+from worker.stages.parts.store import Columns, StagePlan
 
 
 class Counting:

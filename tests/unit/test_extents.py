@@ -16,7 +16,7 @@ from tests.unit.cases import campaign, document
 from worker.catalogue.installed import catalogue
 from worker.cli import invoke
 from worker.runs.continuation import Budget, CannotContinue, continued
-from worker.stages.distances import clause, overlooked
+from worker.stages.parts.distances import clause, overlooked
 from worker.systems.problem import Problem
 
 WALL = {"component": "box", "parameters": {"position": {"x": 9.0, "y": 3.5}, "length": 16.0, "width": 0.2}}

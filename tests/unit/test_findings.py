@@ -11,11 +11,12 @@ from tests.unit.searching import Function, batch
 from worker.catalogue.installed import methods
 from worker.runs.store import MemoryStore
 from worker.search.base import Space
-from worker.stages import findings, search
-from worker.stages.base import Context, Driven, drive
-from worker.stages.comparison import compare
-from worker.stages.findings import Found
-from worker.stages.store import Finding, StagePlan
+from worker.stages import search
+from worker.stages.parts import findings
+from worker.stages.parts.base import Context, Driven, drive
+from worker.stages.parts.comparison import compare
+from worker.stages.parts.findings import Found
+from worker.stages.parts.store import Finding, StagePlan
 from worker.systems.problem import Floats
 
 GLOBAL = [m.name for m in methods().values() if m.kind == "global"]

@@ -18,8 +18,8 @@ from worker.cli._results import write_results
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.search.base import FAILED, OK
-from worker.stages import front
-from worker.stages.store import Columns
+from worker.stages.parts import front
+from worker.stages.parts.store import Columns
 from worker.systems.problem import Problem
 
 TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))

@@ -10,8 +10,9 @@ from tests.unit.sampled import asked, context, evaluate
 from tests.unit.searching import Function, batch, run
 from worker.search.base import Floats, Method
 from worker.search.methods import direct, direct_l
-from worker.stages import gap, search
-from worker.stages.store import Columns
+from worker.stages import search
+from worker.stages.parts import gap
+from worker.stages.parts.store import Columns
 
 
 def stored(

@@ -14,7 +14,7 @@ from tests.unit.searching import run, space
 from worker.search.base import Floats
 from worker.search.methods import monte_carlo
 from worker.stages import search
-from worker.stages.claims import bound
+from worker.stages.parts.claims import bound
 
 
 def test_monte_carlo_draws_from_the_distributions_of_the_campaign() -> None:

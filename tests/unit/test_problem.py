@@ -10,7 +10,7 @@ from scipy import stats
 
 from tests.unit.cases import campaign, case1, searching
 from worker.runs.store import MemoryStore
-from worker.stages.base import Context
+from worker.stages.parts.base import Context
 from worker.systems.problem import Problem
 
 

@@ -13,8 +13,8 @@ from tests.unit.cases import searching
 from worker.runs.runner import Cancelled, Tally, execute
 from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, Floats
-from worker.stages import base
-from worker.stages.store import Columns, Conclusion, join
+from worker.stages.parts import base
+from worker.stages.parts.store import Columns, Conclusion, join
 from worker.systems.evaluate import InProcess
 from worker.systems.problem import Problem
 

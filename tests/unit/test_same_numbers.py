@@ -11,8 +11,8 @@ from tests.unit.cases import campaign
 from tests.unit.test_resume import Interrupted, Unreliable, outcome
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.stages import base
-from worker.stages.store import join
+from worker.stages.parts import base
+from worker.stages.parts.store import join
 
 MONTE_CARLO: tuple[dict[str, Any], ...] = (
     {}, {"sampling": "latin_hypercube"}, {"sampling": "sobol"}, {"interval": 0.1},

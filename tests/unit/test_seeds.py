@@ -12,9 +12,9 @@ from campaigns.asked.spec import MAX_SEED
 from tests.unit.cases import searching
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.stages import offered, seeds
-from worker.stages.base import Context
-from worker.stages.store import Conclusion
+from worker.stages.parts import offered, seeds
+from worker.stages.parts.base import Context
+from worker.stages.parts.store import Conclusion
 from worker.systems.problem import Problem
 
 NOISE: list[dict[str, Any]] = [{"component": "sensor_noise", "parameters": {"sigma": 0.15}}]

@@ -14,8 +14,8 @@ from tests.unit.cases import campaign, case1, searching
 from worker.reference import Reference
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
+from worker.stages.parts.store import Conclusion
 from worker.stages.search import stream
-from worker.stages.store import Conclusion
 
 SEARCHES = (
     {"method": "direct", "evaluations": 200},

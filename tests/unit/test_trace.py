@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.unit.cases import case1
-from worker.stages.store import Trace
+from worker.stages.parts.store import Trace
 from worker.systems.closed_loop.trace import trace
 from worker.systems.problem import Floats
 

@@ -33,7 +33,7 @@ from worker.cli._where import existing_url_of
 from worker.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
 from worker.runs.runner import Cancelled, ReplayMismatch
 from worker.runs.store import MemoryStore
-from worker.stages.store import Columns, Conclusion, StagePlan, Store
+from worker.stages.parts.store import Columns, Conclusion, StagePlan, Store
 
 Execute = Callable[[Campaign, Store, Callable[[], bool]], Conclusion]
 

@@ -18,8 +18,8 @@ from campaigns.asked.plan import plan
 from campaigns.wording import count, listed, number, signed
 from worker.catalogue.installed import methods
 from worker.runs.store import MemoryStore
-from worker.stages.base import Tally
-from worker.stages.store import Conclusion
+from worker.stages.parts.base import Tally
+from worker.stages.parts.store import Conclusion
 
 VERDICTS = {
     "cleared": ("✓", "Cleared", "green"),
@@ -122,7 +122,7 @@ def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
 
 
 def _comparison(store: MemoryStore, conclusion: Conclusion) -> Table:
-    """The methods side by side, as `worker.stages.comparison` counted."""
+    """The methods side by side, as `worker.stages.parts.comparison` counted."""
     parts = conclusion.summary
     table = Table("Method")
     for heading in (f"Best [{parts['unit']}]", "Evaluations", "Failed", "Excluded", "Time [s]", "To 1 % of best"):

@@ -23,8 +23,8 @@ from worker.catalogue.installed import catalogue
 from worker.runs.continuation import CannotContinue
 from worker.runs.store import MemoryStore
 from worker.search.base import STATUS
-from worker.stages import front
-from worker.stages.store import Columns, Conclusion, StagePlan, StageRecord, Trace
+from worker.stages.parts import front
+from worker.stages.parts.store import Columns, Conclusion, StagePlan, StageRecord, Trace
 from worker.systems.problem import Problem
 
 ARRAYS = "evaluations.npz"

@@ -20,7 +20,7 @@ from worker.cli._where import DATA, Data, Database
 if TYPE_CHECKING:
     from campaigns import Campaign
     from worker.runs.store import MemoryStore
-    from worker.stages.store import Conclusion, Store
+    from worker.stages.parts.store import Conclusion, Store
 
 Fly: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Conclusion]"
 

@@ -25,7 +25,7 @@ from backend.db.queue import Claim, LostLease
 from backend.db.store import PATIENCE, OtherCode, OtherComponents, RunStore
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.asked.load import load_document
-from worker.stages.store import Store
+from worker.stages.parts.store import Store
 
 Execute = Callable[[Campaign, Store], Any]
 
@@ -71,7 +71,7 @@ def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
     """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (no retry helps), `failed` (this attempt)."""
     from worker.processes import memory
-    from worker.stages.base import ReplayMismatch
+    from worker.stages.parts.base import ReplayMismatch
     from worker.systems.problem import CampaignUnusable
 
     try:

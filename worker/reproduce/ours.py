@@ -22,8 +22,8 @@ from worker.reproduce.published import D_MIN, Case, Corners, Fly, How, Result, S
 from worker.runs.store import MemoryStore
 from worker.search.base import OK
 from worker.stages import search as stage
-from worker.stages.base import Context
-from worker.stages.store import Columns, StagePlan, Trace
+from worker.stages.parts.base import Context
+from worker.stages.parts.store import Columns, StagePlan, Trace
 from worker.systems.closed_loop.trace import trace
 from worker.systems.evaluate import InProcess
 from worker.systems.problem import Floats, Problem

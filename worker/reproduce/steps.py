@@ -15,7 +15,7 @@ import numpy as np
 
 from campaigns import Campaign, library, load_file
 from worker.search.base import OK
-from worker.stages.confirm import FRACTION_OF_MARGIN
+from worker.stages.parts.confirm import FRACTION_OF_MARGIN
 from worker.systems.problem import Floats, Problem
 
 POINTS = 200

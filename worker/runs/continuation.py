@@ -22,7 +22,7 @@ from worker.catalogue.installed import catalogue, methods
 from worker.runs import sources
 from worker.runs.provenance import flown
 from worker.runs.store import MemoryStore
-from worker.stages.store import Columns, StagePlan, StageRecord
+from worker.stages.parts.store import Columns, StagePlan, StageRecord
 from worker.systems.problem import Problem
 
 

@@ -15,7 +15,7 @@ from numba.core.codegen import get_host_cpu_features
 
 from campaigns.flown import Flown
 from worker.runs import sources
-from worker.stages.store import Store
+from worker.stages.parts.store import Store
 from worker.systems.problem import Problem
 
 

@@ -16,8 +16,8 @@ from campaigns.asked.plan import plan
 from worker.runs.provenance import begin, provenance
 from worker.search.base import EXCLUDED, OK
 from worker.stages import certify, nominal, search, sensitivity, validate
-from worker.stages.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
-from worker.stages.store import Conclusion, Finding, StagePlan, StageRecord, Store, Trace
+from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
+from worker.stages.parts.store import Conclusion, Finding, StagePlan, StageRecord, Store, Trace
 from worker.systems.evaluate import InProcess
 from worker.systems.problem import CampaignUnusable, Problem
 from worker.verdicts.conclude import conclude

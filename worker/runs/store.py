@@ -1,4 +1,4 @@
-"""A store in memory: what the command line runs into and writes out at the end. The seam is `worker.stages.store`."""
+"""A store in memory, which the command line runs into and writes out. The seam is `worker.stages.parts.store`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from campaigns.flown import Code, Flown
-from worker.stages.store import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
+from worker.stages.parts.store import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
 
 
 @dataclass

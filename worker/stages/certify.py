@@ -2,7 +2,7 @@
 
 Its numbers come from a stream of their own, apart from every search; no point is an optimiser's. Excluded draws are
 drawn again and counted. Where the scenario has noise, every draw simulates a realisation of its own
-(`worker.stages.seeds`), so that the probability is that of the noisy system. A full grid, where asked for, claims
+(`worker.stages.parts.seeds`), so that the probability is that of the noisy system. A full grid, where asked for, claims
 nothing beyond its own points. Start reading at `run`.
 """
 
@@ -16,11 +16,11 @@ import numpy as np
 from campaigns.asked.stages import Certify
 from campaigns.wording import count, number
 from worker.search.base import EXCLUDED, Batch, Floats
-from worker.stages import seeds
-from worker.stages.base import Asking, Context, Seeded, drive
-from worker.stages.sample import Sample
+from worker.stages.parts import seeds
+from worker.stages.parts.base import Asking, Context, Seeded, drive
+from worker.stages.parts.sample import Sample
+from worker.stages.parts.store import Columns
 from worker.stages.search import stream
-from worker.stages.store import Columns
 from worker.systems.problem import Problem
 
 STREAM = 2**21

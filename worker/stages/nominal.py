@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from worker.search.base import STATUS
-from worker.stages.base import Context, drive, once
-from worker.stages.store import Trace
+from worker.stages.parts.base import Context, drive, once
+from worker.stages.parts.store import Trace
 from worker.systems.closed_loop.trace import trace
 
 

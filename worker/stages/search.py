@@ -16,9 +16,9 @@ from pydantic import TypeAdapter
 from campaigns.asked.stages import Search as Asked
 from worker.catalogue.installed import methods
 from worker.search.base import Batch, Floats, Method, Minimum, Space
-from worker.stages import front, gap, sample
-from worker.stages.base import Context, Driven, drive
-from worker.stages.members import Members
+from worker.stages.parts import front, gap, sample
+from worker.stages.parts.base import Context, Driven, drive
+from worker.stages.parts.members import Members
 
 
 def run(context: Context, position: int, index: int) -> dict[str, Any]:

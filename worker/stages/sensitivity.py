@@ -1,7 +1,7 @@
 """Sensitivity: each parameter over its bounds, the others nominal; Morris and Sobol indices where asked for.
 
 Srikanthakumar, chapter 3: d_min against each parameter. One at a time shows main effects near the nominal point and
-nothing of interactions; the indices (`worker.stages.indices`) look at the whole box. Start reading at `run`.
+nothing of interactions; the indices (`worker.stages.parts.indices`) look at the whole box. Start reading at `run`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from typing import Any
 
 from campaigns.asked.stages import Sensitivity
 from worker.search.base import Search
-from worker.stages import indices
-from worker.stages.base import Context, drive
+from worker.stages.parts import indices
+from worker.stages.parts.base import Context, drive
+from worker.stages.parts.slices import curves
 from worker.stages.search import stream
-from worker.stages.slices import curves
 
 
 def run(context: Context, position: int) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """Validate: simulate every distinct worst case again by other means before anything is claimed of it.
 
-First `worker.stages.findings` distinguishes the worst cases, polishes them and evaluates their neighbours; then each is
-confirmed at half the step and with the reference integrator (`confirm`), as are the violations that any stage has
-stored and a random choice of all evaluations (`offered`). Last comes what shows that the encounter took place
+First `worker.stages.parts.findings` distinguishes the worst cases, polishes them and evaluates their neighbours; then
+each is confirmed at half the step and with the reference integrator (`confirm`), as are the violations that any stage
+has stored and a random choice of all evaluations (`offered`). Last comes what shows that the encounter took place
 (`encounter`). Start reading at `run`.
 """
 
@@ -17,12 +17,12 @@ import numpy as np
 from campaigns.wording import listed
 from worker.reference import NAME
 from worker.search.base import OK
-from worker.stages import boundary, findings, offered, seeds
-from worker.stages.base import Context, Driven, all_columns, drive
-from worker.stages.comparison import compare
-from worker.stages.confirm import Case, cases
-from worker.stages.encounter import encounter
-from worker.stages.store import Finding, Trace
+from worker.stages.parts import boundary, findings, offered, seeds
+from worker.stages.parts.base import Context, Driven, all_columns, drive
+from worker.stages.parts.comparison import compare
+from worker.stages.parts.confirm import Case, cases
+from worker.stages.parts.encounter import encounter
+from worker.stages.parts.store import Finding, Trace
 from worker.systems.closed_loop.trace import trace
 
 

@@ -6,7 +6,7 @@ Start reading at `checks`.
 from __future__ import annotations
 
 from campaigns.wording import count, number, signed
-from worker.stages import distances
+from worker.stages.parts import distances
 from worker.systems.problem import Problem
 from worker.verdicts.agreement import agreement
 from worker.verdicts.encounter import encounter

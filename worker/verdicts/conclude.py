@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from worker.stages.store import Conclusion
+from worker.stages.parts.store import Conclusion
 from worker.systems.problem import Problem
 from worker.verdicts.checks import checks
 from worker.verdicts.evidence import Check, Evidence, Verdict

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from worker.stages.store import Finding
+from worker.stages.parts.store import Finding
 
 Verdict = Literal["cleared", "violated", "inconclusive"]
 

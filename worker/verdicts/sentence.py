@@ -7,7 +7,7 @@ from typing import Any
 
 from campaigns.wording import count, listed, number, signed
 from worker.catalogue.installed import catalogue
-from worker.stages import distances
+from worker.stages.parts import distances
 from worker.systems.problem import Problem
 from worker.verdicts import encounter
 from worker.verdicts.evidence import Check, Evidence, Verdict

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from worker.search.base import FAILED, STATUS
-from worker.stages import front
-from worker.stages.store import Trace
+from worker.stages.parts import front
+from worker.stages.parts.store import Trace
 from worker.systems.problem import Floats, Problem
 
 POSE = 6

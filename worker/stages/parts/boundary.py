@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from campaigns.wording import number
 from worker.search.base import EXCLUDED, OK, Batch
-from worker.stages import slices
-from worker.stages.slices import Asking
+from worker.stages.parts import slices
+from worker.stages.parts.slices import Asking
 from worker.systems.problem import Floats, Problem
 
 LOOKS = 20

@@ -1,4 +1,4 @@
-"""What a random sample allows to claim, as numbers; the sentences are in `worker.stages.sample`.
+"""What a random sample allows to claim, as numbers; the sentences are in `worker.stages.parts.sample`.
 
 Clopper and Pearson, The use of confidence or fiducial limits (Biometrika 26, 1934); Wilks, Determination of sample
 sizes for setting tolerance limits (Annals of Mathematical Statistics 12, 1941); Massart, The tight constant in the

@@ -9,7 +9,7 @@ import numpy as np
 
 from worker.catalogue.installed import methods
 from worker.search.base import OK, Search
-from worker.stages.store import Columns
+from worker.stages.parts.store import Columns
 
 
 @dataclass

@@ -15,7 +15,7 @@ import numpy as np
 from campaigns.wording import count, number
 from worker.search.base import Batch, Floats
 from worker.search.methods import direct
-from worker.stages.store import Columns
+from worker.stages.parts.store import Columns
 from worker.systems.problem import Problem
 
 DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=True)}

@@ -15,8 +15,8 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.asked.spec import FaultPart
 from worker.search.base import OK
-from worker.stages.base import Context, all_columns
-from worker.stages.store import Trace
+from worker.stages.parts.base import Context, all_columns
+from worker.stages.parts.store import Trace
 from worker.systems.closed_loop.trace import trace
 from worker.systems.problem import Problem
 

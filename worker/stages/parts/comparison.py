@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from worker.search.base import OK
-from worker.stages.base import Context, all_columns
-from worker.stages.findings import SAME_COST, Found, scale
-from worker.stages.store import Finding
+from worker.stages.parts.base import Context, all_columns
+from worker.stages.parts.findings import SAME_COST, Found, scale
+from worker.stages.parts.store import Finding
 
 
 def compare(context: Context, findings: list[Finding], found: Found, labels: list[str]) -> list[dict[str, Any]]:

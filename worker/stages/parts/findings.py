@@ -16,10 +16,10 @@ import numpy as np
 from worker.search.base import OK, Batch, Search, Space
 from worker.search.parts.basins import Basin, Rules, distinct, promising
 from worker.search.parts.lowest import Lowest
-from worker.stages import seeds
-from worker.stages.base import Context
-from worker.stages.boundary import after
-from worker.stages.store import Columns
+from worker.stages.parts import seeds
+from worker.stages.parts.base import Context
+from worker.stages.parts.boundary import after
+from worker.stages.parts.store import Columns
 from worker.systems.problem import Floats
 
 EACH, ALL = 12, 60

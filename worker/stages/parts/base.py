@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from campaigns import Campaign
 from campaigns.wording import count
 from worker.search.base import EXCLUDED, OK, Batch, Search
-from worker.stages.store import Columns, Store, join
+from worker.stages.parts.store import Columns, Store, join
 from worker.systems.closed_loop.realisations import Seeds
 from worker.systems.evaluate import Evaluate
 from worker.systems.problem import Floats, Problem

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from worker.search.base import OK
-from worker.stages.store import Columns
+from worker.stages.parts.store import Columns
 from worker.systems.problem import Floats, Problem
 
 MOST = 2000

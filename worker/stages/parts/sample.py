@@ -14,9 +14,9 @@ import numpy as np
 from campaigns.wording import count, listed, number
 from worker.search.base import EXCLUDED, OK
 from worker.search.methods import monte_carlo
-from worker.stages import claims
-from worker.stages.base import Context
-from worker.stages.store import Columns
+from worker.stages.parts import claims
+from worker.stages.parts.base import Context
+from worker.stages.parts.store import Columns
 from worker.systems.closed_loop.realisations import Realisations
 from worker.systems.problem import Floats, Problem
 

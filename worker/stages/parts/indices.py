@@ -14,7 +14,7 @@ import numpy as np
 from campaigns.asked.stages import Morris, SobolIndices
 from campaigns.wording import count, listed
 from worker.search.base import EXCLUDED, OK, Batch
-from worker.stages.slices import Asking
+from worker.stages.parts.slices import Asking
 from worker.systems.problem import Problem
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1

@@ -15,7 +15,7 @@ import numpy as np
 
 from worker.reference import NAME, Flight, Reference
 from worker.search.base import OK
-from worker.stages.base import Cancelled, Context
+from worker.stages.parts.base import Cancelled, Context
 from worker.systems.problem import Floats
 
 FRACTION_OF_MARGIN = 0.1

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.asked.spec import MAX_SEED
-from worker.stages.base import Context, all_columns
-from worker.stages.store import Columns
+from worker.stages.parts.base import Context, all_columns
+from worker.stages.parts.store import Columns
 from worker.systems.closed_loop.realisations import Seeds
 
 _GAMMA = 0x9E3779B97F4A7C15

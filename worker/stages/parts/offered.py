@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from campaigns.wording import count, number
 from worker.search.base import OK
-from worker.stages import seeds
-from worker.stages.base import Context, all_columns
-from worker.stages.confirm import Case, cases, reference
+from worker.stages.parts import seeds
+from worker.stages.parts.base import Context, all_columns
+from worker.stages.parts.confirm import Case, cases, reference
 from worker.systems.problem import Floats
 
 AT_MOST = 200

@@ -1,0 +1,136 @@
+"""A finding: one distinct worst case with all its own evidence. Start reading at `Finding`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from campaigns.results.base import Result, Values
+from campaigns.results.sensitivity import Slices
+
+
+class HalfStep(Result):
+    """The case at half the step."""
+
+    step: float
+    """[s]"""
+    cost: float | None
+    difference: float | None
+
+
+class Reference(Result):
+    """The case with the reference integrator."""
+
+    name: str
+    cost: float | None
+    difference: float | None
+    reason: str = ""
+    """Why it has no cost."""
+
+
+class Neighbours(Result):
+    """Evaluations around a finding."""
+
+    flown: int
+    failed: int
+    lowest: float | None
+    lower_by: float | None
+    """How far the lowest was below the finding before it took its place."""
+
+
+class Validation(Result):
+    """A case simulated again by other means."""
+
+    name: str
+    step: float
+    """[s]"""
+    cost: float | None
+    half_step: HalfStep
+    integrator: Reference
+    allowed: float | None
+    """The tolerance, in the criterion's unit."""
+    ok: bool
+    """Validated: it agrees or it violates."""
+    agrees: bool | None = None
+    """Both differences are within tolerance, and all values on the same side of the threshold."""
+    violates: bool | None = None
+    """Every integration violates, however far they are apart."""
+    realisation: int | None = None
+    """The noise seed that it drew with its evaluation; null where it simulated those of the campaign."""
+    neighbours: Neighbours | None = None
+
+
+class Ray(Result):
+    """The first evaluation beyond the boundary along one line from nominal; null fields where none was seen."""
+
+    path: str
+    """The parameter that varies; empty on the line to the worst case."""
+    towards: str
+    kind: Literal["failure", "violation"] | None = None
+    way: float | None = None
+    """The fraction of the line."""
+    share: float | None = None
+    """The fraction of the widest range that is crossed."""
+    cost: float | None = None
+    value: float | None = None
+    distance: float | None = None
+    parameters: Values | None = None
+
+
+class Boundary(Result):
+    """How far from nominal the boundary of a violation is, along each parameter and towards the worst case."""
+
+    tolerance: float
+    looks: int
+    rays: list[Ray]
+    line: Ray | None
+    text: str
+
+
+class ClosestApproach(Result):
+    """When the closest approach took place, and whether that is the first or the last instant simulated."""
+
+    time: float | None = None
+    """[s]"""
+    at: Literal["start", "inside", "end", "none"] = "none"
+    obstacle: int | None = None
+
+
+class FoundBy(Result):
+    """A search stage that came to a finding by itself."""
+
+    position: int
+    method: str
+    evaluations: int
+    """How many of its evaluations it needed until then."""
+
+
+class Finding(Result):
+    """One distinct worst case; parameters at full precision."""
+
+    label: str
+    """F1 is the worst."""
+    cost: float
+    margin: float
+    parameters: Values
+    point: list[float]
+    """On the unit cube."""
+    methods: list[str]
+    """Search methods that came to it by themselves; empty where only polishing did."""
+    found: list[FoundBy] = []
+    at_bounds: dict[str, Literal["low", "high"]] = {}
+    validation: Validation | None
+    slices: Slices | None = None
+    """Through the finding; null where validation ended before, or an earlier version stored none."""
+    boundary: Boundary | None = None
+    """Of a violation."""
+    closest: ClosestApproach | None = None
+
+    @property
+    def violates(self) -> bool:
+        """Whether it violates and every integration of it confirms that."""
+        return self.margin <= 0 and self.validation is not None and bool(self.validation.violates)
+
+    @property
+    def realisation(self) -> int | None:
+        """The noise seed that it drew with its evaluation."""
+        return None if self.validation is None else self.validation.realisation

@@ -1,0 +1,20 @@
+"""The result of the nominal stage."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from campaigns.results.base import Result, Status, Values
+
+
+class NominalResult(Result):
+    """The evaluation at the nominal values."""
+
+    stage: Literal["nominal"] = "nominal"
+    cost: float | None
+    """In the criterion's unit; null where it has none."""
+    margin: float | None
+    status: Status
+    reason: str = ""
+    """Why it has no cost."""
+    parameters: Values = {}

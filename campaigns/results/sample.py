@@ -1,0 +1,109 @@
+"""What an independent random sample states, and the result of the certify stage. Start reading at `Sample`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from campaigns.results.base import Result, Stop, Values
+
+Noise = Literal["none", "drawn", "stated"]
+
+
+class Histogram(Result):
+    """Counts between consecutive edges."""
+
+    edges: list[float]
+    counts: list[int]
+
+
+class QuantileBound(Result):
+    """Wilks' lower bound on a quantile of the criterion."""
+
+    share: float
+    """The quantile."""
+    order: int | None = None
+    """Which of the lowest values it is."""
+    bound: float | None = None
+    """Null where the sample allows none."""
+    needed: int | None = None
+    """The smallest sample that allows one."""
+    confidence: float | None = None
+    text: str
+
+
+class Distribution(Result):
+    """The empirical distribution function, and half the width of the band around it."""
+
+    values: list[float]
+    shares: list[float]
+    """The fraction of the sample at or below each value."""
+    band: float
+
+
+class Sample(Result):
+    """Counts, moments and the bound on P(violation) of evaluations drawn from the campaign's distributions."""
+
+    samples: int
+    violations: int
+    failed: int = 0
+    """Counted among the violations."""
+    excluded: int = 0
+    """Draws that start at or below the threshold; they are drawn again."""
+    outside: float = 0.0
+    """The probability beyond the bounds, or an upper bound of it; part of the bound."""
+    confidence: float
+    upper_bound: float | None
+    """On P(violation); null for points that are no independent sample."""
+    excluded_fraction: float = 0.0
+    """Of all draws."""
+    noise: Noise = "stated"
+    """Whether the evaluations simulated the noise realisations that the campaign states, or drew one each."""
+    lowest: float | None = None
+    mean: float | None = None
+    deviation: float | None = None
+    histogram: Histogram | None = None
+    looks: int | None = None
+    """Interim analyses of a sample that may stop by what it shows; each spends a part of the error."""
+    quantile: QuantileBound | None = None
+    """Of the certify stage."""
+    distribution: Distribution | None = None
+    """Of the certify stage."""
+    text: str
+
+
+class GridPoint(Result):
+    """An evaluation of the grid."""
+
+    cost: float
+    margin: float
+    parameters: Values
+
+
+class Grid(Result):
+    """A full grid; nothing is claimed of what is between its points."""
+
+    points: int
+    """On every axis."""
+    total: int
+    spacing: Values
+    lowest: GridPoint | None
+    violations: int
+    failed: int
+    excluded: int
+    text: str
+
+
+class CertifyResult(Result):
+    """The sample that a probability is claimed from, and the grid where asked for."""
+
+    stage: Literal["certify"] = "certify"
+    sample: Sample
+    grid: Grid | None
+    drawn_realisations: int = 0
+    """How many of the stage's evaluations, the first ones, each drew a noise realisation of their own."""
+    evaluations: int = 0
+    failed: int = 0
+    excluded: int = 0
+    seconds: float = 0.0
+    stop: Stop | None = None
+    text: str

@@ -1,0 +1,97 @@
+"""The result of a search stage. Start reading at `SearchResult`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from campaigns.results.base import MethodKind, Result, Stop, Values, Worse
+from campaigns.results.sample import Sample
+
+
+class Best(Result):
+    """The lowest evaluation of a stage; `index` counts from 0 within it."""
+
+    cost: float
+    margin: float
+    parameters: Values
+    index: int | None = None
+
+
+class Minimum(Result):
+    """A local minimum that a descent ended in."""
+
+    start: Values | None
+    parameters: Values
+    point: list[float] = []
+    """On the unit cube."""
+    cost: float
+    evaluations: int
+    text: str
+
+
+class Gap(Result):
+    """An estimate, from the slopes between DIRECT's centres, of how far below its best the criterion may fall."""
+
+    rectangles: int = 0
+    without_value: int = 0
+    slopes: Values = {}
+    """The steepest seen, in the criterion's unit per unit of the parameter."""
+    lower_bound: float
+    gap: float
+    text: str
+
+
+class FrontCriterion(Result):
+    """A criterion of a Pareto front."""
+
+    name: str
+    """Numbered where a component is named twice."""
+    title: str
+    quantity: str
+    unit: str
+    worse: Worse
+
+
+class FrontPoint(Result):
+    """An evaluation of the Pareto front; values by the criterion's name, in their own sign."""
+
+    index: int
+    parameters: Values
+    values: Values
+
+
+class Member(Result):
+    """What one method of a portfolio asked for."""
+
+    member: str
+    title: str
+    evaluations: int
+    best: float | None
+    improvements: int
+    """How often it lowered the best of all."""
+
+
+class SearchResult(Result):
+    """What one method found within its budget."""
+
+    stage: Literal["search"] = "search"
+    method: str
+    title: str
+    kind: MethodKind
+    best: Best | None
+    evaluations: int
+    failed: int
+    excluded: int = 0
+    seconds: float
+    stop: Stop | None
+    minima: list[Minimum] = []
+    sample: Sample | None = None
+    """What the points of a random method state."""
+    gap: Gap | None = None
+    members: list[Member] = []
+    criteria: list[FrontCriterion] = []
+    """The one that decides first."""
+    front: list[FrontPoint] | None = None
+    """The Pareto front, thinned; null with one criterion."""
+    front_size: int | None = None
+    """How many evaluations the front has."""

@@ -1,0 +1,81 @@
+"""The result of the sensitivity stage: slices through the nominal point, Morris' and Sobol's indices."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from campaigns.results.base import Result, Status, Values
+
+
+class Curve(Result):
+    """The criterion against one parameter, the others where they are."""
+
+    path: str
+    values: list[float]
+    costs: list[float | None]
+    status: list[Status]
+
+
+class Slices(Result):
+    """Curves of all parameters through one point."""
+
+    curves: list[Curve]
+    at: Values = {}
+    """The point."""
+
+
+class IndexStudy(Result):
+    """What both kinds of index study report. `text` says what leads, or why nothing was computed."""
+
+    evaluations: int
+    failed: int
+    excluded: int
+    confidence: float
+    text: str
+
+
+class MorrisRow(Result):
+    """Elementary effects of one parameter, per whole range, in the criterion's unit."""
+
+    path: str
+    mu: float | None
+    mu_star: float | None
+    mu_star_confidence: float | None
+    sigma: float | None
+
+
+class MorrisStudy(IndexStudy):
+    """Morris 1991, with mu* of Campolongo et al. 2007."""
+
+    trajectories: int
+    levels: int
+    indices: list[MorrisRow] | None
+    """Null where they were not computed."""
+
+
+class SobolRow(Result):
+    """Fractions of the variance due to one parameter, with the half width of their interval."""
+
+    path: str
+    first: float | None
+    first_confidence: float | None
+    total: float | None
+    total_confidence: float | None
+
+
+class SobolStudy(IndexStudy):
+    """Saltelli et al. 2010."""
+
+    samples: int
+    indices: list[SobolRow] | None
+    """Null where they were not computed."""
+
+
+class SensitivityResult(Result):
+    """One parameter at a time through the nominal point, and the indices where asked for."""
+
+    stage: Literal["sensitivity"] = "sensitivity"
+    points: int
+    curves: list[Curve]
+    morris: MorrisStudy | None = None
+    sobol: SobolStudy | None = None

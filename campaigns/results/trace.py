@@ -1,0 +1,78 @@
+"""A stored flight without its data: columns and head. Start reading at `TraceHead`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from campaigns.results.base import Result, Status, Values
+
+
+class TraceColumn(Result):
+    """One column of a trace."""
+
+    name: str
+    symbol: str
+    unit: str
+    group: Literal["time", "pose", "state", "command", "separation"]
+
+
+class Closest(Result):
+    """The closest approach of a flight, refined between its rows."""
+
+    time: float
+    """[s]"""
+    row: int = 0
+    value: float
+    """The criterion's value."""
+    position: list[float]
+    """[m]"""
+    speed: float | None = None
+    """[m/s]"""
+    obstacle: int
+    obstacle_position: list[float]
+    """[m]"""
+
+
+class TraceObstacle(Result):
+    """An obstacle as it starts."""
+
+    component: str = ""
+    title: str = ""
+    position: list[float]
+    """[m]"""
+    radius: float = 0.0
+    """[m]"""
+    free_radius: float | None = None
+    """Of the disc about its centre that must stay free [m]; null where no disc is what must."""
+    moving: bool = False
+
+
+class Realisation(Result):
+    """Which noise realisation a stored flight shows, of how many."""
+
+    seed: int
+    seeds: int
+    combine: str
+    cost: float | None
+    """Of the realisation shown."""
+
+
+class TraceHead(Result):
+    """What a flight shows besides its columns."""
+
+    frame: Literal["enu", "ned"] = "enu"
+    vehicle: str = ""
+    obstacles: list[TraceObstacle] = []
+    start: list[float] = []
+    goal: list[float] = []
+    threshold: float | None = None
+    parameters: Values = {}
+    """Of the uncertain parameters, and of those that were set."""
+    closest: Closest | None = None
+    status: Status = "ok"
+    reason: str = ""
+    cost: float | None = None
+    values: dict[str, float | None] = {}
+    """{name: value} of every criterion in its own sign."""
+    realisation: Realisation | None = None
+    """Null without noise."""

@@ -1,0 +1,138 @@
+"""The result of the validate stage: what it says of the run; what it says of a finding is in the finding.
+
+Start reading at `ValidateResult`.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from campaigns.results.base import MethodKind, Result, Status, Stop, Values
+from campaigns.results.finding import ClosestApproach, Validation
+
+
+class Gathered(Result):
+    """How the findings were distinguished."""
+
+    distance: float
+    """Fraction of every range."""
+    barrier: float
+    """Fraction of nominal minus worst."""
+    at_most: int
+    candidates: int
+    left_out: int
+    rounds: int = 0
+    complete: bool
+    text: str
+
+
+class Compared(Result):
+    """A search next to the others, once all findings are known."""
+
+    position: int
+    method: str
+    title: str
+    kind: MethodKind
+    best: float | None
+    evaluations: int
+    failed: int
+    excluded: int = 0
+    seconds: float
+    to_near_best: int | None
+    """Evaluations until within 1 % of nominal minus worst of the best known; null where it never came there."""
+    basin: str | None = None
+    """The finding whose basin holds its best; null where there is none."""
+    findings: list[str]
+    """Labels of the findings that it came to by itself."""
+    stop: Stop | None
+
+
+class StageCount(Result):
+    """Evaluations of one stage."""
+
+    position: int
+    count: int
+
+
+class Violations(Result):
+    """Violating evaluations of all stages, and how many of those that were simulated again violate there too."""
+
+    stored: int
+    by_stage: list[StageCount] = []
+    checked: int
+    confirmed: int
+    text: str
+
+
+class Furthest(Result):
+    """The evaluation at which the two integrators are furthest apart."""
+
+    position: int
+    index: int
+    cost: float
+    reference: float
+    parameters: Values
+    realisation: int | None = None
+
+
+class SpotChecks(Result):
+    """Random evaluations of all stages with the reference integrator."""
+
+    checked: int
+    compared: int
+    largest: float | None
+    """Distance to the stored value, in the criterion's unit."""
+    median: float | None
+    violating: int
+    """Violate there and not here."""
+    at: Furthest | None
+    reasons: list[str] = []
+    """Why some could not be compared."""
+    text: str
+
+
+class Unseen(Result):
+    """The nominal case with an avoider that sees no obstacle."""
+
+    cost: float | None
+    status: Status
+    reason: str
+    deviation: float | None
+    """The largest distance between the two paths at one instant [m]."""
+
+
+class Spread(Result):
+    """Lowest and highest cost of all stored evaluations."""
+
+    evaluations: int
+    lowest: float | None
+    highest: float | None
+
+
+class Encounter(Result):
+    """What shows that the avoidance was put to the test."""
+
+    closest: ClosestApproach
+    """Of the nominal case; that of a finding is in the finding."""
+    moved: float | None
+    """Length of the nominal path [m]."""
+    unseen: Unseen
+    spread: Spread
+    influence: Values
+    """By path: the largest change along any slice."""
+
+
+class ValidateResult(Result):
+    """What validation says of the run. The findings carry their own evidence."""
+
+    stage: Literal["validate"] = "validate"
+    ok: bool
+    text: str
+    tolerance: float
+    nominal: Validation | None
+    """Null where an earlier version stored none."""
+    findings: Gathered | None = None
+    comparison: list[Compared] = []
+    violations: Violations | None = None
+    spot_checks: SpotChecks | None = None
+    encounter: Encounter | None = None

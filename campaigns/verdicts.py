@@ -6,8 +6,12 @@ others alone. Shared by the API, the report and the command line. Start reading 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from collections.abc import Iterable
+from typing import Literal
+
+from campaigns.results.finding import Validation
+from campaigns.results.verdict import Check
+from campaigns.wording import count
 
 Standing = Literal["holds", "open", "fails"]
 
@@ -34,25 +38,37 @@ OF_VALUES = ("no violation", "minimum")
 """Checks that hold for the evaluations that have a value."""
 
 
-def described(checks: Iterable[Mapping[str, Any]], failed: int) -> list[dict[str, Any]]:
+class DescribedCheck(Check):
+    """A check as it is read: its title, how it stands, and what limits it."""
+
+    title: str
+    standing: Standing
+    """`open`: it holds for the evaluations that have a value, and others failed."""
+    but: str
+    """What limits it; empty unless it is open."""
+
+
+def described(checks: Iterable[Check], failed: int) -> list[DescribedCheck]:
     """Every check with its title, how it stands, and what limits it; failed: evaluations of the run that failed."""
-    return [dict(check) | _words(check, failed) for check in checks]
+    return [_described(check, failed) for check in checks]
 
 
-def _words(check: Mapping[str, Any], failed: int) -> dict[str, str]:
-    name = str(check["name"])
-    limited = bool(check["ok"]) and failed > 0 and name in OF_VALUES
-    standing: Standing = "open" if limited else "holds" if check["ok"] else "fails"
+def _described(check: Check, failed: int) -> DescribedCheck:
+    name = check.name
+    limited = check.ok and failed > 0 and name in OF_VALUES
+    standing: Standing = "open" if limited else "holds" if check.ok else "fails"
     verb = "evaluation failed and has" if failed == 1 else "evaluations failed and have"
-    but = f"{failed:,} {verb} no value".replace(",", "\u202f") if limited else ""
-    return {"title": TITLES.get(name, name[:1].upper() + name[1:]), "standing": standing, "but": but}
+    but = f"{count(failed)} {verb} no value" if limited else ""
+    title = TITLES.get(name, name[:1].upper() + name[1:])
+    return DescribedCheck(name=name, ok=check.ok, text=check.text, title=title, standing=standing, but=but)
 
 
-def validated(case: Mapping[str, Any]) -> str:
+def validated(case: Validation | None) -> str:
     """How the validation of a nominal case or finding came out; `agrees` and `violates` are newer than `ok`."""
-    agrees, violates = case.get("agrees"), case.get("violates")
-    if agrees is None or violates is None:
-        return {"True": "confirmed", "False": "not confirmed"}.get(str(case.get("ok")), "not validated")
-    if violates:
-        return "violation confirmed, integrations agree" if agrees else "violation confirmed, beyond tolerance"
-    return "integrations agree" if agrees else "integrations disagree"
+    if case is None:
+        return "not validated"
+    if case.agrees is None or case.violates is None:
+        return "confirmed" if case.ok else "not confirmed"
+    if case.violates:
+        return "violation confirmed, integrations agree" if case.agrees else "violation confirmed, beyond tolerance"
+    return "integrations agree" if case.agrees else "integrations disagree"

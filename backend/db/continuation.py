@@ -14,8 +14,8 @@ import sqlalchemy as sa
 
 from backend.db.engine import now
 from backend.db.queue import Claim, submit
-from backend.db.records import Columns, Finding, StagePlan, StageRecord, Trace, join
-from backend.db.store import EXCLUDED, FAILED, TIMEOUT, as_columns, as_finding, blobs, lowest
+from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
+from backend.db.store import as_columns, as_finding, as_result, blobs, lowest
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
@@ -23,6 +23,9 @@ from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.flown import Flown
+from campaigns.results import Finding, TraceHead
+from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
+from campaigns.results.trace import TraceColumn
 
 ENDED = ("done", "failed", "cancelled")
 
@@ -48,7 +51,7 @@ def is_removed(connection: sa.Connection, run_id: int) -> bool:
 def stages(connection: sa.Connection, run_id: int) -> list[StageRecord]:
     """The stages of a run as they stand, in order."""
     rows = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position))
-    return [StageRecord(StagePlan(r.kind, r.method, r.planned), r.state, r.seconds, r.result) for r in rows]
+    return [StageRecord(StagePlan(r.kind, r.method, r.planned), r.state, r.seconds, as_result(r.result)) for r in rows]
 
 
 def evaluations(connection: sa.Connection, run_id: int) -> dict[int, Columns]:
@@ -69,7 +72,15 @@ def findings(connection: sa.Connection, run_id: int) -> list[Finding]:
 def traces(connection: sa.Connection, run_id: int) -> list[Trace]:
     """The traces of a run."""
     rows = connection.execute(sa.select(TraceRow).where(TraceRow.run_id == run_id).order_by(TraceRow.name))
-    return [Trace(r.name, r.columns, np.frombuffer(r.data, dtype="<f8").reshape(r.rows, -1), r.meta) for r in rows]
+    return [
+        Trace(
+            r.name,
+            [TraceColumn.model_validate(column) for column in r.columns],
+            np.frombuffer(r.data, dtype="<f8").reshape(r.rows, -1),
+            TraceHead.model_validate(r.meta),
+        )
+        for r in rows
+    ]
 
 
 def begin(

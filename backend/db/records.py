@@ -1,4 +1,4 @@
-"""What a run hands to its storage, as plain data: evaluations in columns, stages, findings, traces, the conclusion.
+"""What a run hands to its storage, as plain data: evaluations in columns, stages, traces.
 
 The runner writes them through `worker.runs.store.Store`; `backend.db.store` puts them into the tables. Start reading at
 `Columns`.
@@ -7,11 +7,14 @@ The runner writes them through `worker.runs.store.Store`; `backend.db.store` put
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from campaigns.results import StageResult, TraceHead
+from campaigns.results.trace import TraceColumn
 
 Floats = NDArray[np.float64]
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
@@ -48,44 +51,17 @@ class StageRecord:
     plan: StagePlan
     state: Literal["waiting", "running", "done"] = "waiting"
     seconds: float = 0.0
-    result: dict[str, Any] | None = None
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One distinct worst case; columns as in `backend.db.tables.Finding`."""
-
-    label: str
-    cost: float
-    margin: float
-    parameters: dict[str, float]
-    point: list[float]
-    methods: list[str]
-    at_bounds: dict[str, str]
-    validation: dict[str, Any]
-    found: list[dict[str, Any]] = field(default_factory=list)
+    result: StageResult | None = None
 
 
 @dataclass(frozen=True)
 class Trace:
-    """A flight as columns; `columns` and `meta` as in `backend.db.tables.Trace`, data (rows, columns)."""
+    """A flight as columns: data (rows, columns)."""
 
     name: str
-    columns: list[dict[str, str]]
+    columns: list[TraceColumn]
     data: Floats
-    meta: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Conclusion:
-    """The end of a run: verdict, its sentence, and all that stands behind it."""
-
-    verdict: Literal["cleared", "violated", "inconclusive"]
-    reason: str
-    nominal_cost: float | None
-    worst_cost: float | None
-    worst_method: str | None
-    summary: dict[str, Any]
+    meta: TraceHead
 
 
 def join(chunks: Sequence[Columns]) -> Columns | None:

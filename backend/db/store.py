@@ -12,12 +12,13 @@ from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
+from pydantic import BaseModel
 
 from backend.db import codes, snapshots
 from backend.db.course import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
-from backend.db.records import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
+from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -25,9 +26,8 @@ from campaigns.asked.snapshot import values_changed
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
 from campaigns.flown import Code, Flown, other_code
-
-OK, FAILED, TIMEOUT, EXCLUDED = range(4)
-"""An evaluation's status, as in the tables."""
+from campaigns.results import Finding, NominalResult, StageResult, Verdict, stage_result
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 
 PATIENCE = 120.0
 """How long a write is tried again while the database cannot be reached or stays locked [s]."""
@@ -94,7 +94,7 @@ class RunStore:
     def finish(
         self,
         position: int,
-        result: dict[str, Any],
+        result: StageResult,
         seconds: float,
         findings: Sequence[Finding] = (),
         traces: Sequence[Trace] = (),
@@ -102,10 +102,9 @@ class RunStore:
         """Store a stage's result and what it found, and mark it done: all or nothing. Attempts count anew."""
 
         def work(connection: sa.Connection) -> None:
-            kind = connection.scalar(sa.select(Stage.kind).where(Stage.run_id == self._run, Stage.position == position))
             values: dict[str, Any] = {"attempts": 1, "error": None}
-            if kind == "nominal":
-                values["nominal_cost"] = plain(result.get("cost"))
+            if isinstance(result, NominalResult):
+                values["nominal_cost"] = plain(result.cost)
             fenced(connection, self.claim, **values)
             ended = {"state": "done", "finished": now(connection), "seconds": seconds, "result": plain(result)}
             connection.execute(self._stage(position).values(**ended))
@@ -121,17 +120,17 @@ class RunStore:
             rows = connection.execute(of).mappings().all()
         return [as_finding(row) for row in rows]
 
-    def conclude(self, conclusion: Conclusion) -> None:
+    def conclude(self, verdict: Verdict) -> None:
         """Store the verdict; the run is done."""
         values = {
             "state": "done",
-            "verdict": conclusion.verdict,
-            "reason": conclusion.reason,
-            "nominal_cost": plain(conclusion.nominal_cost),
-            "worst_cost": plain(conclusion.worst_cost),
-            "worst_method": conclusion.worst_method,
-            "summary": plain(conclusion.summary),
-            "upper_bound": plain((conclusion.summary.get("statistics") or {}).get("upper_bound")),
+            "verdict": verdict.verdict,
+            "reason": verdict.reason,
+            "nominal_cost": None if verdict.nominal is None else plain(verdict.nominal.cost),
+            "worst_cost": None if verdict.worst is None else plain(verdict.worst.cost),
+            "worst_method": None if verdict.worst is None else verdict.worst.method,
+            "summary": plain(verdict),
+            "upper_bound": None if verdict.statistics is None else plain(verdict.statistics.upper_bound),
             "lease_until": 0.0,
             "error": None,
         }
@@ -169,7 +168,7 @@ class RunStore:
         if [(row.kind, row.method) for row in rows] != [(stage.kind, stage.method) for stage in stages]:
             raise ValueError("the stages of this run were planned by another version of Clearance; submit it again")
         return [
-            StageRecord(StagePlan(row.kind, row.method, row.planned), row.state, row.seconds, row.result)
+            StageRecord(StagePlan(row.kind, row.method, row.planned), row.state, row.seconds, as_result(row.result))
             for row in rows
         ]
 
@@ -241,11 +240,18 @@ def as_columns(row: Any) -> Columns:
 
 def as_finding(row: sa.RowMapping) -> Finding:
     """A row of the table of findings as a record."""
-    return Finding(**{key: value for key, value in row.items() if key != "run_id"})
+    return Finding.model_validate(dict(row))
+
+
+def as_result(stored: Any) -> StageResult | None:
+    """The result of a stage as it is stored; None while there is none."""
+    return None if stored is None else stage_result(stored)
 
 
 def plain(value: Any) -> Any:
     """The value as JSON can hold it: numbers of numpy become Python's, what is not finite becomes None."""
+    if isinstance(value, BaseModel):
+        return plain(value.model_dump())
     if isinstance(value, Mapping):
         return {str(key): plain(inner) for key, inner in value.items()}
     if isinstance(value, np.ndarray | np.generic):
@@ -280,7 +286,7 @@ def lowest(columns: Columns) -> tuple[float, int | None]:
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
-    return {**plain(vars(finding)), "cost": finding.cost, "margin": finding.margin}
+    return {**plain(finding), "cost": finding.cost, "margin": finding.margin}
 
 
 def _trace(trace: Trace) -> dict[str, Any]:

@@ -179,6 +179,10 @@ class Finding(Base):
     at_bounds: orm.Mapped[dict[str, Any]]
     """{path: "low" | "high"}"""
     validation: orm.Mapped[dict[str, Any]]
+    slices: orm.Mapped[dict[str, Any] | None]
+    """Through the finding; this and what follows as in `campaigns.results.finding`."""
+    boundary: orm.Mapped[dict[str, Any] | None]
+    closest: orm.Mapped[dict[str, Any] | None]
 
 
 class Trace(Base):

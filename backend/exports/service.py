@@ -148,16 +148,16 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     paths = list(asked.campaign["uncertain"])
     heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
     yield _lines([["flight", *heads, "margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths]])
-    for name, meta in flights.items():
-        closest, finding = meta.get("closest") or {}, found.get(name)
-        values = meta.get("values") or {asked.criteria[0].name: meta.get("cost")}
+    for name, head in flights.items():
+        closest, finding = head.closest, found.get(name)
+        values = head.values or {asked.criteria[0].name: head.cost}
         told = [values.get(criterion.name) for criterion in asked.criteria]
         margin = None if told[0] is None or asked.threshold is None else told[0] - asked.threshold
-        of = finding.parameters if finding else meta.get("parameters", {})
+        of = finding.parameters if finding else head.parameters
         by = " ".join(finding.methods) if finding else ""
-        ok = finding.validation.get("ok") if finding else None
-        row = [name, *told, margin, closest.get("time"), closest.get("speed"), ok, by, *(of.get(p) for p in paths)]
-        yield _lines([row])
+        ok = finding.validation.ok if finding and finding.validation else None
+        at = [None, None] if closest is None else [closest.time, closest.speed]
+        yield _lines([[name, *told, margin, *at, ok, by, *(of.get(p) for p in paths)]])
 
 
 def traces_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from backend.catalog.schemas import CriterionOut
 from backend.schema import Schema
+from campaigns.results import TraceHead
+from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation
+from campaigns.results.sensitivity import Slices
+from campaigns.results.trace import TraceColumn
 
 
 class EvaluationSeries(Schema):
@@ -55,15 +59,6 @@ class Evaluations(Schema):
     """At most 200 of them."""
 
 
-class FoundBy(Schema):
-    """A search stage that came to a finding by itself."""
-
-    position: int
-    method: str
-    evaluations: int
-    """How many of its evaluations it needed until then."""
-
-
 class FindingDetail(Schema):
     """One distinct worst case, with the values of its uncertain parameters and their bounds."""
 
@@ -80,16 +75,12 @@ class FindingDetail(Schema):
     values: dict[str, float | None]
     """{name: value} of every criterion in its own sign, as the stored flight tells it; empty where it does not."""
     at_bounds: dict[str, Literal["low", "high"]]
-    validation: dict[str, Any]
-
-
-class TraceColumn(Schema):
-    """One column of a trace."""
-
-    name: str
-    symbol: str
-    unit: str
-    group: Literal["time", "pose", "state", "command", "separation"]
+    validation: Validation | None
+    slices: Slices | None
+    """Through the finding; null where validation ended before it, or an earlier version stored none."""
+    boundary: Boundary | None
+    """Of a violation: how far from nominal it begins."""
+    closest: ClosestApproach | None
 
 
 class TraceInfo(Schema):
@@ -98,7 +89,7 @@ class TraceInfo(Schema):
     name: str
     rows: int
     columns: list[TraceColumn]
-    meta: dict[str, Any]
+    meta: TraceHead
 
 
 class TraceData(TraceInfo):

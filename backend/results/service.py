@@ -13,8 +13,10 @@ from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.errors import not_found
 from backend.results import thin
-from backend.results.schemas import FindingDetail, TraceColumn, TraceData, TraceInfo
+from backend.results.schemas import FindingDetail, TraceData, TraceInfo
 from backend.runs.service import campaign, require
+from campaigns.results import TraceHead
+from campaigns.results.trace import TraceColumn
 
 
 def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
@@ -23,14 +25,14 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
     flown = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
-    return [_finding(row, limits, flown.get(row.label, {})) for row in ordered]
+    return [_finding(row, limits, flown.get(row.label)) for row in ordered]
 
 
-def _finding(row: Any, limits: dict[str, tuple[float, float, float]], meta: dict[str, Any]) -> FindingDetail:
+def _finding(row: Any, limits: dict[str, tuple[float, float, float]], head: TraceHead | None) -> FindingDetail:
     nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
     columns = ("label", "cost", "margin", "parameters", "methods", "found", "at_bounds", "validation")
-    values = {column: getattr(row, column) for column in columns}
-    told = {"nominal": nominal, "low": low, "high": high, "values": meta.get("values", {})}
+    values = {column: getattr(row, column) for column in (*columns, "slices", "boundary", "closest")}
+    told = {"nominal": nominal, "low": low, "high": high, "values": {} if head is None else head.values}
     return FindingDetail.model_validate(values | told)
 
 
@@ -49,13 +51,14 @@ def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData
     if row is None:
         raise not_found("stored flight of this run called", name)
     data = table(row)
-    chosen = thin.around(len(data), most, closest_row(row.meta, row.columns, data))
+    head, columns = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
+    chosen = thin.around(len(data), most, closest_row(head, columns, data))
     return TraceData(
         name=row.name,
         rows=row.rows,
-        columns=[TraceColumn.model_validate(column) for column in row.columns],
-        meta=row.meta,
-        data={column["name"]: _numbers(data[chosen, k]) for k, column in enumerate(row.columns)},
+        columns=columns,
+        meta=head,
+        data={column.name: _numbers(data[chosen, k]) for k, column in enumerate(columns)},
     )
 
 
@@ -69,12 +72,11 @@ def table(row: Any) -> NDArray[np.float64]:
     return np.frombuffer(row.data, dtype="<f8").reshape(row.rows, len(row.columns))
 
 
-def closest_row(meta: dict[str, Any], columns: list[dict[str, Any]], data: NDArray[np.float64]) -> int:
+def closest_row(head: TraceHead, columns: list[TraceColumn], data: NDArray[np.float64]) -> int:
     """The row at the closest approach, by its time as stored, else by the lowest separation, else the first."""
-    groups = [column["group"] for column in columns]
-    time = (meta.get("closest") or {}).get("time")
-    if time is not None and "time" in groups:
-        return int(np.abs(data[:, groups.index("time")] - time).argmin())
+    groups = [column.group for column in columns]
+    if head.closest is not None and "time" in groups:
+        return int(np.abs(data[:, groups.index("time")] - head.closest.time).argmin())
     if "separation" in groups and not np.isnan(data[:, groups.index("separation")]).all():
         return int(np.nanargmin(data[:, groups.index("separation")]))
     return 0

@@ -33,11 +33,11 @@ from backend.runs.schemas import (
     RunSubmit,
     RunSummary,
     StageDetail,
-    VerdictWord,
 )
 from backend.schema import RunName, Seconds
 from campaigns import CampaignError, Problem
 from campaigns.asked.problem import shown
+from campaigns.results.verdict import VerdictWord
 
 router = APIRouter(tags=["runs"])
 

@@ -16,7 +16,8 @@ from backend.db.tables import Run, Stage
 from backend.runs import counts
 from backend.runs.filters import Filters
 from backend.runs.order import Order, Sort
-from backend.runs.schemas import RunPage, RunState, RunSummary, StageProgress, VerdictWord
+from backend.runs.schemas import RunPage, RunState, RunSummary, StageProgress
+from campaigns.results.verdict import VerdictWord
 
 _PLAIN = (
     "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",

@@ -12,9 +12,11 @@ from campaigns import Catalogue
 from campaigns.asked.load import LARGEST_FILE
 from campaigns.asked.values import Notes
 from campaigns.flown import Flown
+from campaigns.results import StageResult, Verdict
+from campaigns.results.verdict import VerdictWord
+from campaigns.verdicts import DescribedCheck
 
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
-VerdictWord = Literal["cleared", "violated", "inconclusive"]
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
 Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
 StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
@@ -96,7 +98,7 @@ class RunFacets(Schema):
 
 
 class StageProgress(Schema):
-    """A stage as it stands; `result` is there once it is done (its form by kind: `worker/stages`)."""
+    """A stage as it stands; `result` is there once it is done."""
 
     position: int
     kind: StageKind
@@ -116,7 +118,7 @@ class StageProgress(Schema):
 class StageDetail(StageProgress):
     """A stage with its result."""
 
-    result: dict[str, Any] | None
+    result: StageResult | None
 
 
 class RunSummary(Schema):
@@ -168,6 +170,12 @@ class RunSummary(Schema):
     removed_reason: str | None
 
 
+class RunVerdict(Verdict):
+    """The verdict of a run, its checks as they are read."""
+
+    checks: list[DescribedCheck]  # type: ignore[assignment]
+
+
 class RunDetail(RunSummary):
     """A run with its campaign, stages and provenance."""
 
@@ -181,8 +189,8 @@ class RunDetail(RunSummary):
     flown: Flown | None
     """What flew when the first stage began: code, packages, machine; None before that, and where it was not stored."""
     stages: list[StageProgress]
-    summary: dict[str, Any]
-    """Parts of the verdict (`scope`, `checks` with title and standing), statistics, versions: `worker.verdicts`."""
+    summary: RunVerdict | None
+    """The verdict with everything behind it; null while there is none."""
     rate: float | None
     """Evaluations per second of the running stage."""
     remaining: float | None

@@ -20,12 +20,13 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.errors import RefusedError, not_found
 from backend.runs import listing, pace
-from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
+from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, verdicts
 from campaigns.asked.load import load_document, load_text
 from campaigns.asked.plan import plan
 from campaigns.flown import Flown
+from campaigns.results import Verdict
 
 _ID = re.compile(r"R-([0-9]{1,15})")
 
@@ -157,9 +158,12 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
     )
 
 
-def _described(parts: dict[str, Any], failed: int) -> dict[str, Any]:
-    """The verdict's parts with its checks in words; of a run of an earlier version, too."""
-    return parts | {"checks": verdicts.described(parts["checks"], failed)} if parts.get("checks") else parts
+def _described(parts: dict[str, Any] | None, failed: int) -> RunVerdict | None:
+    """The stored verdict with its checks as they are read."""
+    if not parts or not parts.get("verdict"):
+        return None
+    verdict = Verdict.model_validate(parts)
+    return RunVerdict.model_construct(**dict(verdict), checks=verdicts.described(verdict.checks, failed))
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:

@@ -25,7 +25,9 @@ Worse = Literal["low", "high"]
 class Result(BaseModel):
     """Part of what a run found. Unknown fields are ignored: a later version may have stored more."""
 
-    model_config = ConfigDict(frozen=True, extra="ignore", use_attribute_docstrings=True)
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", use_attribute_docstrings=True, json_schema_serialization_defaults_required=True
+    )
 
 
 class Stop(Result):

@@ -17,7 +17,7 @@ class HalfStep(Result):
     difference: float | None
 
 
-class Reference(Result):
+class ReferenceCost(Result):
     """The case with the reference integrator."""
 
     name: str
@@ -45,7 +45,7 @@ class Validation(Result):
     """[s]"""
     cost: float | None
     half_step: HalfStep
-    integrator: Reference
+    integrator: ReferenceCost
     allowed: float | None
     """The tolerance, in the criterion's unit."""
     ok: bool

@@ -79,7 +79,7 @@ class GridPoint(Result):
     parameters: Values
 
 
-class Grid(Result):
+class GridResult(Result):
     """A full grid; nothing is claimed of what is between its points."""
 
     points: int
@@ -98,7 +98,7 @@ class CertifyResult(Result):
 
     stage: Literal["certify"] = "certify"
     sample: Sample
-    grid: Grid | None
+    grid: GridResult | None
     drawn_realisations: int = 0
     """How many of the stage's evaluations, the first ones, each drew a noise realisation of their own."""
     evaluations: int = 0

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from campaigns.flown import Flown
 from campaigns.results.base import Result, Values
 from campaigns.results.sample import Noise, QuantileBound
 
@@ -68,32 +69,12 @@ class Counts(Result):
     lowest: float | None = None
 
 
-class Processor(Result):
-    """The processor, and what the compiler made use of."""
-
-    model: str = ""
-    target: str = ""
-    features: str = ""
-
-
-class Provenance(Result):
-    """What must be stored with a number so that it can be repeated."""
+class Provenance(Flown):
+    """What a number is repeated from: the campaign, the seed and what flew."""
 
     digest: str | None = None
     """Of the campaign."""
     seed: int | None = None
-    clearance: str | None = None
-    python: str | None = None
-    code: str | None = None
-    packages: dict[str, str] = {}
-    system: str | None = None
-    cpu: Processor | None = None
-    lanes: int | None = None
-    step: float | None = None
-    """[s]"""
-    integrator: str | None = None
-    loop: str | None = None
-    """Digest of the compiled loop."""
 
 
 class Verdict(Result):

@@ -26,6 +26,7 @@ from campaigns.asked.load import load_document
 from campaigns.asked.plan import plan
 from campaigns.asked.snapshot import values_changed
 from campaigns.flown import Flown
+from campaigns.results import Verdict
 from worker.catalogue.installed import catalogue
 from worker.cli import WrongInputError
 from worker.cli._results import flown_of, read_folder
@@ -33,9 +34,9 @@ from worker.cli._where import existing_url_of
 from worker.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
 from worker.runs.runner import Cancelled, ReplayMismatch
 from worker.runs.store import MemoryStore
-from worker.stages.parts.store import Columns, Conclusion, StagePlan, Store
+from worker.stages.parts.store import Columns, StagePlan, Store
 
-Execute = Callable[[Campaign, Store, Callable[[], bool]], Conclusion]
+Execute = Callable[[Campaign, Store, Callable[[], bool]], Verdict]
 
 
 class Continued(NamedTuple):
@@ -43,7 +44,7 @@ class Continued(NamedTuple):
 
     campaign: Campaign
     store: MemoryStore
-    conclusion: Conclusion
+    verdict: Verdict
     cites: dict[str, Any]
 
 
@@ -99,10 +100,10 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
             return stored.begin(connection, run_id, onward, planned, columns, **named, flown=flew)
 
         claim = write(engine, begin, PATIENCE)
-        conclusion = _held(engine, claim, onward, execute)
+        verdict = _held(engine, claim, onward, execute)
         with read(engine) as connection:
             memory = _snapshot(connection, claim.run_id)
-        return Continued(onward, memory, conclusion, earlier.cited | {"as": _name(claim.run_id)})
+        return Continued(onward, memory, verdict, earlier.cited | {"as": _name(claim.run_id)})
     finally:
         engine.dispose()
 
@@ -131,7 +132,7 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
         )
 
 
-def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Conclusion:
+def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Verdict:
     """Work under the lease; an interrupt gives the run back to the queue, an error fails this attempt."""
     queue = Queue(engine)
     with _beating(queue, claim) as cancelled:

@@ -15,11 +15,12 @@ from rich.text import Text
 
 from campaigns import Campaign, verdicts
 from campaigns.asked.plan import plan
+from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict
+from campaigns.results.verdict import Counts, NominalCost
 from campaigns.wording import count, listed, number, signed
 from worker.catalogue.installed import methods
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Tally
-from worker.stages.parts.store import Conclusion
 
 VERDICTS = {
     "cleared": ("✓", "Cleared", "green"),
@@ -60,7 +61,7 @@ class Progress:
 def print_report(
     campaign: Campaign,
     store: MemoryStore,
-    conclusion: Conclusion,
+    verdict: Verdict,
     out: Path | None,
     cites: dict[str, Any] | None = None,
 ) -> None:
@@ -71,27 +72,25 @@ def print_report(
         console.print(Text(f"{named} {cites['run']} (campaign {cites['digest'][:12]})"))
         if "code" in cites and cites["code"] is None:
             console.print(Text(f"The code that flew {cites['run']} was not stored, so it could not be compared."))
-    console.print(_stages(store, conclusion))
-    console.print(_comparison(store, conclusion))
+    console.print(_stages(store, verdict))
+    console.print(_comparison(store, verdict))
     if store.findings:
-        console.print(_findings(campaign, store, conclusion))
+        console.print(_findings(campaign, store, verdict))
         for line in _how_found(store):
             console.print(Text(line), soft_wrap=not console.is_terminal)
-    console.print(_checks(conclusion))
+    console.print(_checks(verdict))
     for line in _again(store):
         console.print(Text(line), soft_wrap=not console.is_terminal)
-    sign, word, colour = VERDICTS[conclusion.verdict]
+    sign, word, colour = VERDICTS[verdict.verdict]
     console.print(Text(f"{sign} {word}", style=f"bold {colour}"))
-    console.print(Text(conclusion.reason), soft_wrap=not console.is_terminal)
+    console.print(Text(verdict.reason), soft_wrap=not console.is_terminal)
     if out is not None:
         console.print(Text(f"Results in {out}"))
 
 
-def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
-    parts = conclusion.summary
-    unit = parts["unit"]
+def _stages(store: MemoryStore, verdict: Verdict) -> Table:
     table = Table("Stage", title=None)
-    for heading in (f"Lowest {parts['quantity']} [{unit}]", "Evaluations", "Failed", "Excluded", "Time [s]"):
+    for heading in (f"Lowest {verdict.quantity} [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]"):
         table.add_column(escape(heading), justify="right")
     table.add_column("Ended")
     for position, record in enumerate(store.stages):
@@ -99,7 +98,7 @@ def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
         ok = None if columns is None else columns.costs[columns.status == 0, 0]
         failed = 0 if columns is None else int(((columns.status == 1) | (columns.status == 2)).sum())
         excluded = 0 if columns is None else int((columns.status == 3).sum())
-        result = record.result or {}
+        result = record.result
         table.add_row(
             _named(record.plan.kind, record.plan.method),
             "" if ok is None or not len(ok) else number(float(ok.min())),
@@ -107,51 +106,63 @@ def _stages(store: MemoryStore, conclusion: Conclusion) -> Table:
             count(failed),
             count(excluded),
             f"{record.seconds:.2f}",
-            result.get("stop", {}).get("text") or result.get("text") or "",
+            _ended(result),
         )
-        for minimum in result.get("minima", []) if result.get("kind") == "local" else []:
-            at = escape(f"at {_values(minimum['parameters'])}")
-            cells = (number(minimum["cost"]), count(minimum["evaluations"]), "", "", "", at)
-            table.add_row(escape(f"  from {_values(minimum['start'] or {})}"), *cells, style="dim")
-    told = parts["evaluations"]
-    lowest = "" if told["lowest"] is None else number(told["lowest"])
+        for minimum in result.minima if isinstance(result, SearchResult) and result.kind == "local" else []:
+            at = escape(f"at {_values(minimum.parameters)}")
+            cells = (number(minimum.cost), count(minimum.evaluations), "", "", "", at)
+            table.add_row(escape(f"  from {_values(minimum.start or {})}"), *cells, style="dim")
+    counts = verdict.evaluations or Counts(stored=0, succeeded=0, failed=0, excluded=0)
+    lowest = "" if counts.lowest is None else number(counts.lowest)
     time = f"{sum(record.seconds for record in store.stages):.2f}"
     table.add_section()
-    table.add_row("all stages", lowest, *(count(told[k]) for k in ("stored", "failed", "excluded")), time, "")
+    table.add_row("all stages", lowest, *map(count, (counts.stored, counts.failed, counts.excluded)), time, "")
     return table
 
 
-def _comparison(store: MemoryStore, conclusion: Conclusion) -> Table:
+def _ended(result: StageResult | None) -> str:
+    if isinstance(result, SearchResult | CertifyResult) and result.stop is not None:
+        return result.stop.text
+    return result.text if isinstance(result, ValidateResult) else ""
+
+
+def _validated(store: MemoryStore) -> ValidateResult | None:
+    result = store.stages[-1].result
+    return result if isinstance(result, ValidateResult) else None
+
+
+def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
     """The methods side by side, as `worker.stages.parts.comparison` counted."""
-    parts = conclusion.summary
     table = Table("Method")
-    for heading in (f"Best [{parts['unit']}]", "Evaluations", "Failed", "Excluded", "Time [s]", "To 1 % of best"):
+    for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", "To 1 % of best"):
         table.add_column(escape(heading), justify="right")
     table.add_column("Best is in")
     table.add_column("Findings")
-    for row in (store.stages[-1].result or {}).get("comparison", []):
+    validated = _validated(store)
+    for row in [] if validated is None else validated.comparison:
         table.add_row(
-            row["title"],
-            "" if row["best"] is None else number(row["best"]),
-            count(row["evaluations"]),
-            count(row["failed"]),
-            count(row["excluded"]),
-            f"{row['seconds']:.2f}",
-            "not reached" if row["to_near_best"] is None else count(row["to_near_best"]),
-            row["basin"] or "no listed finding",
-            f"{len(row['findings'])}: {', '.join(row['findings'])}" if row["findings"] else "0",
+            row.title,
+            "" if row.best is None else number(row.best),
+            count(row.evaluations),
+            count(row.failed),
+            count(row.excluded),
+            f"{row.seconds:.2f}",
+            "not reached" if row.to_near_best is None else count(row.to_near_best),
+            row.basin or "no listed finding",
+            f"{len(row.findings)}: {', '.join(row.findings)}" if row.findings else "0",
         )
-        for member in (store.stages[row["position"]].result or {}).get("members", []):
-            best = "" if member["best"] is None else number(member["best"])
-            cells = (best, count(member["evaluations"]), "", "", "", "", "", "")
-            table.add_row(f"  {member['title']}", *cells, style="dim")
+        search = store.stages[row.position].result
+        for member in search.members if isinstance(search, SearchResult) else []:
+            best = "" if member.best is None else number(member.best)
+            cells = (best, count(member.evaluations), "", "", "", "", "", "")
+            table.add_row(f"  {member.title}", *cells, style="dim")
     return table
 
 
-def _findings(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> Table:
+def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table:
     """Nominal and every finding, a column each; a mark where a parameter stands at a bound."""
-    parts = conclusion.summary
-    nominal = (store.stages[0].result or {})["parameters"]
+    first = store.stages[0].result
+    nominal = first.parameters if isinstance(first, NominalResult) else {}
     table = Table("Parameter")
     table.add_column("Nominal", justify="right")
     for finding in store.findings:
@@ -160,60 +171,62 @@ def _findings(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) ->
     for path in nominal:
         cells = [number(f.parameters[path]) + signs.get(f.at_bounds.get(path, ""), "") for f in store.findings]
         table.add_row(path, number(nominal[path]), *cells)
-    cost = parts["nominal"]["cost"]
+    at_nominal = verdict.nominal or NominalCost(cost=None, margin=None)
     table.add_section()
     table.add_row(
-        escape(f"{parts['quantity']} [{parts['unit']}]"),
-        "" if cost is None else number(cost),
+        escape(f"{verdict.quantity} [{verdict.unit}]"),
+        "" if at_nominal.cost is None else number(at_nominal.cost),
         *(number(f.cost) for f in store.findings),
     )
     table.add_row(
-        f"margin to {number(campaign.criterion.threshold)} {parts['unit']}",
-        "" if cost is None else signed(parts["nominal"]["margin"]),
+        f"margin to {number(campaign.criterion.threshold)} {verdict.unit}",
+        "" if at_nominal.margin is None else signed(at_nominal.margin),
         *(signed(f.margin) for f in store.findings),
     )
-    nominal_case = (store.stages[-1].result or {})["cases"][0]
+    validated = _validated(store)
+    nominal_case = None if validated is None else validated.nominal
     table.add_row(
         "validation", verdicts.validated(nominal_case), *(verdicts.validated(f.validation) for f in store.findings)
     )
-    if any(f.validation["realisation"] is not None for f in store.findings):
-        seeds = [f.validation["realisation"] for f in store.findings]
+    seeds = [f.realisation for f in store.findings]
+    if any(seed is not None for seed in seeds):
         table.add_row("noise seed drawn", "", *("" if seed is None else str(seed) for seed in seeds))
     return table
 
 
-def _checks(conclusion: Conclusion) -> Table:
+def _checks(verdict: Verdict) -> Table:
     """Everything that must hold before a campaign is cleared."""
     signs = {"holds": ("✓", "green"), "open": ("?", "yellow"), "fails": ("✗", "red")}
     table = Table("", "Check", "Result")
-    failed = conclusion.summary["evaluations"]["failed"]
-    for check in verdicts.described(conclusion.summary["checks"], failed):
-        sign, colour = signs[check["standing"]]
-        text = f"{check['text']}; {check['but']}" if check["but"] else check["text"]
-        table.add_row(Text(sign, style=colour), Text(check["title"]), Text(text))
+    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
+    for check in verdicts.described(verdict.checks, failed):
+        sign, colour = signs[check.standing]
+        text = f"{check.text}; {check.but}" if check.but else check.text
+        table.add_row(Text(sign, style=colour), Text(check.title), Text(text))
     return table
 
 
 def _again(store: MemoryStore) -> list[str]:
     """What the validate stage simulated again besides the findings."""
-    result = store.stages[-1].result or {}
-    told = [result["violations"]["text"], result["spot_checks"]["text"]]
-    return [f"{text[:1].upper()}{text[1:]}." for text in told]
+    validated = _validated(store)
+    parts = () if validated is None else (validated.violations, validated.spot_checks)
+    return [f"{part.text[:1].upper()}{part.text[1:]}." for part in parts if part is not None]
 
 
 def _how_found(store: MemoryStore) -> list[str]:
     lines = []
     for finding in store.findings:
-        ways = [f"{_named('search', k['method'])[8:]} after {count(k['evaluations'])}" for k in finding.found]
-        by = (
+        ways = [f"{_named('search', by.method)[8:]} after {count(by.evaluations)}" for by in finding.found]
+        how = (
             f"found by {listed(ways)} evaluations"
             if ways
             else "found by polishing only: no method came close by itself"
         )
-        lines.append(f"{finding.label}: {by}")
-    told = (store.stages[-1].result or {}).get("findings", {})
-    if told.get("left_out"):
-        lines.append(f"{count(told['left_out'])} local minima no worse than the nominal flight are left out")
+        lines.append(f"{finding.label}: {how}")
+    validated = _validated(store)
+    gathered = None if validated is None else validated.findings
+    if gathered is not None and gathered.left_out:
+        lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal flight are left out")
     if any(f.at_bounds for f in store.findings):
         lines.append("↓ ↑ at its lower or upper bound")
     return lines

@@ -19,12 +19,13 @@ from campaigns import Campaign, load_file
 from campaigns.asked.plan import plan
 from campaigns.asked.snapshot import snapshot
 from campaigns.flown import Flown
+from campaigns.results.base import STATUS
 from worker.catalogue.installed import catalogue
 from worker.runs.continuation import CannotContinue
 from worker.runs.store import MemoryStore
-from worker.search.base import STATUS
-from worker.stages.parts import front
-from worker.stages.parts.store import Columns, Conclusion, StagePlan, StageRecord, Trace
+from worker.stages.parts.store import Columns, StagePlan, StageRecord, Trace
+from worker.systems.criteria import criteria
+from worker.systems.criteria import values as criterion_values
 from worker.systems.problem import Problem
 
 ARRAYS = "evaluations.npz"
@@ -40,13 +41,13 @@ def write_results(folder: Path, campaign: Campaign, store: MemoryStore, result: 
         _write_trace(folder / f"trace-{trace.name}.csv", trace)
 
 
-def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> None:
+def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore) -> None:
     """Write what an audit needs besides the results."""
-    text = json.dumps(evidence(campaign, store, conclusion), allow_nan=False)
+    text = json.dumps(evidence(campaign, store), allow_nan=False)
     (folder / "evidence.json").write_text(text + "\n", encoding="utf-8")
 
 
-def evidence(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
+def evidence(campaign: Campaign, store: MemoryStore) -> dict[str, Any]:
     """What stands behind the result: every stage's own result, and what the components of the campaign mean."""
     return {
         "results": [plain(stage.result) for stage in store.stages],
@@ -104,7 +105,7 @@ def _read_bits(path: Path, stages: int) -> dict[int, Columns]:
 def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        beside = [f"{c['name']} [{c['unit']}]" if c["unit"] else c["name"] for c in front.criteria(problem)[1:]]
+        beside = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in criteria(problem)[1:]]
         paths = [r.path for r in problem.ranges]
         writer.writerow(["stage", "kind", "method", "index", "status", "cost", *beside, *paths])
         for position, record in enumerate(store.stages):
@@ -113,7 +114,7 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
                 continue
             plan = record.plan
             values = problem.values(columns.points)
-            told = front.values(problem, columns.costs)
+            told = criterion_values(problem, columns.costs)
             for i, (status, value) in enumerate(zip(columns.status.tolist(), told.tolist(), strict=True)):
                 costs = [repr(v) if status == 0 else "" for v in value]
                 row = [position, plan.kind, plan.method or "", i, STATUS[status], *costs]
@@ -123,5 +124,5 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
 def _write_trace(path: Path, trace: Trace) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow([f"{c['name']} [{c['unit']}]" for c in trace.columns])
+        writer.writerow([f"{c.name} [{c.unit}]" for c in trace.columns])
         writer.writerows([repr(v) for v in row] for row in trace.data.tolist())

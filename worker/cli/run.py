@@ -19,10 +19,11 @@ from worker.cli._where import DATA, Data, Database
 
 if TYPE_CHECKING:
     from campaigns import Campaign
+    from campaigns.results import Verdict
     from worker.runs.store import MemoryStore
-    from worker.stages.parts.store import Conclusion, Store
+    from worker.stages.parts.store import Store
 
-Fly: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Conclusion]"
+Fly: TypeAlias = "Callable[[Campaign, Store, Callable[[], bool]], Verdict]"
 
 
 def run(
@@ -56,24 +57,24 @@ def run(
     if onward:
         from worker.cli._continue import execute_continued
 
-        campaign, store, conclusion, cites = execute_continued(onward, budget, data, database, fly)
+        campaign, store, verdict, cites = execute_continued(onward, budget, data, database, fly)
     else:
         assert file is not None
-        campaign, store, conclusion = _fresh(file, fly)
+        campaign, store, verdict = _fresh(file, fly)
         cites = None
-    result = summary(campaign, store, conclusion) | ({"continues": cites} if cites else {})
+    result = summary(campaign, store, verdict) | ({"continues": cites} if cites else {})
     if out is not None:
         from worker.cli._results import write_evidence, write_results
 
         write_results(out, campaign, store, result)
-        write_evidence(out, campaign, store, conclusion)
+        write_evidence(out, campaign, store)
     if as_json:
         typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
         from worker.cli._report import print_report
 
-        print_report(campaign, store, conclusion, out, cites)
-    raise typer.Exit(CODES[conclusion.verdict])
+        print_report(campaign, store, verdict, out, cites)
+    raise typer.Exit(CODES[verdict.verdict])
 
 
 def _asked_right(file: Path | None, onward: str, budget: str) -> None:
@@ -85,7 +86,7 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
         raise WrongInputError("--continue RUN and --budget +N belong together: how far shall it go on?")
 
 
-def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
+def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
     from campaigns import CampaignError, check
     from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
@@ -102,23 +103,27 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
         raise CampaignError(str(file), error.problems) from None
 
 
-def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
+def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[str, Any]:
     """What `--json` prints and result.json holds."""
     from campaigns import verdicts
+    from campaigns.results import ValidateResult
 
-    parts = conclusion.summary
-    worst = parts["worst"]
+    failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
+    validated = store.stages[-1].result
+    parts = verdict.model_dump(mode="json")
     return {
-        "verdict": conclusion.verdict,
-        "reason": conclusion.reason,
+        "verdict": verdict.verdict,
+        "reason": verdict.reason,
         "nominal": parts["nominal"],
-        "worst": None if worst is None else {k: worst[k] for k in ("cost", "margin", "parameters", "method")},
+        "worst": None if verdict.worst is None else verdict.worst.model_dump(exclude={"finding"}),
         "stages": [_stage(store, position) for position in range(len(store.stages))],
-        "comparison": (store.stages[-1].result or {}).get("comparison", []),
+        "comparison": [row.model_dump() for row in validated.comparison]
+        if isinstance(validated, ValidateResult)
+        else [],
         "evaluations": parts["evaluations"],
-        "checks": verdicts.described(parts["checks"], parts["evaluations"]["failed"]),
+        "checks": [check.model_dump() for check in verdicts.described(verdict.checks, failed)],
         "statistics": parts["statistics"],
-        "findings": [vars(f) for f in store.findings],
+        "findings": [finding.model_dump() for finding in store.findings],
         "digest": campaign.digest,
         "seed": campaign.seed,
         "versions": {k: parts["provenance"][k] for k in ("clearance", "code", "python", "packages", "cpu", "loop")},
@@ -126,12 +131,15 @@ def summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> d
 
 
 def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
+    from campaigns.results import CertifyResult, SearchResult
+
     record, columns = store.stages[position], store.evaluations(position)
-    result = record.result or {}
+    result = record.result
     status = [] if columns is None else columns.status.tolist()
     best = None
     if columns is not None and status.count(0):
         best = float(columns.costs[columns.status == 0, 0].min())
+    stop = result.stop if isinstance(result, SearchResult | CertifyResult) else None
     return {
         "kind": record.plan.kind,
         "method": record.plan.method,
@@ -140,8 +148,8 @@ def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
         "failed": status.count(1) + status.count(2),
         "excluded": status.count(3),
         "seconds": record.seconds,
-        "stop": result.get("stop", {}).get("text"),
-        "minima": result.get("minima", []),
+        "stop": None if stop is None else stop.text,
+        "minima": [m.model_dump() for m in result.minima] if isinstance(result, SearchResult) else [],
     }
 
 
@@ -149,7 +157,7 @@ def _flying(threads: int | None, quiet: bool) -> Fly:
     """What runs a campaign into a store, with progress on the terminal unless quiet."""
     from worker.runs.runner import execute
 
-    def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Conclusion:
+    def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
         with interrupt.kept(cancelled) as asked:
             if quiet:
                 return execute(campaign, store, asked, threads=threads)

@@ -90,15 +90,15 @@ def _problem(document: Any, problems: OrderedDict[str, Problem]) -> Problem:
 
 def _flight(problem: Problem, values: dict[str, float], rows: int) -> dict[str, Any]:
     flown = trace(problem, "live", values, rows)
-    cost = flown.meta["cost"]
+    head = flown.meta
     return {
-        "status": flown.meta["status"],
-        "reason": flown.meta["reason"],
-        "cost": cost,
-        "margin": None if cost is None else cost - flown.meta["threshold"],
-        "columns": flown.columns,
-        "data": {c["name"]: _plain(flown.data[:, k]) for k, c in enumerate(flown.columns)},
-        "meta": _finite(flown.meta),
+        "status": head.status,
+        "reason": head.reason,
+        "cost": head.cost,
+        "margin": None if head.cost is None or head.threshold is None else head.cost - head.threshold,
+        "columns": [column.model_dump() for column in flown.columns],
+        "data": {column.name: _plain(flown.data[:, k]) for k, column in enumerate(flown.columns)},
+        "meta": _finite(head.model_dump()),
     }
 
 

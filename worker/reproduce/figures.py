@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from campaigns.results.trace import TraceColumn
 from worker.reproduce import aircraft, robots
 from worker.reproduce.aircraft import DECISION, MOVING, STATIC
 from worker.reproduce.ours import Flights, NotAvailable
@@ -156,18 +157,18 @@ def _flights(flights: Flights, shown: Shown) -> tuple[list[str], Rows]:
             values = flights.computed(shown.case.campaign, shown.case, how).at or {}
         flown = flights.traced(shown.variant or shown.case.campaign, name, values)
         kept = [i for i, c in enumerate(flown.columns) if _shows(shown.what, c)]
-        headings = ["flight", *(f"{flown.columns[i]['name']} [{flown.columns[i]['unit']}]" for i in kept)]
+        headings = ["flight", *(f"{flown.columns[i].name} [{flown.columns[i].unit}]" for i in kept)]
         rows += [[name, *row] for row in flown.data[:, kept].tolist()]
     return headings, rows
 
 
-def _shows(what: str, column: dict[str, str]) -> bool:
+def _shows(what: str, column: TraceColumn) -> bool:
     """Which columns of a trace a figure of this kind shows: always the time."""
-    if column["name"] == "t":
+    if column.name == "t":
         return True
     if what == "speed":
-        return column["name"] in ("u", "v", "w", "speed")
-    return column["group"] == {"distance": "separation", "path": "pose"}[what]
+        return column.name in ("u", "v", "w", "speed")
+    return column.group == {"distance": "separation", "path": "pose"}[what]
 
 
 def _samples(flights: Flights, case: Case, how: How) -> tuple[list[str], Rows]:

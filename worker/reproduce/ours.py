@@ -11,12 +11,12 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from campaigns import Campaign, library, load_file
 from campaigns.asked.stages import Search as Asked
+from campaigns.results import SearchResult
 from worker.catalogue.installed import methods
 from worker.reproduce.published import D_MIN, Case, Corners, Fly, How, Result, Search, Sweep
 from worker.runs.store import MemoryStore
@@ -190,18 +190,18 @@ class _Opened:
         )
         store = MemoryStore()
         store.plan([StagePlan("search", method.name, how.evaluations)])
-        context = Context(campaign, self.problem, self.evaluate, store)
-        return _found(stage.run(context, 0, 0)), context.columns[0]
+        context = Context(campaign, self.problem, self.evaluate, store, plan=[record.plan for record in store.stages])
+        return _found(stage.run(context, 0).result), context.columns[0]
 
 
-def _found(result: dict[str, Any]) -> Found:
+def _found(result: SearchResult) -> Found:
     """Where a local method's only descent ended, else the lowest evaluation."""
-    best = result["minima"][0] if result["kind"] == "local" and result["minima"] else result["best"]
-    spent = (result["evaluations"], result["seconds"])
+    best = result.minima[0] if result.kind == "local" and result.minima else result.best
+    spent = (result.evaluations, result.seconds)
     if best is None:
         return Found(None, None, *spent, note="no flight ended well")
-    lost = f"{result['failed']} flights failed" if result["failed"] else ""
-    return Found(best["cost"], best["parameters"], *spent, note=lost)
+    lost = f"{result.failed} flights failed" if result.failed else ""
+    return Found(best.cost, best.parameters, *spent, note=lost)
 
 
 def direction(costs: Floats) -> tuple[str, float]:

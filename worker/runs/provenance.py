@@ -8,12 +8,11 @@ from __future__ import annotations
 import platform
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from llvmlite import binding
 from numba.core.codegen import get_host_cpu_features
 
-from campaigns.flown import Flown
+from campaigns.flown import Flown, Processor
 from worker.runs import sources
 from worker.stages.parts.store import Store
 from worker.systems.problem import Problem
@@ -25,30 +24,25 @@ def begin(store: Store, problem: Problem) -> None:
 
 
 def flown(problem: Problem) -> Flown:
-    """What flies a problem in this process."""
-    return Flown.of(provenance(problem))
+    """What simulates a problem in this process: versions of the code and its packages, the processor, the loop."""
+    return Flown(
+        clearance=version("clearance"),
+        python=platform.python_version(),
+        code=sources.code().digest,
+        packages=dict(sources.LOADED.packages),
+        system=f"{platform.system()} {platform.machine()}",
+        cpu=_processor(),
+        lanes=problem.loop.lanes,
+        step=problem.step,
+        integrator="RK4",
+        loop=problem.loop.digest,
+    )
 
 
-def provenance(problem: Problem) -> dict[str, Any]:
-    """Versions of the code and its packages, the processor, and how the flights are integrated."""
-    return {
-        "clearance": version("clearance"),
-        "python": platform.python_version(),
-        "code": sources.code().digest,
-        "packages": dict(sources.LOADED.packages),
-        "system": f"{platform.system()} {platform.machine()}",
-        "cpu": _processor(),
-        "lanes": problem.loop.lanes,
-        "step": problem.step,
-        "integrator": "RK4",
-        "loop": problem.loop.digest,
-    }
-
-
-def _processor() -> dict[str, str]:
+def _processor() -> Processor:
     named: str = get_host_cpu_features()  # type: ignore[no-untyped-call]
     features = sorted(f[1:] for f in named.split(",") if f.startswith("+"))
-    return {"model": _model(), "target": binding.get_host_cpu_name(), "features": " ".join(features)}
+    return Processor(model=_model(), target=binding.get_host_cpu_name(), features=" ".join(features))
 
 
 def _model() -> str:

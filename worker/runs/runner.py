@@ -7,23 +7,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from campaigns import Campaign
 from campaigns.asked.plan import plan
-from worker.runs.provenance import begin, provenance
+from campaigns.results import CertifyResult, NominalResult, SearchResult, ValidateResult, Verdict
+from worker.runs.provenance import begin, flown
 from worker.search.base import EXCLUDED, OK
-from worker.stages import certify, nominal, search, sensitivity, validate
+from worker.stages.found import stages
 from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
-from worker.stages.parts.store import Conclusion, Finding, StagePlan, StageRecord, Store, Trace
+from worker.stages.parts.store import StagePlan, StageRecord, Store
 from worker.systems.evaluate import InProcess
 from worker.systems.problem import CampaignUnusable, Problem
 from worker.verdicts.conclude import conclude
 from worker.verdicts.evidence import Evidence
 
 __all__ = ["CampaignUnusable", "Cancelled", "ReplayMismatch", "Tally", "execute"]
+
+R = TypeVar("R")
 
 
 def execute(
@@ -32,7 +35,7 @@ def execute(
     cancelled: Callable[[], bool] = lambda: False,
     progress: Callable[[int, Tally], None] = lambda position, tally: None,
     threads: int | None = None,
-) -> Conclusion:
+) -> Verdict:
     """Run or resume a campaign to its verdict.
 
     Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
@@ -43,58 +46,40 @@ def execute(
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
     begin(store, problem)
     evaluate = InProcess(problem, threads)
-    context = Context(campaign, problem, evaluate, store, cancelled, progress)
+    planned = [record.plan for record in records]
+    context = Context(campaign, problem, evaluate, store, cancelled, progress, plan=planned)
     try:
-        searches = 0
         for position, record in enumerate(records):
-            index = searches
-            searches += record.plan.kind == "search"
-            if record.state == "done":
-                assert record.result is not None
+            if record.result is not None:
                 context.results[position] = record.result
             else:
-                _stage(context, position, record, index)
-        conclusion = conclude(problem, _evidence(context, records), provenance(problem))
-        store.conclude(conclusion)
-        return conclusion
+                _carry_out(context, position, record)
+        verdict = conclude(problem, _evidence(context), flown(problem))
+        store.conclude(verdict)
+        return verdict
     finally:
         evaluate.close()
 
 
-def _stage(context: Context, position: int, record: StageRecord, index: int) -> None:
-    kind, store = record.plan.kind, context.store
-    store.begin(position)
+def _carry_out(context: Context, position: int, record: StageRecord) -> None:
+    context.store.begin(position)
     began = time.perf_counter()
-    findings: list[Finding] = []
-    traces: list[Trace] = []
-    if kind == "nominal":
-        result, traces = nominal.run(context, position)
-    elif kind == "sensitivity":
-        result = sensitivity.run(context, position)
-    elif kind == "search":
-        result = search.run(context, position, index)
-    elif kind == "certify":
-        result = certify.run(context, position)
-    else:
-        result, findings, traces = validate.run(context, position)
-    context.results[position] = result
+    outcome = stages()[record.plan.kind].run(context, position)
+    context.results[position] = outcome.result
     seconds = record.seconds + time.perf_counter() - began
-    store.finish(position, result, seconds, findings, traces)
+    context.store.finish(position, outcome.result, seconds, outcome.findings, outcome.traces)
 
 
-def _evidence(context: Context, records: list[StageRecord]) -> Evidence:
-    by_kind: dict[str, list[dict[str, Any]]] = {}
-    for position, record in enumerate(records):
-        by_kind.setdefault(record.plan.kind, []).append(context.results[position])
-    findings = sorted(context.store.found(), key=lambda f: f.cost)
-    columns = [c for _, c in all_columns(context, list(range(len(records))))]
+def _evidence(context: Context) -> Evidence:
+    findings = context.store.found()
+    columns = [c for _, c in all_columns(context, list(range(len(context.plan))))]
     status = np.concatenate([c.status for c in columns])
     costs = np.concatenate([c.costs[:, 0] for c in columns])[status == OK]
     return Evidence(
-        nominal=by_kind["nominal"][0],
-        searches=by_kind["search"],
-        certificate=next(iter(by_kind.get("certify", [])), None),
-        validation=by_kind["validate"][0],
+        nominal=_of(context, NominalResult)[0],
+        searches=_of(context, SearchResult),
+        certificate=next(iter(_of(context, CertifyResult)), None),
+        validation=_of(context, ValidateResult)[0],
         finding=findings[0] if findings else None,
         others=findings[1:],
         evaluations=len(status),
@@ -103,3 +88,7 @@ def _evidence(context: Context, records: list[StageRecord]) -> Evidence:
         lowest=float(costs.min()) if len(costs) else None,
         violating=int(np.count_nonzero(costs <= context.problem.threshold)),
     )
+
+
+def _of(context: Context, kind: type[R]) -> list[R]:
+    return [result for _, result in sorted(context.results.items()) if isinstance(result, kind)]

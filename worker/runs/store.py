@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from campaigns.flown import Code, Flown
-from worker.stages.parts.store import Columns, Conclusion, Finding, StagePlan, StageRecord, Trace, join
+from campaigns.results import Finding, StageResult, Verdict
+from worker.stages.parts.store import Columns, StagePlan, StageRecord, Trace, join
 
 
 @dataclass
@@ -18,7 +18,7 @@ class MemoryStore:
     chunks: dict[int, list[Columns]] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
     traces: dict[str, Trace] = field(default_factory=dict)
-    conclusion: Conclusion | None = None
+    verdict: Verdict | None = None
     flown: Flown | None = None
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
@@ -45,7 +45,7 @@ class MemoryStore:
     def finish(
         self,
         position: int,
-        result: dict[str, Any],
+        result: StageResult,
         seconds: float,
         findings: Sequence[Finding] = (),
         traces: Sequence[Trace] = (),
@@ -57,5 +57,5 @@ class MemoryStore:
     def found(self) -> list[Finding]:
         return sorted(self.findings, key=lambda f: f.cost)
 
-    def conclude(self, conclusion: Conclusion) -> None:
-        self.conclusion = conclusion
+    def conclude(self, verdict: Verdict) -> None:
+        self.verdict = verdict

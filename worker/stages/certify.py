@@ -14,13 +14,17 @@ from typing import Any
 import numpy as np
 
 from campaigns.asked.stages import Certify
+from campaigns.results import CertifyResult
+from campaigns.results.base import Stop
+from campaigns.results.sample import GridPoint, GridResult
 from campaigns.wording import count, number
 from worker.search.base import EXCLUDED, Batch, Floats
 from worker.stages.parts import seeds
 from worker.stages.parts.base import Asking, Context, Seeded, drive
+from worker.stages.parts.outcome import Outcome, Stage
 from worker.stages.parts.sample import Sample
 from worker.stages.parts.store import Columns
-from worker.stages.search import stream
+from worker.stages.parts.streams import stream
 from worker.systems.problem import Problem
 
 STREAM = 2**21
@@ -37,7 +41,7 @@ class _Drawn:
     flown: int = 0
 
 
-def run(context: Context, position: int) -> dict[str, Any]:
+def run(context: Context, position: int) -> Outcome[CertifyResult]:
     """Draw and fly the sample, then the grid."""
     problem, asked = context.problem, context.campaign.stages.certify
     assert asked is not None
@@ -50,21 +54,22 @@ def run(context: Context, position: int) -> dict[str, Any]:
     sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, drawn=own)
     criterion = problem.parts.criterion
     quantile = sample.quantile(asked.quantile, criterion.quantity, criterion.unit)
-    told = sample.told()
+    statement = sample.statement()
     short = f"; only {count(sample.size)} of {count(asked.samples)} flights were not excluded"
-    text = f"{told['text']}; {quantile['text']}{short if sample.size < asked.samples else ''}"
+    text = f"{statement.text}; {quantile.text}{short if sample.size < asked.samples else ''}"
     tally = driven.tally
-    return {
-        "sample": told | {"quantile": quantile, "distribution": sample.distribution()},
-        "grid": _grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
-        "drawn_realisations": drawn.draws if own else 0,
-        "evaluations": tally.evaluations,
-        "failed": tally.failed,
-        "excluded": tally.excluded,
-        "seconds": tally.seconds,
-        "stop": {"kind": driven.stop, "text": driven.text},
-        "text": text,
-    }
+    result = CertifyResult(
+        sample=statement.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
+        grid=_grid(context, asked.grid.points, driven.columns, drawn.draws) if asked.grid is not None else None,
+        drawn_realisations=drawn.draws if own else 0,
+        evaluations=tally.evaluations,
+        failed=tally.failed,
+        excluded=tally.excluded,
+        seconds=tally.seconds,
+        stop=Stop(kind=driven.stop, text=driven.text),
+        text=text,
+    )
+    return Outcome(result)
 
 
 def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn) -> Asking[str]:
@@ -96,7 +101,7 @@ def _rows(columns: Columns, first: int, last: int) -> Columns:
     return Columns(columns.points[rows], columns.costs[rows], columns.status[rows], columns.seconds[rows], {})
 
 
-def _grid(context: Context, points: int, columns: Columns, first: int) -> dict[str, Any]:
+def _grid(context: Context, points: int, columns: Columns, first: int) -> GridResult:
     """The lowest of the grid and its spacing; between its points nothing is known."""
     problem = context.problem
     flown = _rows(columns, first, len(columns.status))
@@ -106,16 +111,19 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> dict[s
     if len(sample.costs):
         row = int(np.nanargmin(flown.costs[:, 0]))
         cost = float(flown.costs[row, 0])
-        lowest = {"cost": cost, "margin": cost - problem.threshold, "parameters": problem.named(flown.points[row])}
+        lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(flown.points[row]))
     found = "none of them was flown" if lowest is None else f"lowest {quantity} {number(sample.costs[0])} {unit}"
-    return {
-        "points": points,
-        "total": len(flown.status),
-        "spacing": {r.path: (r.high - r.low) / (points - 1) for r in problem.ranges},
-        "lowest": lowest,
-        "violations": sample.violations,
-        "failed": sample.failed,
-        "excluded": sample.excluded,
-        "text": f"full grid of {points} points on every axis, {count(len(flown.status))} in all: {found}, "
+    return GridResult(
+        points=points,
+        total=len(flown.status),
+        spacing={r.path: (r.high - r.low) / (points - 1) for r in problem.ranges},
+        lowest=lowest,
+        violations=sample.violations,
+        failed=sample.failed,
+        excluded=sample.excluded,
+        text=f"full grid of {points} points on every axis, {count(len(flown.status))} in all: {found}, "
         f"{count(sample.violations)} violate the criterion{sample.failures()}; nothing is claimed of what lies between",
-    }
+    )
+
+
+stage = Stage("certify", run, CertifyResult)

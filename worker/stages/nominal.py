@@ -1,26 +1,28 @@
-"""Nominal: the flight at the nominal values; everything else is compared with it."""
+"""Nominal: the evaluation at the nominal values; everything else is compared with it."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from worker.search.base import STATUS
+from campaigns.results import NominalResult
+from campaigns.results.base import STATUS
 from worker.stages.parts.base import Context, drive, once
-from worker.stages.parts.store import Trace
+from worker.stages.parts.outcome import Outcome, Stage
 from worker.systems.closed_loop.trace import trace
 
 
-def run(context: Context, position: int) -> tuple[dict[str, Any], list[Trace]]:
-    """Fly the nominal case; its trace shows even a flight that failed."""
+def run(context: Context, position: int) -> Outcome[NominalResult]:
+    """Evaluate the nominal case; its trace shows even an evaluation that failed."""
     problem = context.problem
     driven = drive(context, position, once(problem.nominal_point[None, :], "flew the nominal case"), 1)
     assert driven.columns is not None
     best = driven.tally.best
-    result: dict[str, Any] = {
-        "cost": best,
-        "margin": None if best is None else best - problem.threshold,
-        "status": STATUS[int(driven.columns.status[0])],
-        "reason": driven.columns.reasons.get(0, ""),
-        "parameters": {r.path: r.nominal for r in problem.ranges},
-    }
-    return result, [trace(problem, "nominal", {})]
+    result = NominalResult(
+        cost=best,
+        margin=None if best is None else best - problem.threshold,
+        status=STATUS[int(driven.columns.status[0])],
+        reason=driven.columns.reasons.get(0, ""),
+        parameters={r.path: r.nominal for r in problem.ranges},
+    )
+    return Outcome(result, traces=(trace(problem, "nominal", {}),))
+
+
+stage = Stage("nominal", run, NominalResult)

@@ -14,15 +14,23 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from campaigns.asked.stages import Search as Asked
+from campaigns.results import SearchResult
+from campaigns.results.base import Stop
+from campaigns.results.search import Best
+from campaigns.results.search import Minimum as MinimumFound
 from worker.catalogue.installed import methods
 from worker.search.base import Batch, Floats, Method, Minimum, Space
 from worker.stages.parts import front, gap, sample
 from worker.stages.parts.base import Context, Driven, drive
 from worker.stages.parts.members import Members
+from worker.stages.parts.outcome import Outcome, Stage
+from worker.stages.parts.streams import stream
+from worker.systems.criteria import criteria
 
 
-def run(context: Context, position: int, index: int) -> dict[str, Any]:
-    """Run search stage number `index` of the campaign, stored at `position`."""
+def run(context: Context, position: int) -> Outcome[SearchResult]:
+    """Carry out the search stage that is planned at this position."""
+    index = sum(planned.kind == "search" for planned in context.plan[:position])
     asked = context.campaign.stages.search[index]
     method = methods()[asked.method]
     minima: list[Minimum] = []
@@ -44,8 +52,8 @@ def run(context: Context, position: int, index: int) -> dict[str, Any]:
     search = members.listening(method.search(space, options))
     driven = drive(context, position, search, asked.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
-    told = _result(context, method, options, driven, minima)
-    return told | {"members": members.told(driven.columns) if driven.columns else []}
+    result = _result(context, method, options, driven, minima)
+    return Outcome(result.model_copy(update={"members": members.told(driven.columns) if driven.columns else []}))
 
 
 @cache
@@ -63,11 +71,6 @@ def _warm(name: str, dimension: int) -> None:
     search.close()
 
 
-def stream(seed: int, index: int) -> np.random.Generator:
-    """The random numbers of search stage `index`: independent of every other stage and of who flies it."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,)))
-
-
 def _starts(context: Context, asked: Asked) -> Floats:
     points = [context.problem.point(start) for start in asked.starts]
     return np.clip(np.array(points), 0.0, 1.0) if points else np.empty((0, context.problem.dimension))
@@ -79,37 +82,48 @@ def _place(minimum: Minimum, starts: Floats) -> int:
     return same[0] if same else len(starts)
 
 
-def _result(context: Context, method: Method, options: Any, driven: Driven, minima: list[Minimum]) -> dict[str, Any]:
+def _result(context: Context, method: Method, options: Any, driven: Driven, minima: list[Minimum]) -> SearchResult:
     problem, tally, columns = context.problem, driven.tally, driven.columns
-    best = None
-    if tally.best is not None and tally.best_point is not None:
-        best = {
-            "cost": tally.best,
-            "margin": tally.best - problem.threshold,
-            "parameters": problem.named(tally.best_point),
-            "index": tally.best_index,
-        }
-    return {
-        "method": method.name,
-        "title": method.title,
-        "kind": method.kind,
-        "best": best,
-        "evaluations": tally.evaluations,
-        "failed": tally.failed,
-        "excluded": tally.excluded,
-        "seconds": tally.seconds,
-        "stop": {"kind": driven.stop, "text": driven.text},
-        "minima": [
-            {
-                "start": None if m.start is None else problem.named(m.start),
-                "parameters": problem.named(m.point),
-                "point": m.point.tolist(),
-                "cost": m.cost,
-                "evaluations": m.evaluations,
-                "text": m.text,
-            }
+    front_points, front_size = front.of_stage(problem, columns)
+    return SearchResult(
+        method=method.name,
+        title=method.title,
+        kind=method.kind,
+        best=_best(context, driven),
+        evaluations=tally.evaluations,
+        failed=tally.failed,
+        excluded=tally.excluded,
+        seconds=tally.seconds,
+        stop=Stop(kind=driven.stop, text=driven.text),
+        minima=[
+            MinimumFound(
+                start=None if m.start is None else problem.named(m.start),
+                parameters=problem.named(m.point),
+                point=m.point.tolist(),
+                cost=m.cost,
+                evaluations=m.evaluations,
+                text=m.text,
+            )
             for m in minima
         ],
-        "sample": sample.of_search(context, options, columns) if method.kind == "random" and columns else None,
-        "gap": gap.estimate(problem, method.name, options, columns) if columns else None,
-    } | front.told(problem, columns)
+        sample=sample.of_search(context, options, columns) if method.kind == "random" and columns else None,
+        gap=gap.estimate(problem, method.name, options, columns) if columns else None,
+        criteria=criteria(problem),
+        front=front_points,
+        front_size=front_size,
+    )
+
+
+def _best(context: Context, driven: Driven) -> Best | None:
+    problem, tally = context.problem, driven.tally
+    if tally.best is None or tally.best_point is None:
+        return None
+    return Best(
+        cost=tally.best,
+        margin=tally.best - problem.threshold,
+        parameters=problem.named(tally.best_point),
+        index=tally.best_index,
+    )
+
+
+stage = Stage("search", run, SearchResult)

@@ -8,12 +8,14 @@ has stored and a random choice of all evaluations (`offered`). Last comes what s
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from campaigns.results import Finding, SensitivityResult, ValidateResult
+from campaigns.results.finding import FoundBy, Validation
+from campaigns.results.sensitivity import Curve
+from campaigns.results.validate import Gathered
 from campaigns.wording import listed
 from worker.reference import NAME
 from worker.search.base import OK
@@ -21,39 +23,49 @@ from worker.stages.parts import boundary, findings, offered, seeds
 from worker.stages.parts.base import Context, Driven, all_columns, drive
 from worker.stages.parts.comparison import compare
 from worker.stages.parts.confirm import Case, cases
-from worker.stages.parts.encounter import encounter
-from worker.stages.parts.store import Finding, Trace
+from worker.stages.parts.encounter import closest, encounter
+from worker.stages.parts.outcome import Outcome, Stage
 from worker.systems.closed_loop.trace import trace
 
 
-def run(context: Context, position: int) -> tuple[dict[str, Any], list[Finding], list[Trace]]:
+def run(context: Context, position: int) -> Outcome[ValidateResult]:
     """Distinguish the worst cases of all stages, then validate the nominal case and each of them."""
     found = findings.Found()
     driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
     unfinished = findings.settle(context, position, found)
     asked = [Case("nominal", context.problem.nominal_point), *(Case("", b.point) for b in found.basins)]
     nominal, *confirmed = cases(context, asked)
-    told = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
+    polished = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
     everything = range(position + 1)
     violations, also = offered.violations(context, everything)
-    more = _unrepresented(context, told, also, everything)
-    order = sorted([*told, *more], key=lambda f: f.cost)
-    named = [_labelled(f, f"F{number}") for number, f in enumerate(order, 1)]
-    labels = {id(f): n.label for f, n in zip(order, named, strict=True)}
-    basins = [labels[id(f)] for f in told]
-    traces = [trace(context.problem.under(f.validation["realisation"]), f.label, f.parameters) for f in named]
-    beyond = {label: found.of(basin).after for label, basin in zip(basins, found.basins, strict=True)}
-    result = _result(context, [nominal, *(f.validation for f in named)])
-    result |= {"findings": _gathered(context, driven, found, unfinished)}
-    result |= {"comparison": compare(context, named, found, basins), "after": beyond, "violations": violations}
-    result |= {"spot_checks": offered.spot_checks(context, everything)}
-    flights = [trace(context.problem, "nominal", {}), *traces]
-    result |= {"encounter": encounter(context, position, flights, _curves(context, beyond))}
-    return result, named, traces
+    order = sorted([*polished, *_unrepresented(context, polished, also, everything)], key=lambda f: f.cost)
+    labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
+    basins = [labels[id(f)] for f in polished]
+    shown = [_labelled(f, labels[id(f)]) for f in order]
+    flights = [trace(context.problem.under(f.realisation), f.label, f.parameters) for f in shown]
+    named = tuple(f.model_copy(update={"closest": closest(t)}) for f, t in zip(shown, flights, strict=True))
+    nominal_flight = trace(context.problem, "nominal", {})
+    tolerance = context.campaign.stages.validate_.tolerance
+    ok, text = _agreement([nominal, *(f.validation for f in named if f.validation is not None)])
+    result = ValidateResult(
+        ok=ok,
+        text=text,
+        tolerance=tolerance,
+        nominal=nominal,
+        findings=_gathered(context, driven, found, unfinished),
+        comparison=compare(context, named, found, basins),
+        violations=violations,
+        spot_checks=offered.spot_checks(context, everything),
+        encounter=encounter(context, position, nominal_flight, _curves(context, named)),
+    )
+    return Outcome(result, named, tuple(flights))
 
 
 def _labelled(finding: Finding, label: str) -> Finding:
-    return replace(finding, label=label, validation=finding.validation | {"name": label})
+    assert finding.validation is not None
+    return finding.model_copy(
+        update={"label": label, "validation": finding.validation.model_copy(update={"name": label})}
+    )
 
 
 def _budget(context: Context) -> int:
@@ -64,53 +76,57 @@ def _budget(context: Context) -> int:
     return stages.findings.evaluations + 2 * stages.findings.at_most * each
 
 
-def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> dict[str, Any]:
+def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
     asked = context.campaign.stages.findings
     complete = driven.stop == "rule" and not unfinished
     text = driven.text if complete else f"{driven.text}: some findings may be one, or not polished to the end"
-    return {
-        "distance": asked.distance,
-        "barrier": asked.barrier,
-        "at_most": asked.at_most,
-        "candidates": len(found.candidates),
-        "left_out": found.left_out,
-        "rounds": found.rounds,
-        "complete": complete,
-        "text": text,
-    }
+    return Gathered(
+        distance=asked.distance,
+        barrier=asked.barrier,
+        at_most=asked.at_most,
+        candidates=len(found.candidates),
+        left_out=found.left_out,
+        rounds=found.rounds,
+        complete=complete,
+        text=text,
+    )
 
 
-def _finding(context: Context, i: int, found: findings.Found, case: dict[str, Any]) -> Finding:
+def _finding(context: Context, i: int, found: findings.Found, case: Validation) -> Finding:
     """The worst case in basin `i`, validated; its label is given once all are sorted."""
     problem, basin = context.problem, found.basins[i]
+    evidence, searched = found.of(basin), context.searched
     known = [
-        {"position": at, "method": str(context.results[at]["method"]), "evaluations": needed}
-        for at, columns in all_columns(context, sorted(context.results))
-        if "method" in context.results[at] and (needed := findings.reached(context, columns, basin)) is not None
+        FoundBy(position=at, method=searched[at].method, evaluations=needed)
+        for at, columns in all_columns(context, list(searched))
+        if (needed := findings.reached(context, columns, basin)) is not None
     ]
+    slices, beyond = evidence.after or (None, None)
     return Finding(
         label="",
         cost=basin.cost,
         margin=basin.cost - problem.threshold,
         parameters=problem.named(basin.point),
         point=[float(u) for u in basin.point],
-        methods=list(dict.fromkeys(str(k["method"]) for k in known)),
+        methods=list(dict.fromkeys(k.method for k in known)),
         found=known,
         at_bounds=problem.at_bounds(basin.point),
-        validation=case | {"neighbours": found.of(basin).neighbours},
+        validation=case.model_copy(update={"neighbours": evidence.neighbours}),
+        slices=slices,
+        boundary=beyond,
     )
 
 
 def _unrepresented(
-    context: Context, told: Sequence[Finding], also: Sequence[tuple[offered.Stored, dict[str, Any]]], positions: range
+    context: Context, polished: Sequence[Finding], also: Sequence[tuple[offered.Stored, Validation]], positions: range
 ) -> list[Finding]:
-    """Findings beside the polished ones: the worst confirmed violation where none of them is confirmed, and the lowest
+    """Findings besides the polished ones: the worst confirmed violation where none of them is confirmed, and the lowest
     evaluation that drew its own noise where it is lower than all of them."""
     found = []
-    if also and not any(f.validation["violates"] for f in told):
+    if also and not any(f.validation is not None and f.validation.violates for f in polished):
         found.append(_stored(context, *also[0]))
     low = _lowest_drawn(context, positions)
-    if low is not None and low.cost < min([f.cost for f in (*told, *found)], default=np.inf):
+    if low is not None and low.cost < min([f.cost for f in (*polished, *found)], default=np.inf):
         found.append(_stored(context, low, *cases(context, [low.case])))
     return found
 
@@ -125,33 +141,38 @@ def _lowest_drawn(context: Context, positions: range) -> offered.Stored | None:
     return min(found, key=lambda s: s.cost, default=None)
 
 
-def _stored(context: Context, at: offered.Stored, case: dict[str, Any]) -> Finding:
+def _stored(context: Context, at: offered.Stored, case: Validation) -> Finding:
     """A stored evaluation as a finding, exactly as it was evaluated."""
-    problem, method = context.problem, context.results.get(at.position, {}).get("method")
+    problem, search = context.problem, context.searched.get(at.position)
+    method = None if search is None else search.method
     return Finding(
         label="",
         cost=at.cost,
         margin=at.cost - problem.threshold,
         parameters=problem.named(at.point),
         point=[float(u) for u in at.point],
-        methods=[] if method is None else [str(method)],
-        found=[] if method is None else [{"position": at.position, "method": method, "evaluations": at.index + 1}],
+        methods=[] if method is None else [method],
+        found=[] if method is None else [FoundBy(position=at.position, method=method, evaluations=at.index + 1)],
         at_bounds=problem.at_bounds(at.point),
         validation=case,
     )
 
 
-def _curves(context: Context, beyond: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
     """All slices: through the nominal point, where sensitivity was asked for, and through the findings."""
-    found = [curve for result in context.results.values() for curve in result.get("curves", [])]
-    return found + [curve for told in beyond.values() if told for curve in told["slices"]["curves"]]
+    for result in context.results.values():
+        if isinstance(result, SensitivityResult):
+            yield from result.curves
+    for finding in named:
+        if finding.slices is not None:
+            yield from finding.slices.curves
 
 
-def _result(context: Context, cases: list[dict[str, Any]]) -> dict[str, Any]:
-    wrong = [c["name"] for c in cases if not c["ok"]]
-    tolerance = context.campaign.stages.validate_.tolerance
-    apart = [c["name"] for c in cases if c["violates"] and not c["agrees"]]
-    agreed = [c["name"] for c in cases if c["agrees"]]
+def _agreement(cases: Sequence[Validation]) -> tuple[bool, str]:
+    """Whether all cases are validated, and the sentence that says so."""
+    wrong = [c.name for c in cases if not c.ok]
+    apart = [c.name for c in cases if c.violates and not c.agrees]
+    agreed = [c.name for c in cases if c.agrees]
     said = []
     if wrong:
         said.append(f"half the step or {NAME} disagrees beyond tolerance for {listed(wrong)}")
@@ -159,5 +180,7 @@ def _result(context: Context, cases: list[dict[str, Any]]) -> dict[str, Any]:
         said.append(f"half the step and {NAME} agree for {listed(agreed)}")
     if apart:
         said.append(f"all integrations of {listed(apart)} violate, beyond tolerance apart")
-    text = "; ".join(said)
-    return {"ok": not wrong, "text": text, "tolerance": tolerance, "cases": cases}
+    return not wrong, "; ".join(said)
+
+
+stage = Stage("validate", run, ValidateResult)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,11 +153,14 @@ class Problem:
         """Numbers (m, n) uniform on [0, 1) as points drawn from the campaign's distributions."""
         return self.distributions.quantile(uniform)
 
-    def at_bounds(self, point: Floats) -> dict[str, str]:
-        """Which parameters stand at a bound."""
+    def at_bounds(self, point: Floats) -> dict[str, Literal["low", "high"]]:
+        """Which parameters are at a bound."""
         near = 1e-9
-        low = {r.path: "low" for r, u in zip(self.ranges, point, strict=True) if u <= near}
-        return low | {r.path: "high" for r, u in zip(self.ranges, point, strict=True) if u >= 1 - near}
+        found: dict[str, Literal["low", "high"]] = {}
+        for r, u in zip(self.ranges, point, strict=True):
+            if u <= near or u >= 1 - near:
+                found[r.path] = "low" if u <= near else "high"
+        return found
 
     def _reason(self, code: float, when: float) -> str:
         if code == closed_loop.EXCLUDED:

@@ -8,11 +8,12 @@ budget, an end that means something, and a best below nominal. Start reading at 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
+from campaigns.results import SearchResult
+from campaigns.results.verdict import Check
 from campaigns.wording import count, listed, number
 from worker.systems.problem import Problem
-from worker.verdicts.evidence import Check, Evidence
+from worker.verdicts.evidence import Evidence
 
 AT_MOST = 0.2
 """The largest fraction of nominal minus worst that counts as agreement, whatever a campaign asks for."""
@@ -21,31 +22,31 @@ GLOBAL_LEAST, LOCAL_LEAST = 25, 3
 FLAT = 1e-6
 """The criterion does not vary when all evaluations lie within this fraction of its size."""
 
-Searched = dict[str, Any]
-
 
 def agreement(problem: Problem, evidence: Evidence) -> Check:
     """Every global method against the worst case known from anywhere, and at least two methods that came to it."""
-    finding, nominal, unit = evidence.finding, evidence.nominal["cost"], problem.parts.criterion.unit
+    finding, nominal, unit = evidence.finding, evidence.nominal.cost, problem.parts.criterion.unit
     if finding is None or nominal is None:
-        return Check("agreement", False, "there is no worst case to agree on")
-    aiming = [s for s in evidence.searches if s["kind"] in ("global", "local")]
-    globally = [s for s in aiming if s["kind"] == "global"]
+        return Check(name="agreement", ok=False, text="there is no worst case to agree on")
+    aiming = [s for s in evidence.searches if s.kind in ("global", "local")]
+    globally = [s for s in aiming if s.kind == "global"]
     if not globally:
-        return Check("agreement", False, "no global method searched; add one, such as DIRECT")
+        return Check(name="agreement", ok=False, text="no global method searched; add one, such as DIRECT")
     lazy = [text for s in globally if (text := _not_searched(s, problem.dimension))]
     if lazy:
-        return Check("agreement", False, "; ".join(lazy))
+        return Check(name="agreement", ok=False, text="; ".join(lazy))
     # What drew its own noise no method has seen.
-    worst = min([f.cost for f in evidence.findings if f.validation.get("realisation") is None], default=finding.cost)
+    worst = min([f.cost for f in evidence.findings if f.realisation is None], default=finding.cost)
     limit = f"{number(worst)} {unit}"
     within = max(allowed(problem, nominal - worst), 1e-9 * max(abs(worst), 1.0))
     late = [text for s in globally if (text := _stopped_short(s, worst, within, unit))]
     if late:
-        return Check("agreement", False, f"the worst case is {limit}, but {' and '.join(late)}")
-    elsewhere = [s["title"] for s in globally if _finding_of(s, evidence) is None]
+        return Check(name="agreement", ok=False, text=f"the worst case is {limit}, but {' and '.join(late)}")
+    elsewhere = [s.title for s in globally if _finding_of(s, evidence) is None]
     if elsewhere:
-        return Check("agreement", False, f"the best of {listed(elsewhere)} lies in the basin of no listed finding")
+        return Check(
+            name="agreement", ok=False, text=f"the best of {listed(elsewhere)} lies in the basin of no listed finding"
+        )
     counted = [
         s for s in aiming
         if not _not_searched(s, problem.dimension) and not _stopped_short(s, worst, within, unit)
@@ -61,57 +62,60 @@ def allowed(problem: Problem, fall: float) -> float:
 
 def varies(evidence: Evidence) -> float:
     """By how much the criterion varies over all stored evaluations; 0 where that is rounding."""
-    spread = evidence.validation["encounter"]["spread"]
-    if spread["lowest"] is None:
+    spread = evidence.encounter.spread
+    if spread.lowest is None or spread.highest is None:
         return 0.0
-    by = float(spread["highest"] - spread["lowest"])
-    return by if by > FLAT * max(abs(spread["lowest"]), abs(spread["highest"])) else 0.0
+    by = spread.highest - spread.lowest
+    return by if by > FLAT * max(abs(spread.lowest), abs(spread.highest)) else 0.0
 
 
-def _agreed(counted: Sequence[Searched], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
-    reached = {s["method"]: s["title"] for s in counted}
+def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
+    reached = {s.method: s.title for s in counted}
     if len(reached) < 2:
         only = listed(list(reached.values()))
         text = f"only {only} reached the worst case; a verdict needs a second method to confirm it"
-        return Check("agreement", False, text)
+        return Check(name="agreement", ok=False, text=text)
     titles = listed(list(reached.values()))
     if not varies(evidence):
-        flown = count(evidence.validation["encounter"]["spread"]["evaluations"])
-        return Check("agreement", True, f"{titles} agree: the criterion does not vary over {flown} evaluations")
+        flown = count(evidence.encounter.spread.evaluations)
+        return Check(
+            name="agreement", ok=True, text=f"{titles} agree: the criterion does not vary over {flown} evaluations"
+        )
     if not worst < nominal:
         text = (
             "no method found anything below the nominal case, so that they agree shows nothing; widen the bounds, or "
             "move the nominal values away from the worst case"
         )
-        return Check("agreement", False, text)
-    apart = max(s["best"]["cost"] - worst for s in counted)
+        return Check(name="agreement", ok=False, text=text)
+    apart = max(s.best.cost - worst for s in counted if s.best is not None)
     places = listed(sorted({str(_finding_of(s, evidence)) for s in counted}))
-    return Check("agreement", True, f"{titles} agree on the worst case ({places}) within {number(apart)} {unit}")
+    return Check(
+        name="agreement", ok=True, text=f"{titles} agree on the worst case ({places}) within {number(apart)} {unit}"
+    )
 
 
-def _not_searched(search: Searched, dimension: int) -> str:
+def _not_searched(search: SearchResult, dimension: int) -> str:
     """Why a stage is no search, as a sentence; empty where it is one."""
-    title, spent = search["title"], search["evaluations"]
-    least = dimension * (GLOBAL_LEAST if search["kind"] == "global" else LOCAL_LEAST)
+    title, spent = search.title, search.evaluations
+    least = dimension * (GLOBAL_LEAST if search.kind == "global" else LOCAL_LEAST)
     if spent < least:
         return (
             f"{title} ended after {count(spent)} {'evaluation' if spent == 1 else 'evaluations'}; at least "
             f"{count(least)} are needed to count as a search"
         )
-    if search["kind"] == "local" and search["stop"]["kind"] != "rule":
+    if search.kind == "local" and (search.stop is None or search.stop.kind != "rule"):
         return f"{title} spent its budget before it converged"
     return ""
 
 
-def _stopped_short(search: Searched, worst: float, within: float, unit: str) -> str:
-    if search["best"] is None:
-        return f"{search['title']} found no flight"
-    by = search["best"]["cost"] - worst
-    return f"{search['title']} stopped {number(by)} {unit} above it" if by > within else ""
+def _stopped_short(search: SearchResult, worst: float, within: float, unit: str) -> str:
+    if search.best is None:
+        return f"{search.title} found no flight"
+    by = search.best.cost - worst
+    return f"{search.title} stopped {number(by)} {unit} above it" if by > within else ""
 
 
-def _finding_of(search: Searched, evidence: Evidence) -> str | None:
+def _finding_of(search: SearchResult, evidence: Evidence) -> str | None:
     """The finding whose basin holds a stage's best; stages are known by their place among the searches."""
     at = next(i for i, s in enumerate(evidence.searches) if s is search)
-    label: str | None = evidence.validation["comparison"][at]["basin"]
-    return label
+    return evidence.validation.comparison[at].basin

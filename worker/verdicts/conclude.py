@@ -8,65 +8,58 @@ is inconclusive, with the reasons. No verdict rests on one method or on the stat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
-from typing import Any
 
-from worker.stages.parts.store import Conclusion
+from campaigns.flown import Flown
+from campaigns.results import Verdict
+from campaigns.results.verdict import Check, Counts, NominalCost, Provenance, VerdictWord, Worst
 from worker.systems.problem import Problem
 from worker.verdicts.checks import checks
-from worker.verdicts.evidence import Check, Evidence, Verdict
+from worker.verdicts.evidence import Evidence
 from worker.verdicts.probability import statistics
 from worker.verdicts.sentence import method_of, scope, sentence
 
 
-def conclude(problem: Problem, evidence: Evidence, provenance: dict[str, Any]) -> Conclusion:
+def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
     """The verdict over the evidence, and everything that stands behind it."""
-    campaign, finding = problem.campaign, evidence.finding
-    found = checks(problem, evidence)
+    campaign, criterion = problem.campaign, problem.parts.criterion
+    found, stated = checks(problem, evidence), statistics(evidence)
     verdict = _verdict(problem, found, evidence)
-    said = statistics(evidence)
-    text, holds = sentence(problem, evidence, verdict, found, said), scope(problem)
-    method = method_of(evidence.searches)
-    worst = None
-    if finding is not None:
-        worst = {
-            "cost": finding.cost,
-            "margin": finding.margin,
-            "parameters": finding.parameters,
-            "method": method,
-            "finding": finding.label,
-        }
-    summary = {
-        "verdict": verdict,
-        "sentence": text,
-        "scope": holds,
-        "checks": [asdict(c) for c in found],
-        "statistics": said,
-        "nominal": {"cost": evidence.nominal["cost"], "margin": evidence.nominal["margin"]},
-        "worst": worst,
-        "evaluations": {
-            "stored": evidence.evaluations,
-            "succeeded": evidence.succeeded,
-            "failed": evidence.failed,
-            "excluded": evidence.excluded,
-            "violating": evidence.violating,
-            "lowest": evidence.lowest,
-        },
-        "quantity": problem.parts.criterion.quantity,
-        "unit": problem.parts.criterion.unit,
-        "provenance": provenance | {"digest": campaign.digest, "seed": campaign.seed},
-    }
-    return Conclusion(
+    return Verdict(
         verdict=verdict,
-        reason=f"{text} {holds}",
-        nominal_cost=evidence.nominal["cost"],
-        worst_cost=None if finding is None else finding.cost,
-        worst_method=method,
-        summary=summary,
+        sentence=sentence(problem, evidence, verdict, found, stated),
+        scope=scope(problem),
+        checks=found,
+        statistics=stated,
+        nominal=NominalCost(cost=evidence.nominal.cost, margin=evidence.nominal.margin),
+        worst=_worst(evidence),
+        evaluations=Counts(
+            stored=evidence.evaluations,
+            succeeded=evidence.succeeded,
+            failed=evidence.failed,
+            excluded=evidence.excluded,
+            violating=evidence.violating,
+            lowest=evidence.lowest,
+        ),
+        quantity=criterion.quantity,
+        unit=criterion.unit,
+        provenance=Provenance(**flown.model_dump(), digest=campaign.digest, seed=campaign.seed),
     )
 
 
-def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> Verdict:
+def _worst(evidence: Evidence) -> Worst | None:
+    finding = evidence.finding
+    if finding is None:
+        return None
+    return Worst(
+        cost=finding.cost,
+        margin=finding.margin,
+        parameters=finding.parameters,
+        method=method_of(evidence.searches),
+        finding=finding.label,
+    )
+
+
+def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> VerdictWord:
     if evidence.violation is not None:
         return "violated"
     cleared = all(c.ok for c in found)

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from campaigns.results.finding import ClosestApproach
+from campaigns.results.verdict import Check
 from campaigns.wording import listed, number
 from worker.systems.problem import Problem
 from worker.verdicts.agreement import FLAT, varies
-from worker.verdicts.evidence import Check, Evidence
+from worker.verdicts.evidence import Evidence
 
 MOVED = 0.01
 """Fraction of the nominal closest approach that the vehicle must at least move."""
@@ -35,7 +37,7 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
         reason = intended.get(name.replace(" ", "_"))
         if not ok and reason is not None:
             ok, text = True, f"{text.partition(';')[0]}, which the author states is intended: {reason}"
-        found.append(Check(name, ok, text))
+        found.append(Check(name=name, ok=ok, text=text))
     return found
 
 
@@ -49,10 +51,9 @@ def stated(problem: Problem, checks: list[Check]) -> list[str]:
 def _closest(problem: Problem, evidence: Evidence) -> tuple[bool, str] | None:
     if problem.parts.criterion.of != "obstacles":
         return None
-    closest = evidence.validation["encounter"]["closest"]
-    late = [c["name"] for c in closest if c["at"] == "end"]
-    early = [c["name"] for c in closest if c["at"] == "start"]
-    none = [c["name"] for c in closest if c["at"] == "none"]
+    closest = {"nominal": evidence.encounter.closest}
+    closest |= {f.label: f.closest or ClosestApproach() for f in evidence.findings}
+    late, early, none = ([name for name, c in closest.items() if c.at == at] for at in ("end", "start", "none"))
     if none:
         return False, f"no closest approach is known of {listed(none)}"
     if late:
@@ -65,11 +66,11 @@ def _closest(problem: Problem, evidence: Evidence) -> tuple[bool, str] | None:
             f"the closest approach of {listed(early)} is at the start, before anything could be avoided; start farther "
             "away, or move the goal to the other side of the obstacle"
         )
-    return True, f"the closest approach of {listed([c['name'] for c in closest])} lies inside the horizon"
+    return True, f"the closest approach of {listed(list(closest))} lies inside the horizon"
 
 
 def _motion(problem: Problem, evidence: Evidence) -> tuple[bool, str] | None:
-    moved, nominal = evidence.validation["encounter"]["moved"], evidence.nominal["cost"]
+    moved, nominal = evidence.encounter.moved, evidence.nominal.cost
     if moved is None or nominal is None:
         return False, "how far the vehicle moves is not known: the nominal case has no trace"
     if moved <= MOVED * abs(nominal):
@@ -78,22 +79,22 @@ def _motion(problem: Problem, evidence: Evidence) -> tuple[bool, str] | None:
 
 
 def _avoidance(problem: Problem, evidence: Evidence) -> tuple[bool, str]:
-    unseen, nominal = evidence.validation["encounter"]["unseen"], evidence.nominal["cost"]
+    unseen, nominal = evidence.encounter.unseen, evidence.nominal.cost
     criterion = problem.parts.criterion
     quantity, unit = criterion.quantity, criterion.unit
-    if nominal is None or unseen["cost"] is None:
+    if nominal is None or unseen.cost is None:
         return False, (
-            f"what the avoidance does could not be shown: without it the nominal case fails ({unseen['reason']}); "
+            f"what the avoidance does could not be shown: without it the nominal case fails ({unseen.reason}); "
             "choose a nominal case that the vehicle completes without avoidance"
         )
-    by = nominal - unseen["cost"]
-    if by <= FLAT * max(abs(nominal), abs(unseen["cost"])):
+    by = nominal - unseen.cost
+    if by <= FLAT * max(abs(nominal), abs(unseen.cost)):
         return False, (
             f"the avoidance makes no difference: with every obstacle unseen the nominal {quantity} is "
-            f"{number(unseen['cost'])} {unit}, with the avoider {number(nominal)} {unit}; place the obstacle where the "
+            f"{number(unseen.cost)} {unit}, with the avoider {number(nominal)} {unit}; place the obstacle where the "
             "vehicle would come nearer without avoidance"
         )
-    return True, f"with every obstacle unseen the nominal {quantity} would be {number(unseen['cost'])} {unit}"
+    return True, f"with every obstacle unseen the nominal {quantity} would be {number(unseen.cost)} {unit}"
 
 
 def _influence(problem: Problem, evidence: Evidence) -> tuple[bool, str]:
@@ -101,7 +102,7 @@ def _influence(problem: Problem, evidence: Evidence) -> tuple[bool, str]:
     by = varies(evidence)
     if not by:
         return False, f"no uncertain parameter changes {quantity}; choose parameters that the encounter depends on"
-    influence = evidence.validation["encounter"]["influence"]
+    influence = evidence.encounter.influence
     without = [path for path, change in influence.items() if change <= FLAT * by]
     text = f"{quantity} varies by {number(by)} {unit} over the evaluations"
     return True, f"{text}; on the slices {listed(without)} alone changes nothing" if without else text

@@ -7,29 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TypeVar
 
-from worker.stages.parts.store import Finding
+from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult
+from campaigns.results.sample import Sample
+from campaigns.results.validate import Encounter, Gathered, SpotChecks, Violations
 
-Verdict = Literal["cleared", "violated", "inconclusive"]
-
-
-@dataclass(frozen=True)
-class Check:
-    """One condition of "cleared": its name, whether it holds, and the sentence that says so."""
-
-    name: str
-    ok: bool
-    text: str
+Part = TypeVar("Part")
 
 
 @dataclass(frozen=True)
 class Evidence:
     """What the stages found: results by kind, the worst finding, and the counts of all stored evaluations."""
 
-    nominal: dict[str, Any]
-    searches: list[dict[str, Any]]
-    validation: dict[str, Any]
+    nominal: NominalResult
+    searches: list[SearchResult]
+    validation: ValidateResult
     finding: Finding | None
     evaluations: int
     failed: int
@@ -39,7 +32,7 @@ class Evidence:
     violating: int = 0
     """How many stored evaluations violate the criterion."""
     complete: bool = True
-    certificate: dict[str, Any] | None = None
+    certificate: CertifyResult | None = None
     others: Sequence[Finding] = ()
     """The findings that are not the worst."""
 
@@ -56,15 +49,39 @@ class Evidence:
     @property
     def violation(self) -> Finding | None:
         """The worst finding that violates and was confirmed: every integration of it violates."""
-        known = [f for f in self.findings if f.margin <= 0 and f.validation["violates"]]
-        return min(known, key=lambda f: f.cost) if known else None
+        return min((f for f in self.findings if f.violates), key=lambda f: f.cost, default=None)
 
     @property
-    def sample(self) -> dict[str, Any] | None:
+    def encounter(self) -> Encounter:
+        """What shows that the encounter took place."""
+        return _stored(self.validation.encounter)
+
+    @property
+    def violations(self) -> Violations:
+        """The counts of stored violations."""
+        return _stored(self.validation.violations)
+
+    @property
+    def spot_checks(self) -> SpotChecks:
+        """Random evaluations with the reference integrator."""
+        return _stored(self.validation.spot_checks)
+
+    @property
+    def gathered(self) -> Gathered:
+        """How the findings were distinguished."""
+        return _stored(self.validation.findings)
+
+    @property
+    def sample(self) -> Sample | None:
         """The independent sample that a probability is claimed from: that of the certify stage; without one, that of
         the first random search whose points are independent. Either was declared with the campaign."""
-        searched = [s["sample"] for s in self.searches if s["kind"] == "random" and s["sample"]]
-        samples = [self.certificate["sample"]] if self.certificate is not None else searched
-        found = next((s for s in samples if s["upper_bound"] is not None), None)
-        # A stage that an earlier version carried out reports neither: it simulated the stated realisations.
-        return None if found is None else {"noise": "stated", "excluded_fraction": 0.0} | found
+        searched = [s.sample for s in self.searches if s.kind == "random" and s.sample is not None]
+        samples = [self.certificate.sample] if self.certificate is not None else searched
+        return next((s for s in samples if s.upper_bound is not None), None)
+
+
+def _stored(part: Part | None) -> Part:
+    """A part of the validate stage's result; only runs of earlier versions lack one, and are not concluded again."""
+    if part is None:
+        raise ValueError("the validate stage was carried out by an earlier version: run the campaign again")
+    return part

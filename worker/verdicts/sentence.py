@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
+from campaigns.results import SearchResult
+from campaigns.results.finding import Validation
+from campaigns.results.verdict import Check, Statistics, VerdictWord
 from campaigns.wording import count, listed, number, signed
 from worker.catalogue.installed import catalogue
 from worker.stages.parts import distances
 from worker.systems.problem import Problem
 from worker.verdicts import encounter
-from worker.verdicts.evidence import Check, Evidence, Verdict
+from worker.verdicts.evidence import Evidence
 
 
 def sentence(
-    problem: Problem, evidence: Evidence, verdict: Verdict, checks: list[Check], statistics: dict[str, Any] | None
+    problem: Problem, evidence: Evidence, verdict: VerdictWord, checks: list[Check], statistics: Statistics | None
 ) -> str:
     """The verdict in words; every count is one of stored evaluations."""
     criterion, finding = problem.parts.criterion, evidence.finding
@@ -24,7 +26,7 @@ def sentence(
         return f"No flight could be evaluated: {checks[0].text}."
     worst = (
         f"The worst case found has {quantity} = {number(finding.cost)} {unit}, "
-        f"a margin of {signed(finding.margin)} {unit}{_noise(finding.validation.get('realisation'))}."
+        f"a margin of {signed(finding.margin)} {unit}{_noise(finding.realisation)}."
     )
     how = f"{count(evidence.evaluations)} evaluations, searched by {_searched(evidence)}"
     chance, lost = _chance(statistics), _without_value(evidence)
@@ -32,7 +34,7 @@ def sentence(
         told = evidence.violation
         shown = "It was validated, and found"
         if told is not finding:
-            milder = f"{told.label}, which has {number(told.cost)} {unit}{_noise(told.validation.get('realisation'))}"
+            milder = f"{told.label}, which has {number(told.cost)} {unit}{_noise(told.realisation)}"
             shown = f"Validation did not confirm it, but {milder}; both were found"
         rest = f"{lost}{_apart(told.validation, unit)}{_counts(evidence)}{chance}"
         return f"{quantity} falls to or below {limit}. {worst} {shown} in {how}.{rest}"
@@ -72,22 +74,22 @@ def _searched(evidence: Evidence) -> str:
     """Every method with what it evaluated itself."""
     spent: dict[str, int] = {}
     for search in evidence.searches:
-        spent[search["title"]] = spent.get(search["title"], 0) + search["evaluations"]
+        spent[search.title] = spent.get(search.title, 0) + search.evaluations
     return listed([f"{title} ({count(many)})" for title, many in spent.items()])
 
 
-def _chance(statistics: dict[str, Any] | None) -> str:
+def _chance(statistics: Statistics | None) -> str:
     if statistics is None:
         return ""
-    chance = f" {statistics['text']}."
-    if statistics["quantile"]:
-        said = statistics["quantile"]["text"]
+    chance = f" {statistics.text}."
+    if statistics.quantile is not None:
+        said = statistics.quantile.text
         chance += f" {said[0].upper()}{said[1:]}."
     return chance
 
 
 def _counts(evidence: Evidence) -> str:
-    text = str(evidence.validation["violations"]["text"])
+    text = evidence.violations.text
     return f" {text[0].upper()}{text[1:]}."
 
 
@@ -99,15 +101,15 @@ def _without_value(evidence: Evidence) -> str:
     return f" Of these, {' and '.join(parts)}." if parts else ""
 
 
-def _apart(case: dict[str, Any], unit: str) -> str:
+def _apart(case: Validation | None, unit: str) -> str:
     """The three values of a violation whose integrations are beyond tolerance apart; empty where they agree."""
-    if case.get("agrees", True):
+    if case is None or case.agrees or case.agrees is None:
         return ""
-    values = [case["cost"], case["half_step"]["cost"], case["integrator"]["cost"]]
-    step, half, other = (number(value) for value in values)
+    values = (case.cost, case.half_step.cost, case.integrator.cost)
+    step, half, other = ("no value" if value is None else number(value) for value in values)
     return (
         f" Every integration of it violates, but they are beyond tolerance apart: {step} {unit} at the step, {half} "
-        f"{unit} at half of it, {other} {unit} with {case['integrator']['name']}."
+        f"{unit} at half of it, {other} {unit} with {case.integrator.name}."
     )
 
 
@@ -128,8 +130,7 @@ def _conditions(problem: Problem) -> str:
     return f"{text}, noise seed {seeds}"
 
 
-def method_of(searches: Sequence[dict[str, Any]]) -> str | None:
+def method_of(searches: Sequence[SearchResult]) -> str | None:
     """The method with the lowest best."""
-    found = [s for s in searches if s["best"] is not None]
-    best: str | None = min(found, key=lambda s: s["best"]["cost"])["method"] if found else None
-    return best
+    found = [(s.best.cost, i) for i, s in enumerate(searches) if s.best is not None]
+    return searches[min(found)[1]].method if found else None

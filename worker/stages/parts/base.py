@@ -7,17 +7,18 @@ point, and replays what a resumed stage has stored already. Start reading at `dr
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeVar
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import Campaign
+from campaigns.results import NominalResult, SearchResult, StageResult
 from campaigns.wording import count
 from worker.search.base import EXCLUDED, OK, Batch, Search
-from worker.stages.parts.store import Columns, Store, join
+from worker.stages.parts.store import Columns, StagePlan, Store, join
 from worker.systems.closed_loop.realisations import Seeds
 from worker.systems.evaluate import Evaluate
 from worker.systems.problem import Floats, Problem
@@ -68,7 +69,19 @@ class Context:
     cancelled: Callable[[], bool] = lambda: False
     progress: Callable[[int, Tally], None] = lambda position, tally: None
     columns: dict[int, Columns] = field(default_factory=dict)
-    results: dict[int, dict[str, Any]] = field(default_factory=dict)
+    results: dict[int, StageResult] = field(default_factory=dict)
+    plan: Sequence[StagePlan] = ()
+
+    @property
+    def nominal_cost(self) -> float | None:
+        """Of the nominal stage; None where it has none yet."""
+        nominal = self.results.get(0)
+        return nominal.cost if isinstance(nominal, NominalResult) else None
+
+    @property
+    def searched(self) -> dict[int, SearchResult]:
+        """The results of the search stages by position."""
+        return {at: r for at, r in sorted(self.results.items()) if isinstance(r, SearchResult)}
 
 
 @dataclass
@@ -90,7 +103,7 @@ class Driven:
 
     tally: Tally
     columns: Columns | None
-    stop: str
+    stop: Literal["rule", "budget"]
     text: str
 
 
@@ -145,7 +158,7 @@ class _Driver:
         rows = [self.known[key] for key in keys]
         return Batch(np.array([r[0] for r in rows]), np.array([r[1] for r in rows], dtype=np.uint8)), False
 
-    def end(self, stop: str, text: str) -> Driven:
+    def end(self, stop: Literal["rule", "budget"], text: str) -> Driven:
         if self.stored is not None and self.tally.evaluations < len(self.stored.status):
             raise ReplayMismatch(self.position, self.tally.evaluations)
         self.flush()

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.results.finding import Boundary, Ray
+from campaigns.results.sensitivity import Slices
 from campaigns.wording import number
 from worker.search.base import EXCLUDED, OK, Batch
 from worker.stages.parts import slices
-from worker.stages.parts.slices import Asking
 from worker.systems.problem import Floats, Problem
 
 LOOKS = 20
@@ -39,11 +39,14 @@ class _Ray:
     cost: float = np.nan
 
 
-def after(problem: Problem, point: Floats, cost: float) -> Asking:
+Around = tuple[Slices, Boundary | None]
+
+
+def after(problem: Problem, point: Floats, cost: float) -> Generator[Floats, Batch, Around]:
     """Slices through a finding and, where it violates, the distances to the boundary; None where it does not."""
     through = yield from slices.slices(problem, point)
     violated = cost <= problem.threshold
-    return {"slices": through, "boundary": (yield from boundary(problem, point)) if violated else None}
+    return through, (yield from boundary(problem, point)) if violated else None
 
 
 def most(dimension: int) -> int:
@@ -53,24 +56,24 @@ def most(dimension: int) -> int:
     return dimension * (slices.POINTS + 1) + 1 + rays * (LOOKS + halvings)
 
 
-def boundary(problem: Problem, worst: Floats) -> Asking:
+def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Boundary]:
     """Along each parameter alone towards either bound, and along the straight line to the worst case."""
     nominal = np.clip(problem.nominal_point, 0.0, 1.0)
     rays = [*_along(problem, nominal), _Ray(worst, "", "the worst case")]
     shares = np.arange(1, LOOKS + 1) / LOOKS
     looks = np.concatenate([nominal[None, :], *(_at(nominal, ray, shares) for ray in rays)])
     batch = yield looks
-    told: dict[str, Any] = {"tolerance": TOLERANCE, "looks": LOOKS}
     beyond = _beyond(batch, problem.threshold)
     if beyond[0]:
-        return told | {"rays": [], "line": None, "text": "the nominal flight itself does not keep clear"}
+        text = "the nominal flight itself does not keep clear"
+        return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=[], line=None, text=text)
     costs = batch.costs[1:, 0].reshape(len(rays), LOOKS)
     for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), LOOKS), costs, strict=True):
         if hit.any():
             first = int(np.argmax(hit))
             ray.beyond, ray.clear, ray.cost = float(shares[first]), first / LOOKS, float(values[first])
     yield from _halved(problem, nominal, [ray for ray in rays if np.isfinite(ray.beyond)])
-    return told | _told(problem, nominal, rays)
+    return _described(problem, nominal, rays)
 
 
 def _along(problem: Problem, nominal: Floats) -> list[_Ray]:
@@ -107,38 +110,39 @@ def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Fl
                 ray.clear = middle
 
 
-def _told(problem: Problem, nominal: Floats, rays: list[_Ray]) -> dict[str, Any]:
+def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     *single, line = [_ray(problem, nominal, ray) for ray in rays]
-    hits = [told for told in single if told["share"] is not None]
+    hits = [(ray.share, ray) for ray in single if ray.share is not None and ray.value is not None]
     text = f"no violation was seen along any one parameter alone, looked at in {LOOKS} steps"
     if hits:
-        near = min(hits, key=lambda told: told["share"])
+        share, near = min(hits, key=lambda hit: hit[0])
+        assert near.value is not None
         text = (
-            f"the nearest boundary along one parameter alone is {near['path']} = {number(near['value'])}, "
-            f"{100 * near['share']:.3g} % of its range from nominal"
+            f"the nearest boundary along one parameter alone is {near.path} = {number(near.value)}, "
+            f"{100 * share:.3g} % of its range from nominal"
         )
-    if line["way"] is not None:
-        text += f"; on the straight line to the worst case it is crossed after {100 * line['way']:.3g} % of the way"
-    return {"rays": single, "line": line, "text": text}
+    if line.way is not None:
+        text += f"; on the straight line to the worst case it is crossed after {100 * line.way:.3g} % of the way"
+    return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=single, line=line, text=text)
 
 
-def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> dict[str, Any]:
+def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> Ray:
     """Where the first flight beyond the boundary lies: `share` of the range, `way` along the ray, value, cost (None
     for a flight that failed)."""
-    told: dict[str, Any] = {"path": ray.path, "towards": ray.towards}
     if not np.isfinite(ray.beyond):
-        missing = ("kind", "way", "share", "cost", "value", "distance", "parameters")
-        return told | dict.fromkeys(missing)
+        return Ray(path=ray.path, towards=ray.towards)
     point = _at(nominal, ray, np.array([ray.beyond]))[0]
     named, before = problem.named(point), problem.named(nominal)
     failed = not np.isfinite(ray.cost)
     value = named.get(ray.path)
-    return told | {
-        "kind": "failure" if failed else "violation",
-        "way": ray.beyond,
-        "share": float(np.abs(point - nominal).max()),
-        "cost": None if failed else ray.cost,
-        "value": value,
-        "distance": None if value is None else abs(value - before[ray.path]),
-        "parameters": named,
-    }
+    return Ray(
+        path=ray.path,
+        towards=ray.towards,
+        kind="failure" if failed else "violation",
+        way=ray.beyond,
+        share=float(np.abs(point - nominal).max()),
+        cost=None if failed else ray.cost,
+        value=value,
+        distance=None if value is None else abs(value - before[ray.path]),
+        parameters=named,
+    )

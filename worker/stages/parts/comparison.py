@@ -5,44 +5,45 @@ Start reading at `compare`.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
+from campaigns.results import Finding
+from campaigns.results.validate import Compared
 from worker.search.base import OK
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.findings import SAME_COST, Found, scale
-from worker.stages.parts.store import Finding
 
 
-def compare(context: Context, findings: list[Finding], found: Found, labels: list[str]) -> list[dict[str, Any]]:
+def compare(context: Context, findings: Sequence[Finding], found: Found, labels: list[str]) -> list[Compared]:
     """A row per search stage; `to_near_best`: evaluations until within 1 % of nominal minus worst of it; `basin`: the
     finding whose basin holds the stage's best, by the labels of the basins that were found."""
-    searched = [at for at in sorted(context.results) if "method" in context.results[at]]
+    searched = context.searched
     worst = min((f.cost for f in findings), default=None)
     rows = []
-    for at, columns in all_columns(context, searched):
-        result, near = context.results[at], None
+    for at, columns in all_columns(context, list(searched)):
+        result, near = searched[at], None
         if worst is not None:
             close = (columns.status == OK) & (columns.costs[:, 0] <= worst + SAME_COST * scale(context, worst))
             near = int(np.argmax(close)) + 1 if close.any() else None
-        best = result["best"]
-        basin = None if best is None else found.basin_of(at, best["cost"])
+        best = result.best
+        basin = None if best is None else found.basin_of(at, best.cost)
         rows.append(
-            {
-                "position": at,
-                "method": result["method"],
-                "title": result["title"],
-                "kind": result["kind"],
-                "best": None if best is None else best["cost"],
-                "evaluations": result["evaluations"],
-                "failed": result["failed"],
-                "excluded": result["excluded"],
-                "seconds": result["seconds"],
-                "to_near_best": near,
-                "basin": None if basin is None else labels[basin],
-                "findings": [f.label for f in findings if any(found["position"] == at for found in f.found)],
-                "stop": result["stop"],
-            }
+            Compared(
+                position=at,
+                method=result.method,
+                title=result.title,
+                kind=result.kind,
+                best=None if best is None else best.cost,
+                evaluations=result.evaluations,
+                failed=result.failed,
+                excluded=result.excluded,
+                seconds=result.seconds,
+                to_near_best=near,
+                basin=None if basin is None else labels[basin],
+                findings=[f.label for f in findings if any(by.position == at for by in f.found)],
+                stop=result.stop,
+            )
         )
     return rows

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from campaigns.results.finding import HalfStep, ReferenceCost, Validation
 from worker.reference import NAME, Flight, Reference
 from worker.search.base import OK
 from worker.stages.parts.base import Cancelled, Context
@@ -32,8 +32,8 @@ class Case:
     seed: int | None = None
 
 
-def cases(context: Context, asked: Sequence[Case]) -> list[dict[str, Any]]:
-    """Every case at the campaign's step, at half of it and with the reference integrator, as plain JSON values.
+def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
+    """Every case at the campaign's step, at half of it and with the reference integrator.
 
     Raises `Cancelled`.
     """
@@ -78,11 +78,10 @@ def reference(context: Context, asked: Sequence[Case], known: Sequence[bool]) ->
 
 def scale(context: Context) -> float:
     """The size of what is compared [the criterion's unit]: the threshold or the nominal value, whichever is larger."""
-    nominal = float(context.results.get(0, {}).get("cost") or 0.0)
-    return max(abs(context.problem.threshold), abs(nominal), 1e-9)
+    return max(abs(context.problem.threshold), abs(context.nominal_cost or 0.0), 1e-9)
 
 
-def _case(context: Context, case: Case, cost: float | None, half: float | None, other: Flight) -> dict[str, Any]:
+def _case(context: Context, case: Case, cost: float | None, half: float | None, other: Flight) -> Validation:
     threshold, step = context.problem.threshold, context.problem.step
     known = [c for c in (cost, half, other.cost) if c is not None]
     violating = [c <= threshold for c in known]
@@ -90,19 +89,18 @@ def _case(context: Context, case: Case, cost: float | None, half: float | None, 
     differences = [None if cost is None or c is None else c - cost for c in (half, other.cost)]
     close = allowed is not None and all(d is not None and abs(d) <= allowed for d in differences)
     agrees, violates = close and len(set(violating)) == 1, len(known) == 3 and all(violating)
-    return {
-        "name": case.name,
-        "step": step,
-        "cost": cost,
-        "half_step": {"step": step / 2, "cost": half, "difference": differences[0]},
-        "integrator": {"name": NAME, "cost": other.cost, "difference": differences[1], "reason": other.reason},
-        "allowed": allowed,
-        "agrees": agrees,
-        "violates": violates,
-        "ok": agrees or violates,
-        "realisation": case.seed,
-        "neighbours": None,
-    }
+    return Validation(
+        name=case.name,
+        step=step,
+        cost=cost,
+        half_step=HalfStep(step=step / 2, cost=half, difference=differences[0]),
+        integrator=ReferenceCost(name=NAME, cost=other.cost, difference=differences[1], reason=other.reason),
+        allowed=allowed,
+        agrees=agrees,
+        violates=violates,
+        ok=agrees or violates,
+        realisation=case.seed,
+    )
 
 
 def _allowed(context: Context, cost: float) -> float:

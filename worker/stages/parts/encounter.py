@@ -7,13 +7,16 @@ be if the avoider saw no obstacle, and how much each uncertain parameter changes
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable
+from typing import Literal
 
 import numpy as np
 
 from campaigns import Campaign
 from campaigns.asked.spec import FaultPart
+from campaigns.results.finding import ClosestApproach
+from campaigns.results.sensitivity import Curve
+from campaigns.results.validate import Encounter, Spread, Unseen
 from worker.search.base import OK
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.store import Trace
@@ -24,32 +27,25 @@ UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6}
 """Nothing is ever seen: the avoider steers to the goal as if there were no obstacle."""
 
 
-def encounter(
-    context: Context, position: int, shown: Sequence[Trace], curves: Sequence[Mapping[str, Any]]
-) -> dict[str, Any]:
-    """The evidence as plain JSON values.
-
-    shown: the traces of the nominal case and of every finding, nominal first; curves: slices through them.
-    """
-    nominal = shown[0]
-    return {
-        "closest": [_closest(context, flight) for flight in shown],
-        "moved": _moved(nominal),
-        "unseen": _unseen(context, nominal),
-        "spread": _spread(context, position),
-        "influence": _influence(context, curves),
-    }
+def encounter(context: Context, position: int, nominal: Trace, curves: Iterable[Curve]) -> Encounter:
+    """The evidence of the run. curves: all slices, through the nominal point and the findings."""
+    return Encounter(
+        closest=closest(nominal),
+        moved=_moved(nominal),
+        unseen=_unseen(context, nominal),
+        spread=_spread(context, position),
+        influence=_influence(context, curves),
+    )
 
 
-def _closest(context: Context, flight: Trace) -> dict[str, Any]:
+def closest(flight: Trace) -> ClosestApproach:
     """When the closest approach was, and whether that is the first or the last instant of the flight."""
-    closest, rows = flight.meta["closest"], len(flight.data)
-    told: dict[str, Any] = {"name": flight.name, "time": None, "at": "none"}
-    if closest is None:
-        return told
-    row = int(closest["row"])
-    at = "start" if row == 0 else "end" if row >= rows - 1 else "inside"
-    return told | {"time": float(closest["time"]), "at": at, "obstacle": int(closest["obstacle"])}
+    found = flight.meta.closest
+    if found is None:
+        return ClosestApproach()
+    last = len(flight.data) - 1
+    at: Literal["start", "end", "inside"] = "start" if found.row == 0 else "end" if found.row >= last else "inside"
+    return ClosestApproach(time=found.time, at=at, obstacle=found.obstacle)
 
 
 def _moved(flight: Trace) -> float | None:
@@ -58,20 +54,21 @@ def _moved(flight: Trace) -> float | None:
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) if len(path) else None
 
 
-def _unseen(context: Context, nominal: Trace) -> dict[str, Any]:
+def _unseen(context: Context, nominal: Trace) -> Unseen:
     """The nominal case with an avoider that sees nothing, one simulation in plain Python: its cost, and the largest
     distance between the two paths at one instant [m]."""
+    shown = nominal.meta.realisation
     blind = Problem(unseen(context.campaign), compiled=False, lanes=1)
     # Of several realisations the one that the nominal trace shows: the worst, whose cost is the evaluation's.
-    flight = trace(blind.under(nominal.meta.get("realisation", {}).get("seed")), "unseen", {})
+    flight = trace(blind.under(None if shown is None else shown.seed), "unseen", {})
     rows = min(len(flight.data), len(nominal.data))
     apart = np.linalg.norm(flight.data[:rows, 1:4] - nominal.data[:rows, 1:4], axis=1)
-    return {
-        "cost": flight.meta["cost"],
-        "status": flight.meta["status"],
-        "reason": flight.meta["reason"],
-        "deviation": float(apart.max()) if rows else None,
-    }
+    return Unseen(
+        cost=flight.meta.cost,
+        status=flight.meta.status,
+        reason=flight.meta.reason,
+        deviation=float(apart.max()) if rows else None,
+    )
 
 
 def unseen(campaign: Campaign) -> Campaign:
@@ -80,20 +77,20 @@ def unseen(campaign: Campaign) -> Campaign:
     return campaign.model_copy(update={"scenario": scenario.model_copy(update={"faults": [*scenario.faults, UNSEEN]})})
 
 
-def _spread(context: Context, position: int) -> dict[str, Any]:
+def _spread(context: Context, position: int) -> Spread:
     """Lowest and highest cost of all stored evaluations."""
     costs = [c.costs[c.status == OK, 0] for _, c in all_columns(context, [*range(position + 1)])]
     known = np.concatenate([*costs, np.empty(0)])
     if not len(known):
-        return {"evaluations": 0, "lowest": None, "highest": None}
-    return {"evaluations": len(known), "lowest": float(known.min()), "highest": float(known.max())}
+        return Spread(evaluations=0, lowest=None, highest=None)
+    return Spread(evaluations=len(known), lowest=float(known.min()), highest=float(known.max()))
 
 
-def _influence(context: Context, curves: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+def _influence(context: Context, curves: Iterable[Curve]) -> dict[str, float]:
     """By path: the largest difference that a parameter alone makes along any of the slices."""
     found = {r.path: 0.0 for r in context.problem.ranges}
     for curve in curves:
-        known = [c for c in curve["costs"] if c is not None]
+        known = [c for c in curve.costs if c is not None]
         if known:
-            found[curve["path"]] = max(found[curve["path"]], max(known) - min(known))
+            found[curve.path] = max(found[curve.path], max(known) - min(known))
     return found

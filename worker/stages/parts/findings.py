@@ -9,16 +9,16 @@ case becomes a candidate itself, until nothing lower is stored anywhere in the r
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
+from campaigns.results.finding import Neighbours
 from worker.search.base import OK, Batch, Search, Space
 from worker.search.parts.basins import Basin, Rules, distinct, promising
 from worker.search.parts.lowest import Lowest
 from worker.stages.parts import seeds
 from worker.stages.parts.base import Context
-from worker.stages.parts.boundary import after
+from worker.stages.parts.boundary import Around, after
 from worker.stages.parts.store import Columns
 from worker.systems.problem import Floats
 
@@ -47,8 +47,8 @@ class Candidate:
 class Evidence:
     """What was evaluated around one worst case: its neighbours, slices through it, the boundary of a violation."""
 
-    neighbours: dict[str, Any] | None = None
-    after: dict[str, Any] | None = None
+    neighbours: Neighbours | None = None
+    after: Around | None = None
 
 
 @dataclass
@@ -125,14 +125,15 @@ def gather(context: Context, position: int) -> list[Candidate]:
     """The candidates of all stages before this one, the lowest first; the best of every stage is among them."""
     found: list[Candidate] = []
     best: list[Candidate] = []
+    searched = context.searched
     for at, columns in seeds.stated(context, range(position)):
         ranked = _ranked(columns)
         rows = [int(i) for i in promising(columns.points, ranked, EACH)]
         mine = [Candidate(columns.points[i].copy(), float(ranked[i]), at) for i in rows]
         best += mine[:1]
         found += mine
-        for minimum in context.results.get(at, {}).get("minima", []):
-            found.append(Candidate(np.array(minimum["point"]), float(minimum["cost"]), at))
+        if at in searched:
+            found += [Candidate(np.array(minimum.point), minimum.cost, at) for minimum in searched[at].minima]
     kept = sorted(found, key=lambda c: c.cost)[:ALL]
     return sorted(kept + [b for b in best if not any(b is k for k in kept)], key=lambda c: c.cost)
 
@@ -147,8 +148,8 @@ def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
 
 def scale(context: Context, worst: float) -> float:
     """Nominal minus worst [the criterion's unit]; the size of the worst where the nominal flight has no cost above."""
-    nominal = context.results[0].get("cost")
-    fall = 0.0 if nominal is None else float(nominal) - worst
+    nominal = context.nominal_cost
+    fall = 0.0 if nominal is None else nominal - worst
     return fall if fall > 0.0 else max(abs(worst), 1e-12)
 
 
@@ -228,8 +229,8 @@ def _space(context: Context) -> Space:
 
 def _keep_the_worst(context: Context, found: Found) -> None:
     """A minimum no worse than the nominal flight is no worst case, unless it violates or is the lowest."""
-    nominal = context.results[0].get("cost")
-    limit = max(np.inf if nominal is None else float(nominal), context.problem.threshold)
+    nominal = context.nominal_cost
+    limit = max(np.inf if nominal is None else nominal, context.problem.threshold)
     kept = [b for i, b in enumerate(found.basins) if i == 0 or b.cost < limit]
     found.left_out += len(found.basins) - len(kept)
     found.basins[:] = kept
@@ -245,13 +246,13 @@ def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.
     batch: Batch = yield points
     ranked = batch.ranked()
     low = int(np.argmin(ranked))
-    told = {
-        "flown": len(points),
-        "failed": int(np.count_nonzero(batch.status != OK)),
-        "lowest": float(ranked[low]) if np.isfinite(ranked[low]) else None,
-        "lower_by": max(0.0, basin.cost - float(ranked[low])),
-    }
+    neighbours = Neighbours(
+        flown=len(points),
+        failed=int(np.count_nonzero(batch.status != OK)),
+        lowest=float(ranked[low]) if np.isfinite(ranked[low]) else None,
+        lower_by=max(0.0, basin.cost - float(ranked[low])),
+    )
     if ranked[low] < basin.cost:
         basin.point, basin.cost = points[low].copy(), float(ranked[low])
-    found.of(basin).neighbours = told
+    found.of(basin).neighbours = neighbours
     return "flew every neighbour"

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.results.search import Gap
 from campaigns.wording import count, number
 from worker.search.base import Batch, Floats
 from worker.search.methods import direct
@@ -25,7 +26,7 @@ DIGITS = 12
 """Centres are told apart to so many decimals: those of 3^-24 still are."""
 
 
-def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> dict[str, Any] | None:
+def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> Gap | None:
     """The gap that these stored evaluations leave; None where a method keeps no rectangles or none has a value."""
     if method not in DIVIDE:
         return None
@@ -39,16 +40,16 @@ def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> d
     criterion, lost = problem.parts.criterion, int(np.count_nonzero(~kept))
     unit = criterion.unit
     without = f"; {count(lost)} rectangles whose centre has no value are left out" if lost else ""
-    return {
-        "rectangles": boxes.count,
-        "without_value": lost,
-        "slopes": {r.path: float(s) / (r.high - r.low) for r, s in zip(problem.ranges, slopes, strict=True)},
-        "lower_bound": lowest,
-        "gap": best - lowest,
-        "text": f"estimate, no bound: if {criterion.quantity} changes nowhere faster than between neighbouring centres "
+    return Gap(
+        rectangles=boxes.count,
+        without_value=lost,
+        slopes={r.path: float(s) / (r.high - r.low) for r, s in zip(problem.ranges, slopes, strict=True)},
+        lower_bound=lowest,
+        gap=best - lowest,
+        text=f"estimate, no bound: if {criterion.quantity} changes nowhere faster than between neighbouring centres "
         f"of its {count(boxes.count)} rectangles, it lies nowhere below {number(lowest)} {unit}, "
         f"{number(best - lowest)} {unit} below the lowest of them{without}",
-    }
+    )
 
 
 def _replayed(divided: Any, options: Any, columns: Columns) -> tuple[direct.Boxes, Floats]:

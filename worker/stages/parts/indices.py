@@ -7,21 +7,24 @@ Communications 181, 2010). Start reading at `morris` and `sobol`; each asks for 
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Generator
+from typing import Any, TypedDict
 
 import numpy as np
 
 from campaigns.asked.stages import Morris, SobolIndices
+from campaigns.results.sensitivity import MorrisRow, MorrisStudy, SobolRow, SobolStudy
 from campaigns.wording import count, listed
 from worker.search.base import EXCLUDED, OK, Batch
-from worker.stages.parts.slices import Asking
-from worker.systems.problem import Problem
+from worker.systems.problem import Floats, Problem
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 """Of random numbers; searches have those from 0 on."""
 
 
-def morris(problem: Problem, asked: Morris, random: np.random.Generator, confidence: float) -> Asking:
+def morris(
+    problem: Problem, asked: Morris, random: np.random.Generator, confidence: float
+) -> Generator[Floats, Batch, MorrisStudy]:
     """mu, mu* and sigma of each parameter's effect, per whole range, in the criterion's unit."""
     from SALib.analyze import morris as analysis
     from SALib.sample import morris as sampling
@@ -29,20 +32,26 @@ def morris(problem: Problem, asked: Morris, random: np.random.Generator, confide
     box = _box(problem)
     points = np.asarray(sampling.sample(box, asked.trajectories, num_levels=asked.levels, seed=random))
     batch = yield points
-    told = {"trajectories": asked.trajectories, "levels": asked.levels} | _flown(batch, confidence)
+
+    def study(rows: list[MorrisRow] | None, text: str) -> MorrisStudy:
+        counts = _counts(batch, confidence)
+        return MorrisStudy(**counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, text=text)
+
     reason = _unusable(batch)
     if reason is not None:
-        return told | {"indices": None, "text": reason}
+        return study(None, reason)
     values = batch.costs[:, 0]
     found = analysis.analyze(
         box, points, values, conf_level=confidence, num_levels=asked.levels, seed=int(random.integers(2**31))
     )
     columns = {"mu": "mu", "mu_star": "mu_star", "mu_star_confidence": "mu_star_conf", "sigma": "sigma"}
-    rows = _rows(problem, found, columns)
-    return told | {"indices": rows, "text": f"largest effects: {_leading(rows, 'mu_star')}"}
+    rows = [MorrisRow(path=path, **values) for path, values in _rows(problem, found, columns)]
+    return study(rows, f"largest effects: {_leading({row.path: row.mu_star for row in rows})}")
 
 
-def sobol(problem: Problem, asked: SobolIndices, random: np.random.Generator, confidence: float) -> Asking:
+def sobol(
+    problem: Problem, asked: SobolIndices, random: np.random.Generator, confidence: float
+) -> Generator[Floats, Batch, SobolStudy]:
     """First-order and total shares of the variance, under the distributions, with the half width of their interval.
 
     The indices split a variance among independent parameters: correlations are left out.
@@ -53,20 +62,23 @@ def sobol(problem: Problem, asked: SobolIndices, random: np.random.Generator, co
     box = _box(problem)
     uniform = np.asarray(sampling.sample(box, asked.samples, calc_second_order=False, seed=random))
     batch = yield problem.distributions.marginals(uniform)
-    told = {"samples": asked.samples} | _flown(batch, confidence)
+
+    def study(rows: list[SobolRow] | None, text: str) -> SobolStudy:
+        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, text=text)
+
     values = batch.costs[:, 0]
     reason = _unusable(batch)
     if reason is None and np.ptp(values) <= 1e-12 * max(1.0, float(np.abs(values).max())):
         reason = "not computed: the value is the same for all flights, there is no variance to share"
     if reason is not None:
-        return told | {"indices": None, "text": reason}
+        return study(None, reason)
     found = analysis.analyze(
         box, values, calc_second_order=False, conf_level=confidence, seed=int(random.integers(2**31))
     )
     columns = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
-    rows = _rows(problem, found, columns)
+    rows = [SobolRow(path=path, **values) for path, values in _rows(problem, found, columns)]
     apart = "; correlations are left out" if problem.distributions.mixed else ""
-    return told | {"indices": rows, "text": f"largest total shares: {_leading(rows, 'total')}{apart}"}
+    return study(rows, f"largest total shares: {_leading({row.path: row.total for row in rows})}{apart}")
 
 
 def _box(problem: Problem) -> dict[str, Any]:
@@ -75,7 +87,14 @@ def _box(problem: Problem) -> dict[str, Any]:
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
 
-def _flown(batch: Batch, confidence: float) -> dict[str, Any]:
+class _Counts(TypedDict):
+    evaluations: int
+    failed: int
+    excluded: int
+    confidence: float
+
+
+def _counts(batch: Batch, confidence: float) -> _Counts:
     excluded = int(np.count_nonzero(batch.status == EXCLUDED))
     failed = int(np.count_nonzero(batch.status != OK)) - excluded
     return {"evaluations": len(batch.status), "failed": failed, "excluded": excluded, "confidence": confidence}
@@ -92,15 +111,15 @@ def _unusable(batch: Batch) -> str | None:
     )
 
 
-def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[dict[str, Any]]:
-    """One row per parameter; what is no number is None."""
+def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[str, dict[str, float | None]]]:
+    """One row per parameter; a non-finite value is None."""
     rows = []
     for k, r in enumerate(problem.ranges):
         values = {name: float(found[key][k]) for name, key in columns.items()}
-        rows.append({"path": r.path} | {name: v if np.isfinite(v) else None for name, v in values.items()})
+        rows.append((r.path, {name: v if np.isfinite(v) else None for name, v in values.items()}))
     return rows
 
 
-def _leading(rows: list[dict[str, Any]], column: str) -> str:
-    ordered = sorted(rows, key=lambda row: -(row[column] or 0.0))
-    return listed([f"{row['path']} {row[column] or 0.0:.3g}" for row in ordered[:3]])
+def _leading(values: dict[str, float | None]) -> str:
+    ordered = sorted(values.items(), key=lambda item: -(item[1] or 0.0))
+    return listed([f"{path} {value or 0.0:.3g}" for path, value in ordered[:3]])

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
+from campaigns.results.search import Member
 from worker.catalogue.installed import methods
 from worker.search.base import OK, Search
 from worker.stages.parts.store import Columns
@@ -39,7 +39,7 @@ class Members:
         finally:
             search.close()
 
-    def told(self, columns: Columns) -> list[dict[str, Any]]:
+    def told(self, columns: Columns) -> list[Member]:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
         if not self.owner:
             return []
@@ -52,12 +52,12 @@ class Members:
             best = float(ranked[mine].min())
             known = methods().get(member)
             rows.append(
-                {
-                    "member": member,
-                    "title": known.title if known else member,
-                    "evaluations": int(mine.sum()),
-                    "best": best if np.isfinite(best) else None,
-                    "improvements": int(np.count_nonzero(mine & (ranked < before))),
-                }
+                Member(
+                    member=member,
+                    title=known.title if known else member,
+                    evaluations=int(mine.sum()),
+                    best=best if np.isfinite(best) else None,
+                    improvements=int(np.count_nonzero(mine & (ranked < before))),
+                )
             )
         return rows

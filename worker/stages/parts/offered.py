@@ -9,11 +9,12 @@ compared with the reference integrator, so that its distance is known for more t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.results.finding import Validation
+from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
 from campaigns.wording import count, number
 from worker.search.base import OK
 from worker.stages.parts import seeds
@@ -66,7 +67,7 @@ class _Stored:
         return found
 
 
-def violations(context: Context, positions: range) -> tuple[dict[str, Any], list[tuple[Stored, dict[str, Any]]]]:
+def violations(context: Context, positions: range) -> tuple[Violations, list[tuple[Stored, Validation]]]:
     """Every stored violation, or an even choice of them by cost, again; the counts, and those that are confirmed.
 
     The lowest confirmed comes first.
@@ -75,19 +76,19 @@ def violations(context: Context, positions: range) -> tuple[dict[str, Any], list
     lowest_first = np.argsort(found.cost, kind="stable")
     chosen = found.pick(lowest_first[_even(len(found), AT_MOST)])
     again = cases(context, [s.case for s in chosen])
-    confirmed = [(s, case) for s, case in zip(chosen, again, strict=True) if case["violates"]]
+    confirmed = [(s, case) for s, case in zip(chosen, again, strict=True) if case.violates]
     stages, counts = np.unique(found.position, return_counts=True)
-    told = {
-        "stored": len(found),
-        "by_stage": [{"position": int(at), "count": int(n)} for at, n in zip(stages, counts, strict=True)],
-        "checked": len(chosen),
-        "confirmed": len(confirmed),
-        "text": _counts(len(found), len(chosen), len(confirmed)),
-    }
-    return told, confirmed
+    described = Violations(
+        stored=len(found),
+        by_stage=[StageCount(position=int(at), count=int(n)) for at, n in zip(stages, counts, strict=True)],
+        checked=len(chosen),
+        confirmed=len(confirmed),
+        text=_counts(len(found), len(chosen), len(confirmed)),
+    )
+    return described, confirmed
 
 
-def spot_checks(context: Context, positions: range) -> dict[str, Any]:
+def spot_checks(context: Context, positions: range) -> SpotChecks:
     """Random evaluations of all stages with the reference integrator: how far it was from the stored values."""
     known = _Stored(context, positions)
     random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(STREAM,)))
@@ -98,22 +99,29 @@ def spot_checks(context: Context, positions: range) -> dict[str, Any]:
     threshold = context.problem.threshold
     sides = [s for s, cost in pairs if cost <= threshold < s.cost]
     reasons = sorted({f.reason for f in flights if f.cost is None})
-    told: dict[str, Any] = {
-        "checked": len(chosen),
-        "compared": len(pairs),
-        "largest": float(apart.max()) if len(apart) else None,
-        "median": float(np.median(apart)) if len(apart) else None,
-        "violating": len(sides),
-        "at": None,
-        "reasons": reasons[:5],
-    }
-    if len(apart):
-        furthest, other = pairs[int(apart.argmax())]
-        told["at"] = {
-            "position": furthest.position, "index": furthest.index, "cost": furthest.cost, "reference": other,
-            "parameters": context.problem.named(furthest.point), "realisation": furthest.seed,
-        }  # fmt: skip
-    return told | {"text": _apart(told, context.problem.parts.criterion.unit)}
+    largest = float(apart.max()) if len(apart) else None
+    median = float(np.median(apart)) if len(apart) else None
+    return SpotChecks(
+        checked=len(chosen),
+        compared=len(pairs),
+        largest=largest,
+        median=median,
+        violating=len(sides),
+        at=_furthest(context, *pairs[int(apart.argmax())]) if len(apart) else None,
+        reasons=reasons[:5],
+        text=_apart(len(chosen), len(pairs), largest, median, len(sides), context.problem.parts.criterion.unit),
+    )
+
+
+def _furthest(context: Context, stored: Stored, other: float) -> Furthest:
+    return Furthest(
+        position=stored.position,
+        index=stored.index,
+        cost=stored.cost,
+        reference=other,
+        parameters=context.problem.named(stored.point),
+        realisation=stored.seed,
+    )
 
 
 def _even(size: int, at_most: int) -> NDArray[np.int64]:
@@ -132,16 +140,16 @@ def _counts(stored: int, checked: int, confirmed: int) -> str:
     )
 
 
-def _apart(told: dict[str, Any], unit: str) -> str:
-    if not told["compared"]:
+def _apart(checked: int, compared: int, largest: float | None, median: float | None, violating: int, unit: str) -> str:
+    if largest is None or median is None:
         return "no random evaluation could be compared with the reference integrator"
     text = (
-        f"{count(told['compared'])} random evaluations compared with the reference integrator: at most "
-        f"{number(told['largest'])} {unit} apart, half of them within {number(told['median'])} {unit}"
+        f"{count(compared)} random evaluations compared with the reference integrator: at most "
+        f"{number(largest)} {unit} apart, half of them within {number(median)} {unit}"
     )
-    without = told["checked"] - told["compared"]
+    without = checked - compared
     if without:
         text += f"; {count(without)} more could not be simulated by it"
-    if told["violating"]:
-        text += f"; {count(told['violating'])} of them violate the criterion there and not here"
+    if violating:
+        text += f"; {count(violating)} of them violate the criterion there and not here"
     return text

@@ -1,16 +1,19 @@
 """A random sample told: counts, the bound on P(violation), the bound on a quantile, the distribution function.
 
 A failed flight counts as a violation and as the lowest value: nobody knows how it would have ended. Where the
-distributions reach beyond the bounds, that probability is added to the bounds. Start reading at `Sample.told`.
+distributions reach beyond the bounds, that probability is added to the bounds. Start reading at `Sample.statement`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
+from campaigns.results.sample import Distribution, Histogram, QuantileBound
+from campaigns.results.sample import Noise as NoiseKind
+from campaigns.results.sample import Sample as Statement
 from campaigns.wording import count, listed, number
 from worker.search.base import EXCLUDED, OK
 from worker.search.methods import monte_carlo
@@ -38,7 +41,7 @@ class Noise:
     `kind`: none (no noise), drawn (one with every flight), stated (those that the campaign lists). `clause` says so.
     """
 
-    kind: Literal["none", "drawn", "stated"] = "none"
+    kind: NoiseKind = "none"
     clause: str = ""
 
     @staticmethod
@@ -84,47 +87,45 @@ class Sample:
     def violations(self) -> int:
         return int(np.count_nonzero(self.costs <= self.threshold)) + self.failed
 
-    def told(self, level: float | None = None) -> dict[str, Any]:
+    def statement(self, level: float | None = None) -> Statement:
         """Counts, moments, histogram and the bound on P(violation), whose own `level` may be stricter."""
         costs = self.costs
         upper = min(1.0, claims.bound(self.violations, self.size, level or self.confidence) + self.outside)
         counts, edges = np.histogram(costs, bins=min(40, max(5, int(np.sqrt(len(costs))))))
-        return {
-            "samples": self.size,
-            "violations": self.violations,
-            "failed": self.failed,
-            "excluded": self.excluded,
-            "outside": self.outside,
-            "confidence": self.confidence,
-            "upper_bound": upper,
-            "excluded_fraction": self.excluded_fraction,
-            "noise": self.noise.kind,
-            "lowest": float(costs[0]) if len(costs) else None,
-            "mean": float(costs.mean()) if len(costs) else None,
-            "deviation": float(costs.std(ddof=1)) if len(costs) > 1 else None,
-            "histogram": {"edges": edges.tolist(), "counts": counts.tolist()},
-            "text": f"{self._seen()} violate the criterion{self.failures()}: P(violation) is at most "
+        return Statement(
+            samples=self.size,
+            violations=self.violations,
+            failed=self.failed,
+            excluded=self.excluded,
+            outside=self.outside,
+            confidence=self.confidence,
+            upper_bound=upper,
+            excluded_fraction=self.excluded_fraction,
+            noise=self.noise.kind,
+            lowest=float(costs[0]) if len(costs) else None,
+            mean=float(costs.mean()) if len(costs) else None,
+            deviation=float(costs.std(ddof=1)) if len(costs) > 1 else None,
+            histogram=Histogram(edges=edges.tolist(), counts=counts.tolist()),
+            text=f"{self._seen()} violate the criterion{self.failures()}: P(violation) is at most "
             f"{100 * upper:.3g} % with {100 * self.confidence:g} % confidence{self._beyond()}{self._conditions()}",
-        }
+        )
 
-    def unclaimed(self, points: str, why: str) -> dict[str, Any]:
+    def unclaimed(self, points: str, why: str) -> Statement:
         """The same without a bound, and why there is none."""
         share = f" (an estimate of {100 * self.violations / self.size:.3g} %)" if self.size else ""
         text = (
             f"{count(self.violations)} of {count(self.size)} {points} violate the criterion{self.failures()}{share}: "
             f"{why}{self._conditions()}"
         )
-        return self.told() | {"upper_bound": None, "text": text}
+        return self.statement().model_copy(update={"upper_bound": None, "text": text})
 
-    def quantile(self, share: float, quantity: str, unit: str) -> dict[str, Any]:
+    def quantile(self, share: float, quantity: str, unit: str) -> QuantileBound:
         """Wilks' lower bound on the quantile at `share`: which of the lowest values, with which confidence."""
         within = share - self.outside
         counted = ", counted over all draws," if self.outside and self.excluded else ""
         r = claims.order(self.size, within, self.confidence)
         least = claims.needed(within, self.confidence) if within > 0.0 else None
         value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
-        told = {"share": share, "order": r or None, "bound": value, "needed": least}
-        told["confidence"] = claims.held(r, self.size, within) if r else None
         most = f"{100 * share:g} %"
         if least is None:
             text = f"no bound on the {most} quantile: {100 * self.outside:.3g} % of the draws may lie beyond the bounds"
@@ -139,20 +140,21 @@ class Sample:
                 f"at most {most} of the flights{counted} have {quantity} below {number(value)} {unit}, "
                 f"with {100 * self.confidence:g} % confidence: it is the {_ordinal(r)} lowest of {count(self.size)}"
             )
-        return told | {"text": text}
+        confidence = claims.held(r, self.size, within) if r else None
+        return QuantileBound(share=share, order=r or None, bound=value, needed=least, confidence=confidence, text=text)
 
-    def distribution(self) -> dict[str, Any]:
+    def distribution(self) -> Distribution:
         """The empirical distribution function: values and the share of the sample at or below each; its band."""
         size = len(self.costs)
         # The lowest ones all, of the rest an even choice.
         lowest = np.arange(min(size, STEPS // 4))
         chosen = np.union1d(lowest, np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64))
         shares = (self.failed + np.arange(1, size + 1)) / max(self.size, 1)
-        return {
-            "values": [float(self.costs[i]) for i in chosen],
-            "shares": [float(shares[i]) for i in chosen],
-            "band": claims.band(self.size, self.confidence),
-        }
+        return Distribution(
+            values=[float(self.costs[i]) for i in chosen],
+            shares=[float(shares[i]) for i in chosen],
+            band=claims.band(self.size, self.confidence),
+        )
 
     @property
     def excluded_fraction(self) -> float:
@@ -185,7 +187,7 @@ class Sample:
         return f", of which {100 * self.outside:.3g} % is the probability of lying beyond the bounds{every}"
 
 
-def of_search(context: Context, options: Any, columns: Columns) -> dict[str, Any]:
+def of_search(context: Context, options: Any, columns: Columns) -> Statement:
     """What the points of a random search say: a bound only where they are independent, and one that knows when the
     sample was looked at to decide whether it may stop."""
     confidence = context.campaign.confidence
@@ -195,14 +197,14 @@ def of_search(context: Context, options: Any, columns: Columns) -> dict[str, Any
     if isinstance(options, monte_carlo.Options) and options.continued:
         return sample.unclaimed("flights drawn from the stated distributions", WENT_ON)
     if not isinstance(options, monte_carlo.Options) or options.interval == 0.0:
-        return sample.told()
+        return sample.statement()
     looks, level = monte_carlo.looked(len(columns.status), confidence)
-    told = sample.told(level)
+    statement = sample.statement(level)
     how = (
         "; the sample may stop by what it shows, which makes it no fixed sample: each look spends a part of the error, "
         f"so that the bounds of all looks hold together, and this is number {looks}, made with {100 * level:.6g} %"
     )
-    return told | {"looks": looks, "text": told["text"] + how}
+    return statement.model_copy(update={"looks": looks, "text": statement.text + how})
 
 
 def _ordinal(r: int) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns.asked.spec import MAX_SEED
+from campaigns.results import CertifyResult
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.store import Columns
 from worker.systems.closed_loop.realisations import Seeds
@@ -45,7 +46,8 @@ def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns
 
 def _drawn(context: Context, position: int) -> int:
     """How many of a stage's evaluations, the first ones, drew a realisation of their own."""
-    return int(context.results.get(position, {}).get("drawn_realisations", 0))
+    result = context.results.get(position)
+    return result.drawn_realisations if isinstance(result, CertifyResult) else 0
 
 
 def _rows(columns: Columns, first: int, last: int | None) -> Columns:

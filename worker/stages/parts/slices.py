@@ -7,33 +7,34 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
-from worker.search.base import STATUS, Batch
+from campaigns.results.base import STATUS
+from campaigns.results.sensitivity import Curve, Slices
+from worker.search.base import Batch
 from worker.systems.problem import Floats, Problem
 
 POINTS = 41
 """On each slice through a worst case, beside the worst case itself."""
 
-Asking = Generator[Floats, Batch, dict[str, Any]]
-"""Yields points (m, n), receives their batch, returns plain JSON values: for `told = yield from ...` in a search."""
+Curves = Generator[Floats, Batch, list[Curve]]
+"""Yields points (m, n), receives their batch, returns the curves."""
 
 
-def curves(problem: Problem, point: Floats, count: int) -> Asking:
+def curves(problem: Problem, point: Floats, count: int) -> Curves:
     """`count` values of each parameter in turn, in one batch; the others as in `point` (n,)."""
     return _through(problem, point, [np.linspace(0.0, 1.0, count)] * problem.dimension)
 
 
-def slices(problem: Problem, point: Floats, count: int = POINTS) -> Asking:
-    """Curves that pass through the point itself; `at` tells its values."""
+def slices(problem: Problem, point: Floats, count: int = POINTS) -> Generator[Floats, Batch, Slices]:
+    """Curves that pass through the point itself."""
     even = np.linspace(0.0, 1.0, count)
-    told = yield from _through(problem, point, [np.union1d(even, [u]) for u in point])
-    return told | {"at": problem.named(point)}
+    found = yield from _through(problem, point, [np.union1d(even, [u]) for u in point])
+    return Slices(curves=found, at=problem.named(point))
 
 
-def _through(problem: Problem, point: Floats, axes: list[Floats]) -> Asking:
+def _through(problem: Problem, point: Floats, axes: list[Floats]) -> Curves:
     points = np.repeat(point[None, :], sum(map(len, axes)), axis=0)
     ends = np.cumsum([0, *map(len, axes)])
     rows = [slice(first, last) for first, last in pairwise(ends)]
@@ -41,14 +42,12 @@ def _through(problem: Problem, point: Floats, axes: list[Floats]) -> Asking:
         points[rows[k], k] = axis
     batch = yield points
     values = problem.values(points)
-    return {
-        "curves": [
-            {
-                "path": r.path,
-                "values": [float(v) for v in values[rows[k], k]],
-                "costs": [float(c) if np.isfinite(c) else None for c in batch.costs[rows[k], 0]],
-                "status": [STATUS[s] for s in batch.status[rows[k]]],
-            }
-            for k, r in enumerate(problem.ranges)
-        ]
-    }
+    return [
+        Curve(
+            path=r.path,
+            values=[float(v) for v in values[rows[k], k]],
+            costs=[float(c) if np.isfinite(c) else None for c in batch.costs[rows[k], 0]],
+            status=[STATUS[s] for s in batch.status[rows[k]]],
+        )
+        for k, r in enumerate(problem.ranges)
+    ]

@@ -8,12 +8,10 @@ over is plain data, in `backend.db.records`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 from backend.db.records import (
     Columns,
-    Conclusion,
-    Finding,
     Floats,
     StageKind,
     StagePlan,
@@ -22,11 +20,10 @@ from backend.db.records import (
     join,
 )
 from campaigns.flown import Code, Flown
+from campaigns.results import Finding, StageResult, Verdict
 
 __all__ = [
     "Columns",
-    "Conclusion",
-    "Finding",
     "Floats",
     "StageKind",
     "StagePlan",
@@ -58,7 +55,7 @@ class Store(Protocol):
     def finish(
         self,
         position: int,
-        result: dict[str, Any],
+        result: StageResult,
         seconds: float,
         findings: Sequence[Finding] = (),
         traces: Sequence[Trace] = (),
@@ -68,5 +65,5 @@ class Store(Protocol):
     def found(self) -> list[Finding]:
         """The findings stored so far, the worst first."""
 
-    def conclude(self, conclusion: Conclusion) -> None:
+    def conclude(self, verdict: Verdict) -> None:
         """Store the verdict; the run is done."""

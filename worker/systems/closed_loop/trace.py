@@ -8,16 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from worker.search.base import FAILED, STATUS
-from worker.stages.parts import front
-from worker.stages.parts.store import Trace
+from backend.db.records import Trace
+from campaigns.results.base import STATUS
+from campaigns.results.trace import Closest, Realisation, TraceColumn, TraceHead, TraceObstacle
+from worker.search.base import FAILED
+from worker.systems.criteria import criteria
+from worker.systems.criteria import values as criterion_values
 from worker.systems.problem import Floats, Problem
 
 POSE = 6
+Group = Literal["time", "pose", "state", "command", "separation"]
 
 
 def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | None = None) -> Trace:
@@ -41,16 +45,7 @@ def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | 
             seen.separation(kept),
         )
     )
-    meta = _meta(problem, seen, values) | {
-        "closest": closest,
-        "status": STATUS[flown.status],
-        "reason": flown.reason,
-        "cost": _known(flown.costs[0, 0]),
-        "values": _values(problem, flown.costs),
-    }
-    if problem.realisations.places:
-        meta["realisation"] = _realisation(problem, flown.realisation, flown.own_cost)
-    return Trace(name, _columns(problem), data, meta)
+    return Trace(name, _columns(problem), data, _head(problem, seen, values, flown, closest))
 
 
 @dataclass(frozen=True)
@@ -104,21 +99,21 @@ def _again(problem: Problem, vector: Floats) -> Floats:
     return states
 
 
-def _realisation(problem: Problem, shown: int, cost: float) -> dict[str, Any]:
+def _realisation(problem: Problem, shown: int, cost: float) -> Realisation:
     """Which realisation the trace shows, of how many, and its own cost."""
     realised = problem.realisations
-    return {
-        "seed": realised.seeds[shown],
-        "seeds": len(realised.seeds),
-        "combine": realised.combine,
-        "cost": _known(cost),
-    }
+    return Realisation(
+        seed=realised.seeds[shown],
+        seeds=len(realised.seeds),
+        combine=realised.combine,
+        cost=_known(cost),
+    )
 
 
 def _values(problem: Problem, costs: Floats) -> dict[str, float | None]:
     """By every criterion's name its value, in its own sign; costs (1, k)."""
-    names = [c["name"] for c in front.criteria(problem)]
-    return dict(zip(names, map(_known, front.values(problem, costs)[0]), strict=True))
+    names = [c.name for c in criteria(problem)]
+    return dict(zip(names, map(_known, criterion_values(problem, costs)[0]), strict=True))
 
 
 def _known(cost: float) -> float | None:
@@ -160,11 +155,11 @@ def _further(problem: Problem) -> list[int]:
     return [k for k, s in enumerate(vehicle.states) if s.name not in shown]
 
 
-def _columns(problem: Problem) -> list[dict[str, str]]:
+def _columns(problem: Problem) -> list[TraceColumn]:
     vehicle, signals, criterion = problem.parts.vehicle, problem.loop.signals, problem.parts.criterion
 
-    def column(name: str, symbol: str, unit: str, group: str) -> dict[str, str]:
-        return {"name": name, "symbol": symbol, "unit": unit, "group": group}
+    def column(name: str, symbol: str, unit: str, group: Group) -> TraceColumn:
+        return TraceColumn(name=name, symbol=symbol, unit=unit, group=group)
 
     commands = (*vehicle.inputs, *problem.parts.controller.signals)
     moving = [i for i, o in enumerate(problem.parts.obstacles) if o.moving]
@@ -178,7 +173,7 @@ def _columns(problem: Problem) -> list[dict[str, str]]:
     ]
 
 
-def _closest(problem: Problem, seen: _Seen) -> dict[str, Any] | None:
+def _closest(problem: Problem, seen: _Seen) -> Closest | None:
     """When, where and to which obstacle the flight came closest, refined by the parabola as the cost is."""
     channels = seen.distances
     if problem.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
@@ -191,15 +186,15 @@ def _closest(problem: Problem, seen: _Seen) -> dict[str, Any] | None:
         if bend > 0:
             shift = 0.5 * (left - right) / bend
             lowest = mid - 0.125 * (left - right) ** 2 / bend
-    return {
-        "time": (row + shift) * problem.step,
-        "row": row,
-        "value": seen.cost(np.full(seen.channels.shape[1], lowest)),
-        "position": _between(seen.columns[:, :3], row, shift),
-        "speed": _speed(seen.columns[:, :3], row, shift, problem.step),
-        "obstacle": obstacle,
-        "obstacle_position": _between(seen.centres[:, obstacle], row, shift),
-    }
+    return Closest(
+        time=(row + shift) * problem.step,
+        row=row,
+        value=seen.cost(np.full(seen.channels.shape[1], lowest)),
+        position=_between(seen.columns[:, :3], row, shift),
+        speed=_speed(seen.columns[:, :3], row, shift, problem.step),
+        obstacle=obstacle,
+        obstacle_position=_between(seen.centres[:, obstacle], row, shift),
+    )
 
 
 def _between(places: Floats, row: int, shift: float) -> list[float]:
@@ -220,11 +215,11 @@ def _speed(places: Floats, row: int, shift: float, step: float) -> float | None:
     return _known(float(np.linalg.norm(moved)) / step)
 
 
-def _kept(count: int, rows: int | None, closest: Mapping[str, Any] | None) -> Any:
+def _kept(count: int, rows: int | None, closest: Closest | None) -> Any:
     if rows is None or count <= rows:
         return np.arange(count)
     even = np.linspace(0, count - 1, max(rows - 21, 2)).round().astype(int)
-    around = np.arange(-10, 11) + (closest["row"] if closest else 0)
+    around = np.arange(-10, 11) + (closest.row if closest else 0)
     return np.unique(np.concatenate([even, around[(around >= 0) & (around < count)]]))
 
 
@@ -243,7 +238,9 @@ def _free(problem: Problem, vector: Floats, i: int) -> float | None:
     return surface + value("criterion.threshold") + value("criterion.body_radius")
 
 
-def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[str, Any]:
+def _head(
+    problem: Problem, seen: _Seen, values: Mapping[str, float], flown: Flown, closest: Closest | None
+) -> TraceHead:
     vector = seen.vector
 
     def place(prefix: str) -> list[float]:
@@ -255,22 +252,29 @@ def _meta(problem: Problem, seen: _Seen, values: Mapping[str, float]) -> dict[st
         return 0.0 if at is None else float(vector[at])
 
     obstacles = [
-        {
-            "component": o.name,
-            "title": o.title,
-            "position": [float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
-            "radius": radius(i),
-            "free_radius": _free(problem, vector, i),
-            "moving": o.moving,
-        }
+        TraceObstacle(
+            component=o.name,
+            title=o.title,
+            position=[float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
+            radius=radius(i),
+            free_radius=_free(problem, vector, i),
+            moving=o.moving,
+        )
         for i, o in enumerate(problem.parts.obstacles)
     ]
-    return {
-        "frame": problem.parts.vehicle.frame,
-        "vehicle": problem.parts.vehicle.name,
-        "obstacles": obstacles,
-        "start": place("start"),
-        "goal": place("goal"),
-        "threshold": float(vector[problem.paths["criterion.threshold"]]),
-        "parameters": {r.path: float(vector[r.index]) for r in problem.ranges} | dict(values),
-    }
+    several = problem.realisations.places
+    return TraceHead(
+        frame=problem.parts.vehicle.frame,
+        vehicle=problem.parts.vehicle.name,
+        obstacles=obstacles,
+        start=place("start"),
+        goal=place("goal"),
+        threshold=float(vector[problem.paths["criterion.threshold"]]),
+        parameters={r.path: float(vector[r.index]) for r in problem.ranges} | dict(values),
+        closest=closest,
+        status=STATUS[flown.status],
+        reason=flown.reason,
+        cost=_known(flown.costs[0, 0]),
+        values=_values(problem, flown.costs),
+        realisation=_realisation(problem, flown.realisation, flown.own_cost) if several else None,
+    )

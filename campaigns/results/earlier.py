@@ -1,0 +1,59 @@
+"""Results as versions before 0.2 stored them, brought to today's shape: plain JSON in, plain JSON out.
+
+Then the evidence of a finding was spread over five places that its label joined: the findings' own rows, and `cases`,
+`after`, `encounter.closest` and `comparison` of the validate stage. Used by the migration of databases and by the
+audit of older folders; new code has no business here. Start reading at `upgraded`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+Document = dict[str, Any]
+
+
+def upgraded(kind: str, result: Mapping[str, Any]) -> Document:
+    """A stage's result by the stage's kind; one that has today's shape already stays as it is."""
+    if result.get("stage") == kind:
+        return dict(result)
+    found: Document = {**result, "stage": kind}
+    if kind == "validate":
+        cases = {case.get("name"): case for case in found.pop("cases", None) or []}
+        found["nominal"] = cases.get("nominal")
+        found.pop("after", None)
+        if found.get("encounter"):
+            closest = {c.get("name"): c for c in found["encounter"].get("closest") or []}
+            found["encounter"] = {**found["encounter"], "closest": _without_name(closest.get("nominal")) or {}}
+    if kind == "search":
+        for key in ("minima", "members", "criteria"):
+            found[key] = found.get(key) or []
+    return found
+
+
+def of_finding(label: str, validate: Mapping[str, Any]) -> Document:
+    """What a validate result of then says of one finding: slices, boundary, closest approach, and its validation."""
+    after = (validate.get("after") or {}).get(label) or {}
+    closest = (validate.get("encounter") or {}).get("closest") or []
+    cases = validate.get("cases") or []
+    return {
+        "slices": after.get("slices"),
+        "boundary": after.get("boundary"),
+        "closest": next((_without_name(c) for c in closest if c.get("name") == label), None),
+        "validation": next((dict(case) for case in cases if case.get("name") == label), None),
+    }
+
+
+def verdict(summary: Mapping[str, Any]) -> Document | None:
+    """The verdict's parts; None where there were none."""
+    if not summary.get("verdict"):
+        return None
+    found = dict(summary)
+    given = (found.get("provenance") or {}).get("cpu")
+    cpu = {"model": given} if isinstance(given, str) else given
+    found["provenance"] = {**(found.get("provenance") or {}), "cpu": cpu}
+    return found
+
+
+def _without_name(closest: Mapping[str, Any] | None) -> Document | None:
+    return None if closest is None else {key: value for key, value in closest.items() if key != "name"}

@@ -1,0 +1,24 @@
+"""Which stages there are: a module of this folder that has an attribute `stage` is one. Start reading at `stages`."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+import worker.stages
+from worker.stages.parts.outcome import Stage
+
+
+@cache
+def stages() -> dict[str, Stage]:
+    """Every stage by its kind; two of one kind are an error."""
+    found: dict[str, Stage] = {}
+    for info in pkgutil.iter_modules(worker.stages.__path__):
+        if info.ispkg or info.name == __name__.rpartition(".")[2]:
+            continue
+        stage = importlib.import_module(f"worker.stages.{info.name}").stage
+        if stage.kind in found:
+            raise ValueError(f"worker.stages.{info.name} declares {stage.kind!r}, which another module declares too")
+        found[stage.kind] = stage
+    return found

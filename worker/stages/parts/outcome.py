@@ -1,0 +1,31 @@
+"""What a stage is and what it hands over: found by presence, one file a stage. Start reading at `Stage`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from campaigns.results import Finding, StageResult
+from worker.stages.parts.base import Context
+from worker.stages.parts.store import Trace
+
+R = TypeVar("R", bound=StageResult, covariant=True)
+
+
+@dataclass(frozen=True)
+class Outcome(Generic[R]):
+    """What a stage leaves: its result, and the findings and traces that it stores with it."""
+
+    result: R
+    findings: tuple[Finding, ...] = ()
+    traces: tuple[Trace, ...] = ()
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A kind of stage: its name in a plan, what carries it out at a position, and the type of its result."""
+
+    kind: str
+    run: Callable[[Context, int], Outcome[StageResult]]
+    result: type[StageResult]

@@ -8,6 +8,9 @@ from markupsafe import Markup
 
 from backend.reports import figures, plan_view, plot, words
 from backend.reports.held import Held
+from campaigns.results import CertifyResult, SearchResult, SensitivityResult
+from campaigns.results.sample import Sample
+from campaigns.results.sensitivity import Curve
 
 MOST_CURVES = 12
 
@@ -35,8 +38,9 @@ def _off(held: Held) -> dict[str, bool]:
     if limit is None:
         return {"off": False, "sensitivity_off": False, "sample_off": False}
     found = [y for _, _, points in _series(held) for _, y in points]
-    studied = [c for curve in held.result("sensitivity").get("curves", []) for c in curve["costs"] if c is not None]
-    edges = (sample(held).get("histogram") or {}).get("edges") or [limit]
+    studied = [c for curve in _curves(held) for c in curve.costs if c is not None]
+    stated = sample(held)
+    edges = (stated.histogram.edges if stated is not None and stated.histogram is not None else []) or [limit]
     spread = edges[-1] - edges[0] or 1.0
     return {
         "off": bool(found) and figures.is_far(found, limit),
@@ -54,7 +58,7 @@ def _holds(held: Held, values: list[float]) -> bool:
 
 def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
     """The best so far of every search: method, title, points."""
-    titles = {stage.position: result.get("title") for stage, result in held.results("search")}
+    titles = {stage.position: result.title for stage, result in held.results(SearchResult)}
     found = []
     for series in held.evaluations.stages:
         if series.kind == "search":
@@ -69,16 +73,22 @@ def _convergence(held: Held) -> Markup | None:
     return figures.convergence(series, held.of) if series else None
 
 
-def _slices(held: Held) -> dict[str, dict[str, Any]]:
-    """The curves through the worst case by path, where they were flown."""
-    told = held.after(held.findings[0].label).get("slices") if held.findings else None
-    return {curve["path"]: curve for curve in (told or {}).get("curves", [])}
+def _curves(held: Held) -> list[Curve]:
+    """The curves through the nominal point."""
+    study = held.result(SensitivityResult)
+    return [] if study is None else study.curves
+
+
+def _slices(held: Held) -> dict[str, Curve]:
+    """The curves through the worst case by path, where they were evaluated."""
+    through = held.findings[0].slices if held.findings else None
+    return {} if through is None else {curve.path: curve for curve in through.curves}
 
 
 def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
     """A small chart for each parameter: symbol, words, drawing."""
-    curves, through = held.result("sensitivity").get("curves", []), _slices(held)
-    values = [c for curve in [*curves, *through.values()] for c in curve["costs"] if c is not None]
+    curves, through = _curves(held), _slices(held)
+    values = [c for curve in [*curves, *through.values()] for c in curve.costs if c is not None]
     if not values:
         return []
     near = [held.of.threshold] if held.of.threshold is not None and _holds(held, values) else []
@@ -86,15 +96,15 @@ def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
     found = []
     for curve in curves[:MOST_CURVES]:
         about = _about(held, curve)
-        svg = figures.sensitivity(curve, through.get(curve["path"]), about, (low, high), held.of)
-        found.append((words.sign(about["symbol"], curve["path"]), about["text"], svg))
+        svg = figures.sensitivity(curve, through.get(curve.path), about, (low, high), held.of)
+        found.append((words.sign(about["symbol"], curve.path), about["text"], svg))
     return found
 
 
-def _about(held: Held, curve: dict[str, Any]) -> dict[str, Any]:
-    path = curve["path"]
+def _about(held: Held, curve: Curve) -> dict[str, Any]:
+    path = curve.path
     entry = held.entry(path)
-    nominal, low, high = held.limits.get(path, (curve["values"][0], curve["values"][0], curve["values"][-1]))
+    nominal, low, high = held.limits.get(path, (curve.values[0], curve.values[0], curve.values[-1]))
     return {
         "symbol": held.symbol(path),
         "text": held.words(path),
@@ -109,25 +119,26 @@ def _about(held: Held, curve: dict[str, Any]) -> dict[str, Any]:
 def _tornado(held: Held) -> Markup | None:
     nominal = held.run.nominal_cost
     bars = []
-    for curve in held.result("sensitivity").get("curves", []):
-        low, high = curve["costs"][0], curve["costs"][-1]
+    for curve in _curves(held):
+        low, high = curve.costs[0], curve.costs[-1]
         if nominal is not None and low is not None and high is not None:
             bars.append((_about(held, curve)["symbol"], low - nominal, high - nominal))
     bars.sort(key=lambda bar: -max(abs(bar[1]), abs(bar[2])))
     return figures.tornado(bars, held.of) if bars else None
 
 
-def sample(held: Held) -> dict[str, Any]:
+def sample(held: Held) -> Sample | None:
     """The independent sample that the statistical statement is from: certify's, else the first random search's."""
-    certified = held.result("certify").get("sample")
-    searched = [result["sample"] for _, result in held.results("search") if result.get("sample")]
-    bounded = [s for s in searched if s.get("upper_bound") is not None]
-    return certified or (bounded[0] if bounded else {})
+    certified = held.result(CertifyResult)
+    if certified is not None:
+        return certified.sample
+    searched = [result.sample for _, result in held.results(SearchResult)]
+    return next((s for s in searched if s is not None and s.upper_bound is not None), None)
 
 
 def _histogram(held: Held) -> Markup | None:
-    told = sample(held).get("histogram") or {}
-    if not any(told.get("counts", [])):
+    stated = sample(held)
+    if stated is None or stated.histogram is None or not any(stated.histogram.counts):
         return None
     worst = held.findings[0].cost if held.findings else None
-    return figures.histogram(told["edges"], told["counts"], held.of, held.run.nominal_cost, worst)
+    return figures.histogram(stated.histogram.edges, stated.histogram.counts, held.of, held.run.nominal_cost, worst)

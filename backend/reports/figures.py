@@ -14,6 +14,9 @@ from markupsafe import Markup
 
 from backend.reports import plot, words
 from backend.reports.plot import Axes, Point
+from campaigns.results import TraceHead
+from campaigns.results.sensitivity import Curve
+from campaigns.results.trace import Closest
 from campaigns.symbols import is_path
 
 WIDE = 654
@@ -34,7 +37,7 @@ class Case:
 
     label: str
     colour: str
-    meta: dict[str, Any]
+    head: TraceHead
     data: dict[str, list[float | None]]
     dash: str = ""
 
@@ -44,9 +47,9 @@ class Case:
         return [(a, b) for a, b in pairs if a is not None and b is not None]
 
     @property
-    def closest(self) -> dict[str, Any]:
-        """The closest approach as stored; empty where the criterion has none."""
-        return self.meta.get("closest") or {}
+    def closest(self) -> Closest | None:
+        """The closest approach as stored; None where the criterion has none."""
+        return self.head.closest
 
 
 @dataclass(frozen=True)
@@ -78,12 +81,12 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
         axes.criterion(of.threshold, f"Criterion, {words.plain(of.threshold)} {of.unit}")
     for case, curve in zip(cases, curves, strict=True):
         axes.line(curve, case.colour, 1.7, case.dash)
-    decimals = words.decimals_for([case.closest.get("value") for case in cases])
+    approaches = [(case, case.closest) for case in cases]
+    known = sorted(((case, c) for case, c in approaches if c is not None), key=lambda pair: pair[1].value)
+    decimals = words.decimals_for([closest.value for _, closest in known])
     used: list[float] = []
-    for case in sorted(cases, key=lambda case: case.closest.get("value") or 0.0):
-        time, value = case.closest.get("time"), case.closest.get("value")
-        if time is None or value is None:
-            continue
+    for case, closest in known:
+        time, value = closest.time, closest.value
         axes.dot(time, value, case.colour)
         at = _label(axes, value, of.threshold)
         while any(abs(at - other) < 12 for other in used):
@@ -128,9 +131,7 @@ def is_far(values: Sequence[float], threshold: float) -> bool:
     return not low - 3 * (high - low) <= threshold <= high + (high - low)
 
 
-def sensitivity(
-    curve: dict[str, Any], other: dict[str, Any] | None, about: dict[str, Any], y_range: Point, of: Quantity
-) -> Markup:
+def sensitivity(curve: Curve, other: Curve | None, about: dict[str, Any], y_range: Point, of: Quantity) -> Markup:
     """One parameter over its bounds: others nominal, and others at the worst case where it was flown."""
     low, high = about["low"], about["high"]
     axes = Axes(208, 112, (low, high), y_range, left=44, right=16, top=6, bottom=30)
@@ -142,7 +143,7 @@ def sensitivity(
         axes.criterion(of.threshold, "")
     for told, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):
         if told is not None:
-            pairs = zip(told["values"], told["costs"], strict=False)
+            pairs = zip(told.values, told.costs, strict=False)
             axes.line([(x, y) for x, y in pairs if y is not None], colour, 1.5)
     if about["nominal_cost"] is not None:
         axes.dot(about["nominal"], about["nominal_cost"], plot.NOMINAL, 2.8)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeVar
 
 import sqlalchemy as sa
 
@@ -17,14 +17,16 @@ from backend.results import service as results
 from backend.results.schemas import Evaluations, FindingDetail
 from backend.runs import service as runs
 from backend.runs.components import changed
-from backend.runs.schemas import RunDetail, StageDetail
+from backend.runs.schemas import RunDetail, RunVerdict, StageDetail
 from backend.signoffs import service as signoffs
 from backend.signoffs.schemas import Signoffs
 from campaigns import Campaign, Catalogue
 from campaigns.asked.check import parameters
 from campaigns.catalogue import ParameterEntry
+from campaigns.results import StageResult, TraceHead
 from campaigns.symbols import labels
 
+R = TypeVar("R", bound=StageResult)
 MOST_ROWS = 1200
 """Of a flight in a figure."""
 FURTHER = ("#7b5ba6", "#0072b2", "#857c00")
@@ -48,8 +50,8 @@ class Held:
     findings: list[FindingDetail]
     evaluations: Evaluations
     cases: list[Case]
-    nominal: dict[str, Any]
-    """What is told of the nominal flight; empty while it is not stored."""
+    nominal: TraceHead | None
+    """The head of the nominal flight; None while it is not stored."""
     signoffs: Signoffs
 
     @property
@@ -70,22 +72,18 @@ class Held:
         return Terms(symbols, {self.of.unit, "s", *(entry.unit for entry in entries if entry)})
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The verdict's parts; empty while there is none."""
-        return self.run.summary or {}
+    def verdict(self) -> RunVerdict | None:
+        """The verdict with everything behind it; None while there is none."""
+        return self.run.summary
 
-    def results(self, kind: str) -> list[tuple[StageDetail, dict[str, Any]]]:
-        """The stages of a kind that have a result."""
-        return [(stage, stage.result) for stage in self.stages if stage.kind == kind and stage.result]
+    def results(self, kind: type[R]) -> list[tuple[StageDetail, R]]:
+        """The stages that have a result of this type."""
+        return [(stage, stage.result) for stage in self.stages if isinstance(stage.result, kind)]
 
-    def result(self, kind: str) -> dict[str, Any]:
-        """The result of the stage of a kind; empty where there is none."""
+    def result(self, kind: type[R]) -> R | None:
+        """The first result of this type; None where there is none."""
         found = self.results(kind)
-        return found[0][1] if found else {}
-
-    def after(self, label: str) -> dict[str, Any]:
-        """What was flown around a finding after it was found: slices through it, and the boundary of a violation."""
-        return dict((self.result("validate").get("after") or {}).get(label) or {})
+        return found[0][1] if found else None
 
     def entry(self, path: str) -> ParameterEntry | None:
         """What the catalogue says of a parameter."""
@@ -119,7 +117,7 @@ def load(reader: sa.Connection, run_id: int) -> Held:
         findings=found,
         evaluations=evaluations.read(reader, run_id, 100, None),
         cases=_cases(reader, run_id, [finding.label for finding in found], set(flown)),
-        nominal=flown.get("nominal", {}),
+        nominal=flown.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),
     )
 

@@ -5,8 +5,6 @@ Start reading at `conditions`.
 
 from __future__ import annotations
 
-from typing import Any
-
 from backend.reports import words
 from backend.reports.charts import sample
 from backend.reports.held import Held
@@ -49,7 +47,8 @@ def _excluded(held: Held) -> str:
     run = held.run
     if not run.excluded_evaluations:
         return ""
-    drawn = sample(held).get("excluded") or 0
+    stated = sample(held)
+    drawn = 0 if stated is None else stated.excluded
     draws = f", {words.count(drawn)} of them draws of the sample" if drawn else ""
     verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
     return (
@@ -81,10 +80,10 @@ def _noise(held: Held) -> list[str]:
             f"Searches simulated the noise realisations of the seeds {seeds}, and the {asked.combine} of them counts. "
             "Another realisation may be worse."
         )
-    told: dict[str, Any] = sample(held)
-    if told.get("noise") == "drawn":
+    stated = sample(held)
+    if stated is not None and stated.noise == "drawn":
         drawn = "The sample drew a noise realisation of its own with every flight."
-    elif told:
+    elif stated is not None:
         drawn = "The sample simulated the same realisations: its statement holds for those and no other."
     else:
         drawn = ""

@@ -6,13 +6,14 @@ East is right and north is up, whichever axes the vehicle's world has. Start rea
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from markupsafe import Markup
 
 from backend.reports import plot, words
 from backend.reports.figures import WIDE, Case, Quantity
 from backend.reports.plot import Axes, Point
+from campaigns.results import TraceHead
+from campaigns.results.trace import TraceObstacle
 
 HEIGHT = 300
 HUES = {plot.NOMINAL: "grey", plot.WORST: "vermillion", "#7b5ba6": "violet", "#0072b2": "blue", "#857c00": "olive"}
@@ -22,14 +23,14 @@ REACH = 4.0
 
 def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
     """The flights around the encounter at one scale; None where no flight has a place."""
-    axis = _axes_of(cases[0].meta) if cases else ("x", "y")
+    axis = _axes_of(cases[0].head) if cases else ("x", "y")
     tracks = [_encounter(case, case.points(*axis), of) for case in cases]
     places = [p for track in tracks for p in track]
     if len(places) < 2:
         return None
     reach = of.threshold or 0.0
     for case in cases[-1:]:
-        reach = max((_free(obstacle, of) for obstacle in _shown(case)), default=reach)
+        reach = max((_free(obstacle) for obstacle in _shown(case)), default=reach)
         places += [
             (x + dx, y + dy) for x, y in _centres(case, axis) for dx in (-reach, reach) for dy in (-reach, reach)
         ]
@@ -41,13 +42,13 @@ def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
         axes.line(track, case.colour, 1.8, case.dash)
     for case in cases:
         _approach(axes, case, axis)
-    _landmarks(axes, cases[0].meta, axis)
+    _landmarks(axes, cases[0].head, axis)
     return axes.svg("Flights seen from above, with the obstacles at the closest approach of the worst flight")
 
 
-def _axes_of(meta: dict[str, Any]) -> tuple[str, str]:
+def _axes_of(head: TraceHead) -> tuple[str, str]:
     """Which columns run east and north."""
-    return ("y", "x") if meta.get("frame") == "ned" else ("x", "y")
+    return ("y", "x") if head.frame == "ned" else ("x", "y")
 
 
 def _at(position: Sequence[float], axis: tuple[str, str]) -> Point:
@@ -72,14 +73,8 @@ def _centres(case: Case, axis: tuple[str, str]) -> list[Point]:
     """The centre of each obstacle: at the closest approach of the one that came closest, at the start of others."""
     closest = case.closest
     return [
-        _at(
-            closest["obstacle_position"]
-            if i == closest.get("obstacle") and closest.get("obstacle_position")
-            else obstacle["position"],
-            axis,
-        )
-        for i, obstacle in enumerate(case.meta.get("obstacles", []))
-        if obstacle.get("position") and (not obstacle.get("moving") or i == closest.get("obstacle"))
+        _at(closest.obstacle_position if closest is not None and i == closest.obstacle else obstacle.position, axis)
+        for i, obstacle in _numbered(case)
     ]
 
 
@@ -102,52 +97,56 @@ def _grid(axes: Axes) -> None:
 
 def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> None:
     scale = abs(axes.x(1.0) - axes.x(0.0))
-    for i, obstacle in enumerate(case.meta.get("obstacles", [])):
-        if obstacle.get("moving"):
+    for i, obstacle in enumerate(case.head.obstacles):
+        if obstacle.moving:
             track = case.points(f"obstacle.{i}.{axis[0]}", f"obstacle.{i}.{axis[1]}")
             axes.line(track, plot.OBSTACLE, 1.3, "6 4")
     body = '<circle cx="{:.1f}" cy="{:.1f}" r="{:.1f}" fill="{}" fill-opacity="{}" stroke="{}" stroke-width="1"{}/>'
     dashed = Markup(' stroke-dasharray="5 4"')
     for (x, y), obstacle in zip(_centres(case, axis), _shown(case), strict=False):
         place = (axes.x(x), axes.y(y))
-        radius = float(obstacle.get("radius") or 0.0) * scale
+        radius = obstacle.radius * scale
         axes.add(body, *place, max(radius, 2.5), plot.OBSTACLE, 0.16, plot.OBSTACLE, Markup(""))
-        free = _free(obstacle, of) * scale
+        free = _free(obstacle) * scale
         if free > 0:
             axes.add(body, *place, free, "none", 0, plot.INK, dashed)
         edge = max(radius, free)
         axes.text(
             place[0],
             min(place[1] + edge + 12, axes.height - axes.bottom - 4),
-            obstacle.get("title", ""),
+            obstacle.title,
             colour=plot.OBSTACLE,
         )
 
 
-def _free(obstacle: dict[str, Any], of: Quantity) -> float:
-    """Radius of the disc that must stay free [m], 0 for none; flights stored before it was do not have it."""
-    return float(obstacle.get("free_radius", of.threshold) or 0.0)
+def _free(obstacle: TraceObstacle) -> float:
+    """Radius of the disc that must stay free [m], 0 for none."""
+    return obstacle.free_radius or 0.0
 
 
-def _shown(case: Case) -> list[dict[str, Any]]:
-    nearest = case.closest.get("obstacle")
-    obstacles = case.meta.get("obstacles", [])
-    return [o for i, o in enumerate(obstacles) if o.get("position") and (not o.get("moving") or i == nearest)]
+def _shown(case: Case) -> list[TraceObstacle]:
+    return [obstacle for _, obstacle in _numbered(case)]
+
+
+def _numbered(case: Case) -> list[tuple[int, TraceObstacle]]:
+    """The obstacles that are drawn as bodies: those at rest, and the one that came closest."""
+    nearest = None if case.closest is None else case.closest.obstacle
+    numbered = enumerate(case.head.obstacles)
+    return [(i, o) for i, o in numbered if o.position and (not o.moving or i == nearest)]
 
 
 def _approach(axes: Axes, case: Case, axis: tuple[str, str]) -> None:
     """The closest approach: the place, and a line to the obstacle's centre."""
     closest = case.closest
-    if not closest.get("position") or not closest.get("obstacle_position"):
+    if closest is None:
         return
-    here, there = _at(closest["position"], axis), _at(closest["obstacle_position"], axis)
+    here, there = _at(closest.position, axis), _at(closest.obstacle_position, axis)
     axes.rule(axes.x(here[0]), axes.y(here[1]), axes.x(there[0]), axes.y(there[1]), case.colour, 1, "2 2")
     axes.dot(*here, case.colour)
 
 
-def _landmarks(axes: Axes, meta: dict[str, Any], axis: tuple[str, str]) -> None:
-    for name in ("start", "goal"):
-        position = meta.get(name)
+def _landmarks(axes: Axes, head: TraceHead, axis: tuple[str, str]) -> None:
+    for name, position in (("start", head.start), ("goal", head.goal)):
         if not position:
             continue
         x, y = _at(position, axis)

@@ -19,6 +19,8 @@ from campaigns.asked.check import parts
 from campaigns.asked.distributions import Uncertain
 from campaigns.asked.spec import Part
 from campaigns.catalogue import ParameterEntry
+from campaigns.results import SearchResult, ValidateResult
+from campaigns.results.validate import Compared
 
 Row = dict[str, Any]
 
@@ -111,7 +113,8 @@ def _bare(part: Part) -> list[Row]:
 
 def methods(held: Held) -> list[Row]:
     """The searches that are asked for: settings, budget, what each found and how it ended, as far as it has begun."""
-    compared = {row["position"]: row for row in held.result("validate").get("comparison", [])}
+    validated, ended = held.result(ValidateResult), {s.position: r for s, r in held.results(SearchResult)}
+    compared = {} if validated is None else {row.position: row for row in validated.comparison}
     begun = [stage for stage in held.stages if stage.kind == "search"]
     bests = [stage.best for stage in begun]
     decimals = words.decimals_apart(bests, 4, 6)
@@ -119,12 +122,12 @@ def methods(held: Held) -> list[Row]:
     rows = []
     for i, asked in enumerate(held.campaign.stages.search):
         stage = begun[i] if i < len(begun) else None
-        result, beside = (stage.result or {}, compared.get(stage.position, {})) if stage else ({}, {})
+        result, beside = (ended.get(stage.position), compared.get(stage.position)) if stage else (None, None)
         entry = held.catalogue.method(asked.method) if held.catalogue else None
         best = stage.best if stage else None
         above = None if best is None or lowest is None else best - lowest
         rows.append({
-            "title": result.get("title") or (entry.title if entry else asked.method),
+            "title": result.title if result else (entry.title if entry else asked.method),
             "how": entry.how if entry else "",
             "source": entry.source if entry else "",
             "evaluations": words.count(stage.evaluations if stage else 0),
@@ -135,20 +138,20 @@ def methods(held: Held) -> list[Row]:
             "above": "best" if above == 0 else words.signed(above, decimals),
             "near": _near(beside),
             "seconds": words.seconds(stage.seconds) if stage else NONE,
-            "stop": (result.get("stop") or {}).get("text") or "not ended",
-            "findings": (", ".join(beside.get("findings", [])) or "none") if beside else NONE,
-            "basin": (beside["basin"] or "no listed finding") if "basin" in beside else NONE,
+            "stop": result.stop.text if result and result.stop else "not ended",
+            "findings": (", ".join(beside.findings) or "none") if beside else NONE,
+            "basin": (beside.basin or "no listed finding") if beside else NONE,
             "options": _options(asked.options),
             "starts": len(asked.starts),
         })  # fmt: skip
     return rows
 
 
-def _near(beside: dict[str, Any]) -> str:
+def _near(beside: Compared | None) -> str:
     """After how many evaluations a method came near the best known; a dash while the methods were not compared."""
-    if not beside:
+    if beside is None:
         return NONE
-    return words.count(beside["to_near_best"]) if beside.get("to_near_best") else "not reached"
+    return words.count(beside.to_near_best) if beside.to_near_best else "not reached"
 
 
 def _options(options: dict[str, Any]) -> str:
@@ -196,8 +199,8 @@ def findings(held: Held) -> list[Row]:
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
             "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
-            "seed": _seed(f.validation.get("realisation")),
-            "boundary": (held.after(f.label).get("boundary") or {}).get("text", ""),
+            "seed": _seed(None if f.validation is None else f.validation.realisation),
+            "boundary": "" if f.boundary is None else f.boundary.text,
         }
         for f in held.findings
     ]
@@ -214,7 +217,7 @@ def criteria(held: Held) -> list[Row]:
         return []
     rows = []
     for i, criterion in enumerate(held.run.criteria):
-        flown = [(held.nominal.get("values") or {}).get(criterion.name)]
+        flown = [None if held.nominal is None else held.nominal.values.get(criterion.name)]
         flown += [finding.values.get(criterion.name) for finding in held.findings]
         decimals = words.decimals_apart(flown, 4, 6)
         rows.append({
@@ -233,14 +236,14 @@ def doubts(held: Held) -> list[str]:
     if held.catalogue is None:
         return ["this installation has no catalogue of components: units, bounds and texts are not known here"]
     found = []
-    flown = (held.summary.get("provenance") or {}).get("clearance")
+    flown = None if held.verdict is None else held.verdict.provenance.clearance
     if flown is not None and flown != held.catalogue.version:
         kept = "are described by" if held.changes is None else "were kept with the run as described by"
         found.append(
             f"the run was flown with clearance {flown}, and the components {kept} {held.catalogue.version}: "
             "their texts and default values may not be those that flew"
         )
-    nominal = next((case.meta.get("parameters") or {} for case in held.cases if case.label == "Nominal"), {})
+    nominal = {} if held.nominal is None else held.nominal.parameters
     for path, (value, _, _) in held.limits.items():
         if path in nominal and not math.isclose(nominal[path], value, rel_tol=1e-12, abs_tol=1e-300):
             flew, here = words.plain(nominal[path], 12), words.plain(value, 12)

@@ -19,6 +19,8 @@ from markupsafe import Markup
 from backend.exports.naming import named
 from backend.reports import charts, limits, sections, validated, words
 from backend.reports.held import Held, load
+from campaigns.flown import Flown, Processor
+from campaigns.results import SensitivityResult, TraceHead, ValidateResult
 from campaigns.version import VERSION
 
 HERE = Path(__file__).parent
@@ -68,11 +70,12 @@ def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> P
 
 
 def _told(held: Held, at: float) -> dict[str, Any]:
-    run, summary = held.run, held.summary
+    run, verdict = held.run, held.verdict
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
     )
-    sentence = summary.get("sentence") or run.reason if run.verdict else _STATES[run.state]
+    stated = verdict.sentence if verdict is not None else run.reason
+    sentence = stated if run.verdict else _STATES[run.state]
     return {
         "run": run,
         "held": held,
@@ -81,7 +84,7 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "made": words.moment(at),
         "version": VERSION,
         "verdict": {"tone": tone, "word": word, "icon": icon, "sentence": sentence, "error": run.error},
-        "scope": str(summary.get("scope") or "").removeprefix("Scope: "),
+        "scope": "" if verdict is None else verdict.scope.removeprefix("Scope: "),
         "of": held.of,
         "terms": held.terms,
         "parts": sections.components(held),
@@ -92,15 +95,14 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "methods": sections.methods(held),
         "stages": sections.stages(held),
         "findings": sections.findings(held),
-        "validation": held.result("validate"),
+        "validation": held.result(ValidateResult),
         "cases": validated.cases(held),
         "again": validated.again(held),
         "encounter": validated.encounter(held),
         "limits": limits.conditions(held),
-        "checks": summary.get("checks") or [],
-        "statistics": summary.get("statistics") or {},
+        "checks": [] if verdict is None else verdict.checks,
         "sample": charts.sample(held),
-        "sensitivity": held.result("sensitivity"),
+        "sensitivity": held.result(SensitivityResult),
         "fig": charts.drawn(held),
         "doubts": sections.doubts(held),
         "signoffs": sections.signoffs(held),
@@ -114,46 +116,46 @@ def _told(held: Held, at: float) -> dict[str, Any]:
 
 def _flights(held: Held) -> list[str]:
     """A sentence on each drawn flight, with the noise realisation that it shows."""
-    decimals = words.decimals_for([case.closest.get("value") for case in held.cases])
+    approaches = [(case, case.closest) for case in held.cases]
+    known = [(case, closest) for case, closest in approaches if closest is not None]
+    decimals = words.decimals_for([closest.value for _, closest in known])
     return [
-        f"{case.label}: {held.of.told(case.closest['value'], decimals)} at {words.fixed(case.closest['time'], 2)} s"
-        f"{_shown(case.meta)}."
-        for case in held.cases
-        if case.closest.get("value") is not None and case.closest.get("time") is not None
+        f"{case.label}: {held.of.told(closest.value, decimals)} at {words.fixed(closest.time, 2)} s{_shown(case.head)}."
+        for case, closest in known
     ]
 
 
-def _shown(meta: dict[str, Any]) -> str:
-    realised = meta.get("realisation")
-    if not realised:
+def _shown(head: TraceHead) -> str:
+    realised = head.realisation
+    if realised is None:
         return ""
-    of = f", the lowest of {realised['seeds']} realisations" if realised["seeds"] > 1 else ""
-    return f", noise seed {realised['seed']}{of}"
+    of = f", the lowest of {realised.seeds} realisations" if realised.seeds > 1 else ""
+    return f", noise seed {realised.seed}{of}"
 
 
 def _origin(held: Held) -> list[tuple[str, str]]:
     """Provenance as rows; what was not recorded says so."""
-    flown = held.run.flown
-    told = held.summary.get("provenance") or (flown.model_dump(mode="json") if flown else {})
+    flown, verdict = held.run.flown, held.verdict
+    known: Flown = verdict.provenance if verdict is not None else flown or Flown()
+    seed = verdict.provenance.seed if verdict is not None else None
     unknown = "not recorded"
-    given = told.get("cpu")
-    cpu: dict[str, Any] = given if isinstance(given, dict) else {"model": given}
-    packages = ", ".join(f"{name} {version}" for name, version in (told.get("packages") or {}).items())
+    cpu = known.cpu or Processor()
+    packages = ", ".join(f"{name} {version}" for name, version in known.packages.items())
     return [
         ("Campaign", f"sha256 {held.run.campaign_digest}"),
         ("Results", f"sha256 {held.digest}"),
         ("Components", _components(held)),
         ("Code", f"sha256 {flown.code}" if flown and flown.code else "not stored when the run began"),
-        ("Simulation kernel", str(told.get("loop") or unknown)),
-        ("Seed", str(told.get("seed", held.campaign.seed))),
-        ("Clearance", str(told.get("clearance") or unknown)),
-        ("Python", str(told.get("python") or unknown)),
+        ("Simulation kernel", known.loop or unknown),
+        ("Seed", str(held.campaign.seed if seed is None else seed)),
+        ("Clearance", known.clearance or unknown),
+        ("Python", known.python or unknown),
         ("Packages", packages or unknown),
         (
             "Machine",
-            ", ".join(str(v) for v in (told.get("system"), cpu.get("model"), cpu.get("target")) if v) or unknown,
+            ", ".join(v for v in (known.system, cpu.model, cpu.target) if v) or unknown,
         ),
-        ("Lanes", str(told.get("lanes") or unknown)),
+        ("Lanes", str(known.lanes or unknown)),
         ("Worker, attempts", f"{held.run.worker or 'none'}, {held.run.attempts}"),
         ("Submitted", f"{words.moment(held.run.created)} by {held.run.owner or 'unknown'}"),
         ("Started", words.moment(held.run.started)),

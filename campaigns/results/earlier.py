@@ -44,6 +44,19 @@ def of_finding(label: str, validate: Mapping[str, Any]) -> Document:
     }
 
 
+def head(meta: Mapping[str, Any]) -> Document:
+    """The head of a flight: before the free disc about an obstacle was stored, it was that of the threshold."""
+    closest, obstacles = meta.get("closest"), meta.get("obstacles") or []
+    if closest and (closest.get("value") is None or not closest.get("obstacle_position")):
+        closest = None
+    known = {key: value for key, value in meta.items() if value is not None}
+    known["parameters"] = {path: value for path, value in (meta.get("parameters") or {}).items() if value is not None}
+    return known | {
+        "closest": closest,
+        "obstacles": [{"free_radius": meta.get("threshold"), **obstacle} for obstacle in obstacles],
+    }
+
+
 def verdict(summary: Mapping[str, Any]) -> Document | None:
     """The verdict's parts; None where there were none."""
     if not summary.get("verdict"):

@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from backend.results import service as results
 from backend.results import thin
 from backend.scenes.drawing.axes import Axes, axes_of
+from campaigns.results import TraceHead
+from campaigns.results.trace import Closest as StoredClosest
+from campaigns.results.trace import TraceColumn
 
 Floats = NDArray[np.float64]
 
@@ -106,21 +109,21 @@ def _between(time: float, times: Floats, rows: Floats) -> Floats:
 def from_stored(row: Any) -> Flight | None:
     """The flight of a row of the table of traces."""
     data = results.table(row)
-    chosen = thin.around(len(data), ROWS, results.closest_row(row.meta, row.columns, data))
-    columns = {column["name"]: data[chosen, k] for k, column in enumerate(row.columns)}
-    return _flight(row.columns, columns, row.meta)
+    head, described = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
+    chosen = thin.around(len(data), ROWS, results.closest_row(head, described, data))
+    columns = {column.name: data[chosen, k] for k, column in enumerate(described)}
+    return _flight(described, columns, head)
 
 
 def from_live(answer: Mapping[str, Any]) -> Flight | None:
     """The flight of an answer of the simulation process; None when it never left the ground."""
     columns = {name: np.array(values, dtype=np.float64) for name, values in answer["data"].items()}
-    return _flight(answer["columns"], columns, answer["meta"])
+    described = [TraceColumn.model_validate(column) for column in answer["columns"]]
+    return _flight(described, columns, TraceHead.model_validate(answer["meta"]))
 
 
-def _flight(
-    described: Sequence[Mapping[str, Any]], columns: Mapping[str, Floats], meta: Mapping[str, Any]
-) -> Flight | None:
-    names = {str(column["group"]): str(column["name"]) for column in described}
+def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], head: TraceHead) -> Flight | None:
+    names: dict[str, str] = {column.group: column.name for column in described}
     time = columns[names["time"]]
     pose = np.column_stack([columns.get(name, np.zeros(len(time))) for name in _POSE])
     separation = columns[names["separation"]] if "separation" in names else np.full(len(time), np.nan)
@@ -128,7 +131,7 @@ def _flight(
     known = np.isfinite(np.column_stack([pose, *tracks.values()])).all(axis=1)
     if known.sum() < 2:
         return None
-    axes = axes_of(meta.get("frame"))
+    axes = axes_of(head.frame)
     return Flight(
         axes=axes,
         time=time[known],
@@ -136,11 +139,11 @@ def _flight(
         rotation=pose[known, 3:],
         separation=separation[known],
         tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
-        parameters={path: float(v) for path, v in (meta.get("parameters") or {}).items() if v is not None},
-        closest=_closest(meta.get("closest"), axes),
-        cost=meta.get("cost"),
-        status=str(meta.get("status", "ok")),
-        reason=str(meta.get("reason", "")),
+        parameters=dict(head.parameters),
+        closest=_closest(head.closest, axes),
+        cost=head.cost,
+        status=head.status,
+        reason=head.reason,
     )
 
 
@@ -150,9 +153,8 @@ def _tracks(columns: Mapping[str, Floats]) -> dict[int, Floats]:
     return {i: np.column_stack([columns[f"obstacle.{i}.{axis}"] for axis in "xyz"]) for i in numbers}
 
 
-def _closest(meta: Mapping[str, Any] | None, axes: Axes) -> Closest | None:
-    if not meta or meta.get("value") is None or meta.get("obstacle_position") is None:
+def _closest(stored: StoredClosest | None, axes: Axes) -> Closest | None:
+    if stored is None:
         return None
-    position, obstacle = (np.array(meta[key], dtype=np.float64) for key in ("position", "obstacle_position"))
-    number = int(meta.get("obstacle") or 0)
-    return Closest(float(meta["time"]), float(meta["value"]), axes.drawn(position), axes.drawn(obstacle), number)
+    position, obstacle = (np.array(place) for place in (stored.position, stored.obstacle_position))
+    return Closest(stored.time, stored.value, axes.drawn(position), axes.drawn(obstacle), stored.obstacle)

@@ -24,6 +24,7 @@ _FINDINGS = sa.table(
     "findings", sa.column("run_id", sa.Integer), sa.column("label", sa.String), sa.column("validation", sa.JSON),
     sa.column("slices", sa.JSON), sa.column("boundary", sa.JSON), sa.column("closest", sa.JSON),
 )  # fmt: skip
+_TRACES = sa.table("traces", sa.column("run_id", sa.Integer), sa.column("name", sa.String), sa.column("meta", sa.JSON))
 _RUNS = sa.table("runs", sa.column("id", sa.Integer), sa.column("summary", sa.JSON))
 
 
@@ -46,6 +47,11 @@ def _upgrade(connection: sa.Connection, run_id: int) -> None:
         of = (_STAGES.c.run_id == run_id, _STAGES.c.position == stage.position)
         upgraded = earlier.upgraded(stage.kind, stage.result)
         connection.execute(sa.update(_STAGES).where(*of).values(result=upgraded))
+    for name, meta in connection.execute(
+        sa.select(_TRACES.c.name, _TRACES.c.meta).where(_TRACES.c.run_id == run_id)
+    ).all():
+        of = (_TRACES.c.run_id == run_id, _TRACES.c.name == name)
+        connection.execute(sa.update(_TRACES).where(*of).values(meta=earlier.head(meta or {})))
     summary = connection.scalar(sa.select(_RUNS.c.summary).where(_RUNS.c.id == run_id))
     if summary and (parts := earlier.verdict(summary)) is not None:
         connection.execute(sa.update(_RUNS).where(_RUNS.c.id == run_id).values(summary=parts))

@@ -1,6 +1,6 @@
 """Bounds on connections, which uvicorn lacks: how many are open, and how long a client takes to send or to read.
 
-A subclass of uvicorn's HTTP/1.1 protocol; sockets leave it with their upgrade and have pings of their own. Source:
+Subclasses of uvicorn's HTTP/1.1 protocol and of the one for WebSockets, which takes over with the upgrade. Source:
 OWASP Denial of Service Cheat Sheet, slow HTTP attacks. Start reading at `bounded`.
 """
 
@@ -11,7 +11,9 @@ import json
 from typing import Any
 
 import h11
+from uvicorn._types import ASGISendEvent
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 _FULL = "as many connections as the service allows are open: try again in a few seconds"
 _SLOW = "the request did not arrive in time"
@@ -21,6 +23,11 @@ _RETRY = "5"
 def bounded(most: int, patience: float) -> type[H11Protocol]:
     """The protocol for at most so many connections, whose clients may take so long for a request, or to read on [s]."""
     return type("Bounded", (BoundedProtocol,), {"most": most, "patience": patience})
+
+
+def bounded_socket(patience: float) -> type[WebSocketsSansIOProtocol]:
+    """The protocol of sockets whose clients may take so long to read what is left when their socket closes [s]."""
+    return type("BoundedSocket", (BoundedSocketProtocol,), {"patience": patience})
 
 
 class BoundedProtocol(H11Protocol):
@@ -109,6 +116,25 @@ class BoundedProtocol(H11Protocol):
         )
         self.transport.write(head.encode() + body)
         self.transport.close()
+
+
+class BoundedSocketProtocol(WebSocketsSansIOProtocol):
+    """Ends a socket whose client does not read; uvicorn would wait until it has read all that was written.
+
+    uvicorn sends a ping every 20 s and closes the socket when no pong comes within 20 s.
+    """
+
+    patience: float
+
+    def keepalive_timeout(self) -> None:
+        super().keepalive_timeout()
+        if self.transport.get_write_buffer_size():
+            self.transport.abort()
+
+    async def send(self, message: ASGISendEvent) -> None:
+        if message["type"] == "websocket.close":  # itself waits until the client reads
+            self.loop.call_later(self.patience, self.transport.abort)
+        await super().send(message)
 
 
 def _cancelled(timer: asyncio.TimerHandle | None) -> asyncio.TimerHandle | None:

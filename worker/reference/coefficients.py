@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 STAGES = 12
 """Slopes of one step; the thirteenth is the first of the next."""
@@ -241,18 +240,3 @@ D: Floats = _dense(
     ]
 )
 """The last four rows of the dense output, per step length."""
-
-
-_ROWS: Floats = np.vstack([A, E5, E3, D])
-
-FIVE, THREE, DENSE = len(A), len(A) + 1, len(A) + 2
-"""Rows of `WEIGHTS`, besides those of `A`: E5, E3 and the first of D."""
-
-COUNTS: Integers = np.count_nonzero(_ROWS, axis=1)
-"""How many slopes each row takes."""
-
-COLUMNS: Integers = np.argsort(_ROWS == 0.0, axis=1, kind="stable")
-"""Which slopes those are, in order; what stands behind them is not used."""
-
-WEIGHTS: Floats = np.take_along_axis(_ROWS, COLUMNS, axis=1)
-"""Their coefficients."""

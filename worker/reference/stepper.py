@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from worker.reference.coefficients import ALL, COLUMNS, COUNTS, DENSE, FIVE, STAGES, THREE, WEIGHTS, C
+from worker.reference.coefficients import ALL, E3, E5, STAGES, A, C, D
 
 X, NEW, WORK, DUMP, SAVED, K = 0, 1, 2, 3, 4, 5
 F = K + ALL
@@ -50,7 +50,7 @@ def stages(
     n = b.shape[1]
     error = 0.0
     for s in range(first, beyond):
-        added(s, b, WORK)
+        added(A[s], s, b, WORK)
         for i in range(n):
             b[WORK, i] = b[X, i] + h * b[WORK, i]
         if s == STAGES:
@@ -63,42 +63,21 @@ def stages(
     return error
 
 
-def added(row: int, b: Any, to: int) -> None:
-    """The slopes of a row of `WEIGHTS`, weighted and added from left to right, four in each pass over the states.
-
-    Slope by slope, the passes took a third of an aircraft's flight; the sums are the same to the bit.
-    """
-    count, j = COUNTS[row], 0
+def added(weights: Any, slopes: int, b: Any, to: int) -> None:
+    """So many slopes, weighed and added; one after another over whole rows, which is several states at a time."""
     for i in range(b.shape[1]):
         b[to, i] = 0.0
-    while j + 4 <= count:
-        one, two, three, four = WEIGHTS[row, j], WEIGHTS[row, j + 1], WEIGHTS[row, j + 2], WEIGHTS[row, j + 3]
-        first, second, third, last = (
-            K + COLUMNS[row, j],
-            K + COLUMNS[row, j + 1],
-            K + COLUMNS[row, j + 2],
-            K + COLUMNS[row, j + 3],
-        )
-        for i in range(b.shape[1]):
-            so_far = b[to, i] + one * b[first, i] + two * b[second, i]
-            b[to, i] = so_far + three * b[third, i] + four * b[last, i]
-        j += 4
-    if j + 2 <= count:
-        one, two = WEIGHTS[row, j], WEIGHTS[row, j + 1]
-        first, second = K + COLUMNS[row, j], K + COLUMNS[row, j + 1]
-        for i in range(b.shape[1]):
-            b[to, i] = b[to, i] + one * b[first, i] + two * b[second, i]
-        j += 2
-    if j < count:
-        one, first = WEIGHTS[row, j], K + COLUMNS[row, j]
-        for i in range(b.shape[1]):
-            b[to, i] += one * b[first, i]
+    for j in range(slopes):
+        weight = weights[j]
+        if weight != 0.0:
+            for i in range(b.shape[1]):
+                b[to, i] += weight * b[K + j, i]
 
 
 def estimated(h: float, rel: float, floor: float, b: Any) -> float:
     """The error of a step to the state at WORK, over the tolerance: both embedded solutions as one (section II.10)."""
-    added(FIVE, b, F)
-    added(THREE, b, F + 1)
+    added(E5, STAGES, b, F)
+    added(E3, STAGES, b, F + 1)
     five = three = 0.0
     for i in range(b.shape[1]):
         scale = floor + rel * max(abs(b[X, i]), abs(b[WORK, i]))
@@ -139,7 +118,7 @@ def bend(h: float, b: Any) -> None:
         b[F + 1, i] = h * old - change
         b[F + 2, i] = 2.0 * change - h * (new + old)
     for r in range(3, 7):
-        added(DENSE + r - 3, b, F + r)
+        added(D[r - 3], ALL, b, F + r)
         for i in range(b.shape[1]):
             b[F + r, i] *= h
 

@@ -86,7 +86,8 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
 
 
 def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
-    from campaigns import CampaignError, check
+    from campaigns import CampaignError
+    from campaigns.asked import check
     from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
     from worker.runs.store import MemoryStore
@@ -147,9 +148,22 @@ def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
 
 def _flying(threads: int | None, quiet: bool) -> Fly:
     """What runs a campaign into a store, with progress on the terminal unless quiet."""
+    from worker.processes import memory
     from worker.runs.runner import execute
 
+    try:
+        memory.allowed()
+    except ValueError as error:
+        raise WrongInputError(str(error)) from None
+
     def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Conclusion:
+        try:
+            with memory.bounded(threads):
+                return simulated(campaign, store, cancelled)
+        except MemoryError:
+            raise WrongInputError(memory.sentence()) from None
+
+    def simulated(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Conclusion:
         with interrupt.kept(cancelled) as asked:
             if quiet:
                 return execute(campaign, store, asked, threads=threads)

@@ -78,7 +78,8 @@ class Body:
         if self.kind == "cylinder":
             out = _direction(away * (1.0, 1.0, 0.0))
             radial, level = _outline(np.array([out @ away, away[2]]), np.array([self.size[0], self.size[1] / 2]))
-            return centre + radial * out + np.array([0.0, 0.0, level])
+            found: Floats = centre + radial * out + np.array([0.0, 0.0, level])
+            return found
         own = rotated(self.turn * (1.0, -1.0, -1.0, -1.0), away)
         return centre + rotated(self.turn, _outline(own, np.array(self.size) / 2))
 

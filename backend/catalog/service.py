@@ -13,8 +13,7 @@ from backend.db import snapshots
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.errors import RefusedError, not_found
-from campaigns import Campaign, CampaignError, Catalogue, Problem, library, load_file
-from campaigns.asked import check
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.check import parameters
 from campaigns.asked.plan import plan
 from campaigns.asked.text import to_yaml

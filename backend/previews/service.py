@@ -19,8 +19,8 @@ from backend.deps import Engine
 from backend.errors import RefusedError
 from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
 from backend.scenes.control.live import FlightRefusedError, Live, LiveError
-from campaigns import Campaign, CampaignError
-from campaigns.asked import check, effort
+from campaigns import Campaign, CampaignError, check
+from campaigns.asked import effort
 from campaigns.catalogue import ComponentEntry
 
 ROWS = 240

@@ -22,8 +22,7 @@ from backend.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
-from campaigns import Campaign, CampaignError, Catalogue, Problem, verdicts
-from campaigns.asked import check
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check, verdicts
 from campaigns.asked.load import load_document, load_text
 from campaigns.asked.plan import plan
 from campaigns.flown import Flown

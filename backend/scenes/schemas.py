@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from backend.scenes.address import FLIGHT, Camera
 from backend.schema import Given, Schema
+from campaigns.asked.spec import MAX_SEED
 
 Theme = Literal["light", "dark"]
 Trails = Literal["whole", "so_far"]
@@ -84,11 +85,19 @@ class ViewChange(Given):
     layers: LayersChange | None = None
     what_if: dict[str, Finite] | None = None
     """Fly the case with these uncertain parameters by path, the others nominal, as the what-if."""
+    what_if_seed: Annotated[int, Field(ge=0, lt=MAX_SEED)] | None = None
+    """The noise seed of that flight, as a finding reports the one it drew; null for those that the campaign states."""
 
     @model_validator(mode="after")
     def _one_time(self) -> ViewChange:
         if self.closest and (self.time is not None or self.step is not None):
             raise ValueError("either the closest approach, or a time with or without a step")
+        return self
+
+    @model_validator(mode="after")
+    def _seed_of_a_flight(self) -> ViewChange:
+        if self.what_if_seed is not None and self.what_if is None:
+            raise ValueError("what_if_seed goes with the parameters of a what_if flight")
         return self
 
     @model_validator(mode="after")
@@ -124,3 +133,5 @@ class ViewState(Schema):
     layers: Layers
     what_if: dict[str, float] | None
     """The parameters of the what-if flight that is drawn; null where there is none."""
+    what_if_seed: int | None
+    """Its noise seed, where it has one of its own; null for those that the campaign states."""

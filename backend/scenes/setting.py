@@ -18,6 +18,7 @@ from backend.results.improvements import Improvements
 from backend.runs.service import campaign
 from backend.scenes.drawing.axes import Axes, axes_of
 from backend.scenes.drawing.flight import Flight, from_stored
+from backend.scenes.noise import seeds
 from campaigns import Campaign, Catalogue
 from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry
@@ -191,6 +192,8 @@ class Progress:
         self.flights: dict[str, Flight] = {}
         self.findings: dict[str, dict[str, float]] = {}
         """{label: {path: value}}"""
+        self.seeds: dict[str, int] = {}
+        """Of the findings that drew a noise realisation of their own."""
         self.curves = {position: Improvements() for position, _, _ in setting.methods}
         self.over = False
         self._seen: dict[str, Any] = {}
@@ -224,6 +227,7 @@ class Progress:
         found = sa.select(Finding.label, Finding.parameters).where(Finding.run_id == self._run_id)
         rows = sorted(reader.execute(found).all(), key=lambda row: (len(row.label), row.label))
         self.findings = {row.label: row.parameters for row in rows}
+        self.seeds = seeds(reader, self._run_id)
         flown = sa.select(Stage.position, Stage.evaluations).where(Stage.run_id == self._run_id)
         for position, evaluations in reader.execute(flown).all():
             if position in self.curves and evaluations > self.curves[position].read:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from campaigns.asked import check
+from campaigns import check
 from campaigns.asked.load import CampaignError, load_document
 from tests.adversary.classes import CLASSES, Attack
 from tests.audited import audited

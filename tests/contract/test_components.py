@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from campaigns.asked import check
+from campaigns import check
 from campaigns.asked.load import load_document
 from tests.contract.scenes import STEP, around, drawn, entry, near, own, problem
 from worker.catalogue.installed import catalogue, components, source_of

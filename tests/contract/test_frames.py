@@ -15,8 +15,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import pytest
 
-from campaigns import Catalogue
-from campaigns.asked import check
+from campaigns import Catalogue, check
 from campaigns.asked.check import flyable
 from campaigns.asked.load import load_document
 from tests.contract.scenes import around, entry, own

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from campaigns.asked import check
+from campaigns import check
 from tests.contract.searches import EACH, rough
 from tests.unit.cases import searching
 from tests.unit.searching import run

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from campaigns.asked import check
+from campaigns import check
 from campaigns.asked.load import load_document
 from tests.contract.scenes import around
 from worker.catalogue.installed import catalogue, components

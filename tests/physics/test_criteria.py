@@ -11,8 +11,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import pytest
 
-from campaigns import Campaign, library, load_file
-from campaigns.asked import check
+from campaigns import Campaign, check, library, load_file
 from campaigns.asked.load import load_document
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.assemble import Loop

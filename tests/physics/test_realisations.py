@@ -18,8 +18,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from campaigns import Campaign, CampaignError, library, load_file
-from campaigns.asked import check
+from campaigns import Campaign, CampaignError, check, library, load_file
 from campaigns.asked.load import load_document
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Environment, Fault

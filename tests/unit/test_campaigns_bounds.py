@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from campaigns import Campaign, library, load_file
-from campaigns.asked import check, effort
+from campaigns import Campaign, check, library, load_file
+from campaigns.asked import effort
 from tests.unit.cases import campaign
 from worker.catalogue.installed import catalogue
 from worker.systems.problem import Problem

@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from campaigns import Catalogue
-from campaigns.asked import check
+from campaigns import Catalogue, check
 from campaigns.asked.check import parameters
 from campaigns.catalogue import MethodEntry
 from tests.unit.cases import campaign, searching

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from campaigns import CampaignError
-from campaigns.asked import check
+from campaigns import CampaignError, check
 from campaigns.asked.plan import plan
 from tests.unit.cases import campaign
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile

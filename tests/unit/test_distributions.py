@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from campaigns import CampaignError
-from campaigns.asked import check
+from campaigns import CampaignError, check
 from campaigns.asked.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
 from campaigns.asked.uncertainty import matrix, positive_definite
 from tests.unit.cases import campaign

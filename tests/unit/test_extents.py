@@ -8,8 +8,7 @@ from typing import Any
 
 import pytest
 
-from campaigns import Catalogue, library, load_file
-from campaigns.asked import check
+from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.check import flyable
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml

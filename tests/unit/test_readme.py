@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from campaigns.asked import check
+from campaigns import check
 from campaigns.asked.load import load_text
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.assemble import Loop

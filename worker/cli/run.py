@@ -86,8 +86,7 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
 
 
 def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Conclusion]:
-    from campaigns import CampaignError
-    from campaigns.asked import check
+    from campaigns import CampaignError, check
     from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
     from worker.runs.store import MemoryStore

@@ -18,8 +18,7 @@ def validate(
     """Check a campaign file: what is wrong with it, or its digest and what a run of it would do."""
     import json
 
-    from campaigns import Campaign, CampaignError
-    from campaigns.asked import check
+    from campaigns import Campaign, CampaignError, check
     from campaigns.asked.plan import plan
     from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign

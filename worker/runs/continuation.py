@@ -12,8 +12,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from campaigns import Campaign
-from campaigns.asked import check
+from campaigns import Campaign, check
 from campaigns.asked.load import load_document
 from campaigns.asked.plan import plan
 from campaigns.asked.spec import MAX_EVALUATIONS, Search

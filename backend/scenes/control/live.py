@@ -20,6 +20,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from backend.scenes.noise import STATED, Noise
+
 ROOT = Path(__file__).parents[3]
 COMMAND = (sys.executable, "-P", "-m", "worker.processes.live")
 
@@ -67,13 +69,18 @@ class Live:
         self._closed = False
 
     def fly(
-        self, campaign: Mapping[str, Any], digest: str, parameters: Mapping[str, float], rows: int
+        self,
+        campaign: Mapping[str, Any],
+        digest: str,
+        parameters: Mapping[str, float],
+        rows: int,
+        noise: Noise = STATED,
     ) -> dict[str, Any]:
         """One flight with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
 
         digest: of the campaign, by which its first flight is known.
         """
-        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows})
+        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows} | noise.request)
 
     def field(
         self,
@@ -82,13 +89,14 @@ class Live:
         parameters: Mapping[str, float],
         time: float,
         places: Sequence[tuple[float, float]],
+        noise: Noise = STATED,
     ) -> dict[str, Any]:
         """What the avoider asks for at places of the plane of the vehicle's height, at a time [s] of that flight.
 
         Places, demands: in the flight's own axes; what comes is told in `worker/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
-        return self._answered(digest, asked)
+        return self._answered(digest, asked | noise.request)
 
     def _answered(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
         for _ in range(MOST_STARTS):

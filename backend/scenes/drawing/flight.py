@@ -55,6 +55,10 @@ class Flight:
     cost: float | None
     status: str
     reason: str
+    seed: int | None = None
+    """Of the noise realisation that it shows; None where nothing is random."""
+    seeds: int = 1
+    """Of how many realisations it is the lowest."""
 
     def at(self, time: float) -> tuple[Floats, Floats, float]:
         """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, held before and after."""
@@ -129,6 +133,7 @@ def _flight(
     if known.sum() < 2:
         return None
     axes = axes_of(meta.get("frame"))
+    realised = meta.get("realisation") or {}
     return Flight(
         axes=axes,
         time=time[known],
@@ -141,6 +146,8 @@ def _flight(
         cost=meta.get("cost"),
         status=str(meta.get("status", "ok")),
         reason=str(meta.get("reason", "")),
+        seed=realised.get("seed"),
+        seeds=int(realised.get("seeds", 1)),
     )
 
 

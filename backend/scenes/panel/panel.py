@@ -74,7 +74,7 @@ class Panel:
     def have(self, change: ViewChange) -> None:
         """Show what is asked for; raises `UnknownParameterError` for a what-if or an axis."""
         if change.what_if is not None:
-            self._what_if.fly(change.what_if)
+            self._what_if.fly(change.what_if, change.what_if_seed)
         layers = change.layers or LayersChange()
         self._cloud.have(layers.space, layers.axes)
         self.flight.have(layers, change.speed)
@@ -91,4 +91,9 @@ class Panel:
             "space": self._cloud.on,
             "axes": self._cloud.along,
         }
-        return {"speed": self.flight.speed, "layers": layers, "what_if": self._what_if.parameters}
+        return {
+            "speed": self.flight.speed,
+            "layers": layers,
+            "what_if": self._what_if.parameters,
+            "what_if_seed": self._what_if.seed,
+        }

@@ -70,7 +70,7 @@ function Frame() {
           </button>
           <button
             type="button"
-            className="iconbtn"
+            className="iconbtn hide-keys"
             onClick={() => setKeys(true)}
             aria-label="Keys"
             title="Keys (?)"

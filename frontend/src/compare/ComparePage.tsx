@@ -86,10 +86,10 @@ function Compared({ comparison, all, onAll }: ComparedProps) {
         <Samples runs={runs} className="c5" />
         <div className="stack c7 wide">
           <Methods runs={runs} className="" />
+          <Code runs={runs} className="" />
         </div>
         <div className="stack c5 wide">
           <Ranges runs={runs} className="" />
-          <Code runs={runs} className="" />
         </div>
       </div>
     </>

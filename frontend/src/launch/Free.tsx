@@ -1,6 +1,6 @@
 // What must stay free about an obstacle, seen from above: about its centre, or as far from its surface all around.
 import { freeOf, type PlanBody } from './plan'
-import { degrees } from './angles'
+import { degrees } from './ways'
 
 interface FreeProps {
   body: PlanBody

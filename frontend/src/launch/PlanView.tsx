@@ -4,6 +4,7 @@ import type { Campaign } from '../api/campaign'
 import type { Catalogue } from '../client'
 import { Free } from './Free'
 import { extentOf, fit, type Place, type PlanBody, planOf, reachOf, type Window } from './plan'
+import { degrees } from './ways'
 
 interface PlanViewProps {
   campaign: Campaign
@@ -107,7 +108,6 @@ function Head({ way, view, colour }: { way: Place[]; view: Window; colour: strin
   )
 }
 
-const degrees = (angle: number): number => (angle * 180) / Math.PI
 
 const line = (way: Place[], view: Window): string =>
   way.map((p, i) => `${i === 0 ? 'M' : 'L'}${view.x(p).toFixed(1)} ${view.y(p).toFixed(1)}`).join('')

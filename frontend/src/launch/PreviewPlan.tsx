@@ -3,11 +3,10 @@
 import { fixed, plain } from '../format/numbers'
 import type { Flown } from './flown'
 import { Free } from './Free'
-import { degrees } from './angles'
 import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
 import { extentOf, fit, freeOf, type Plan, type PlanBody } from './plan'
 import type { FanRange, Ranges } from './ranges'
-import type { Step } from './ways'
+import { degrees, type Step } from './ways'
 
 export interface DrawnProps {
   plan: Plan

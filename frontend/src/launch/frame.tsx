@@ -1,8 +1,7 @@
 // What the drawings of the preview share: a frame with axes and grid, marks along a way, arrows. Start: `Axes2`.
-import { degrees } from './angles'
 import { linearTicks, tickDecimals } from '../charts/ticks'
 import { fixed } from '../format/numbers'
-import { at, type Step } from './ways'
+import { at, degrees, type Step } from './ways'
 
 /** Where a drawing's inner part lies [px]. */
 export interface Area {

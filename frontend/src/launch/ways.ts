@@ -12,6 +12,9 @@ export interface Step {
 /** The number that a parameter stands for; null where there is none of the name. */
 export type Values = (name: string) => number | null
 
+/** Of an angle [rad], as drawings take it. */
+export const degrees = (angle: number): number => (angle * 180) / Math.PI
+
 const POINTS = 64
 
 /** `sign` turns z into height: -1 where z points down. `lift`: what a climb angle does to the height, see `liftOf`. */

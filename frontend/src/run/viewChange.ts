@@ -30,7 +30,7 @@ export function merged(before: ViewChange, next: ViewChange): ViewChange {
 
 /** Everything that a view showed, for the one that is opened in its place. */
 export function again(last: ViewState): ViewChange {
-  const { flight, theme, time, camera, eye, playing, speed, panel, layers, what_if } = last
+  const { flight, theme, time, camera, eye, playing, speed, panel, layers, what_if, what_if_seed } = last
   return {
     flight,
     theme,
@@ -40,7 +40,7 @@ export function again(last: ViewState): ViewChange {
     panel,
     layers,
     ...(camera ? { camera } : eye && { eye }),
-    ...(what_if && { what_if }),
+    ...(what_if && { what_if, what_if_seed }),
   }
 }
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from backend.scenes.drawing.axes import Axes
+from backend.scenes.base.axes import Axes
 from backend.scenes.drawing.colours import VIRIDIS, colours
 from backend.scenes.drawing.world import Frame
 from backend.scenes.panel.field_slice import PLACES, Grid, Slice, arrows, legend, picture, read

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from backend.db.tables import Finding, Stage
 from backend.results import evaluations
 from backend.results.schemas import Evaluations
-from backend.scenes.setting import NOMINAL, Setting
+from backend.scenes.base.setting import NOMINAL, Setting
 
 Floats = NDArray[np.float64]
 

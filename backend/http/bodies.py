@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from anyio import CapacityLimiter, to_thread
 from fastapi import Request
 
-from backend.errors import RefusedError
+from backend.http.errors import RefusedError
 from campaigns import Campaign, CampaignError, Problem, load_text
 from campaigns.asked.reading import LONGEST_KEY, repeated
 

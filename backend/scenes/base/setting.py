@@ -16,8 +16,8 @@ from backend.db.tables import Finding, Run, Stage, Trace
 from backend.results import service as results
 from backend.results.improvements import Improvements
 from backend.runs.service import campaign
-from backend.scenes.drawing.axes import Axes, axes_of
-from backend.scenes.drawing.flight import Flight, from_stored
+from backend.scenes.base.axes import Axes, axes_of
+from backend.scenes.base.flight import Flight, from_stored
 from campaigns import Campaign, Catalogue
 from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry

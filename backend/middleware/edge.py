@@ -9,7 +9,7 @@ import urllib.parse
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from backend.errors import RefusedError, respond
+from backend.http.errors import RefusedError, respond
 
 LONGEST = 16_000
 """Path and query together; the longest that the pages ask with has 5,000: a reason in emoji, encoded [bytes]."""

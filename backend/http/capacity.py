@@ -16,7 +16,7 @@ from anyio import CancelScope, CapacityLimiter, to_thread
 from fastapi.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
 
-from backend.errors import RefusedError
+from backend.http.errors import RefusedError
 
 Result = TypeVar("Result")
 Gone = Callable[[], Awaitable[bool]]

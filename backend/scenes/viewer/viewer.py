@@ -14,18 +14,18 @@ import sqlalchemy as sa
 import viser
 
 from backend.db.engine import read
-from backend.scenes.address import Address, Camera
-from backend.scenes.control.live import Live
+from backend.scenes.base.address import Address, Camera
+from backend.scenes.base.palette import DARK, LIGHT, rgb
+from backend.scenes.base.part import Part
+from backend.scenes.base.schemas import ViewChange, ViewState
+from backend.scenes.base.setting import Progress, Setting
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.following import FRAME, Following
-from backend.scenes.drawing.palette import DARK, LIGHT, rgb
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
+from backend.scenes.live.live import Live
 from backend.scenes.panel.flight_tab import STEP
-from backend.scenes.panel.panel import Panel
-from backend.scenes.part import Part
-from backend.scenes.schemas import ViewChange, ViewState
-from backend.scenes.setting import Progress, Setting
+from backend.scenes.viewer.panel import Panel
 
 LOOK = 1.0
 """Time between looks at a run that is not over [s]."""

@@ -17,7 +17,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
-from backend.schema import Schema
+from backend.http.schema import Schema
 from campaigns import Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
 

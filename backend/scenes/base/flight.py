@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from backend.results import service as results
 from backend.results import thin
-from backend.scenes.drawing.axes import Axes, axes_of
+from backend.scenes.base.axes import Axes, axes_of
 
 Floats = NDArray[np.float64]
 

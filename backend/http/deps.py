@@ -8,8 +8,8 @@ from typing import Annotated
 import sqlalchemy as sa
 from fastapi import Depends, Request
 
-from backend.capacity import Capacities
 from backend.db.engine import read
+from backend.http.capacity import Capacities
 
 
 async def engine(request: Request) -> sa.Engine:

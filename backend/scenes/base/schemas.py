@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from backend.scenes.address import FLIGHT, Camera
-from backend.schema import Given, Schema
+from backend.http.schema import Given, Schema
+from backend.scenes.base.address import FLIGHT, Camera
 
 Theme = Literal["light", "dark"]
 Trails = Literal["whole", "so_far"]

@@ -16,10 +16,10 @@ from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from backend import pages
+from backend.access.door import Door
 from backend.db.access import Visitor
-from backend.door import Door
-from backend.errors import RefusedError, respond
+from backend.http import pages
+from backend.http.errors import RefusedError, respond
 
 OPEN = frozenset({"/api/v1/health", "/login", "/favicon.ico", "/favicon.svg"})
 OPEN_FOLDERS = ("/assets/",)

@@ -10,21 +10,21 @@ from typing import Any
 import sqlalchemy as sa
 import viser
 
+from backend.scenes.base.flight import Flight
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.schemas import LayersChange, ViewChange
+from backend.scenes.base.setting import Progress, Setting
 from backend.scenes.cloud.tab import CloudTab, Shown
-from backend.scenes.control.live import Live
-from backend.scenes.drawing.flight import Flight
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.following import Following
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
+from backend.scenes.live.live import Live
 from backend.scenes.panel.convergence_tab import ConvergenceTab
 from backend.scenes.panel.field import FieldSlice
 from backend.scenes.panel.flight_tab import FlightTab
 from backend.scenes.panel.sampled import Sampled
 from backend.scenes.panel.what_if_tab import WhatIfTab
-from backend.scenes.part import Driver, Part
-from backend.scenes.schemas import LayersChange, ViewChange
-from backend.scenes.setting import Progress, Setting
 
 
 class Panel:

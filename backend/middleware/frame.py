@@ -14,7 +14,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from backend.errors import RefusedError, broken, respond
+from backend.http.errors import RefusedError, broken, respond
 
 LARGEST_BODY = 2_000_000
 """[bytes]"""

@@ -8,8 +8,8 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 from typing import Protocol
 
-from backend.scenes.address import Camera
-from backend.scenes.drawing.palette import Palette
+from backend.scenes.base.address import Camera
+from backend.scenes.base.palette import Palette
 
 
 class Part:

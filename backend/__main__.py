@@ -18,10 +18,10 @@ import uvicorn
 from fastapi import FastAPI
 
 from backend.app import create
-from backend.connections import bounded, bounded_socket
 from backend.db.access import create_login_code
 from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
+from backend.middleware.connections import bounded, bounded_socket
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 

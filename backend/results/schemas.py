@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 from backend.catalog.schemas import CriterionOut
-from backend.schema import Schema
+from backend.http.schema import Schema
 
 
 class EvaluationSeries(Schema):

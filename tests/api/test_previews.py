@@ -12,10 +12,10 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument
-from backend.errors import RefusedError
+from backend.http.errors import RefusedError
 from backend.previews import service as previews
 from backend.previews.service import LIMIT, Previews
-from backend.scenes.control.live import Live
+from backend.scenes.live.live import Live
 from backend.scenes.noise import STATED, Noise
 from campaigns import Campaign, library
 from tests.api.catalogue import CATALOGUE, campaign, component, parameter, published_by_workers

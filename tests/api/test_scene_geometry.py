@@ -10,14 +10,14 @@ import pytest
 from backend.reports import plot
 from backend.reports.figures import Case, Quantity
 from backend.reports.plan_view import plan_view
+from backend.scenes.base.axes import Axes, along, axes_of
+from backend.scenes.base.flight import Closest, from_live
+from backend.scenes.base.setting import _climbs, _course
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.axes import Axes, along, axes_of
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import distance
 from backend.scenes.drawing.drawn import ruler
-from backend.scenes.drawing.flight import Closest, from_live
 from backend.scenes.drawing.world import Frame
-from backend.scenes.setting import _climbs, _course
 from campaigns import Campaign
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.finished import encounter, straight, turned

@@ -7,11 +7,11 @@ import numpy as np
 from backend.db.engine import read
 from backend.db.records import Columns, Finding, StagePlan
 from backend.runs.service import number
+from backend.scenes.base.flight import from_live
+from backend.scenes.base.setting import Progress, load
 from backend.scenes.cloud.evaluations import load as cloud_of
-from backend.scenes.drawing.flight import from_live
 from backend.scenes.noise import STATED, WHOLE, Noise, draws
 from backend.scenes.panel.sampled import _sample
-from backend.scenes.setting import Progress, load
 from campaigns import library, load_file
 from tests.api.finished import Work
 from tests.api.server import Service

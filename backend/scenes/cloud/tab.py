@@ -13,23 +13,23 @@ import viser
 
 from backend.db.engine import read
 from backend.runs.service import number
-from backend.scenes.address import Camera
+from backend.scenes.base.address import Camera
+from backend.scenes.base.flight import ROWS, Flight, from_live
+from backend.scenes.base.palette import DARK, Palette
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.schemas import NONE as NO_AXIS
+from backend.scenes.base.schemas import VALUE
+from backend.scenes.base.setting import NOMINAL, Progress, Setting, UnknownParameterError
 from backend.scenes.cloud import words
 from backend.scenes.cloud.drawn import CloudDrawn
 from backend.scenes.cloud.evaluations import Axes, Axis, Cloud, Evaluation, axes, load, met
-from backend.scenes.control.latest import Latest
-from backend.scenes.control.live import Live, LiveError
 from backend.scenes.drawing.cameras import Pose, distance
-from backend.scenes.drawing.flight import ROWS, Flight, from_live
 from backend.scenes.drawing.following import Following
-from backend.scenes.drawing.palette import DARK, Palette
 from backend.scenes.drawing.world import World
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
 from backend.scenes.noise import STATED
 from backend.scenes.panel import tables
-from backend.scenes.part import Driver, Part
-from backend.scenes.schemas import NONE as NO_AXIS
-from backend.scenes.schemas import VALUE
-from backend.scenes.setting import NOMINAL, Progress, Setting, UnknownParameterError
 
 NOTHING = "–"
 """No axis."""

@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.drawing.axes import Axes, rotated
-from backend.scenes.drawing.flight import Flight
+from backend.scenes.base.axes import Axes, rotated
+from backend.scenes.base.flight import Flight
 
 Floats = NDArray[np.float64]
 

@@ -12,13 +12,13 @@ from typing import Any, Literal
 import numpy as np
 import viser
 
+from backend.scenes.base.flight import Closest, Flight, Floats
+from backend.scenes.base.palette import rgb, shade
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import Body, bodies_of
-from backend.scenes.drawing.flight import Closest, Flight, Floats
-from backend.scenes.drawing.palette import rgb, shade
 from backend.scenes.drawing.trail import Trail
 from backend.scenes.drawing.world import World
-from backend.scenes.setting import Setting
 
 Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
 

@@ -16,15 +16,15 @@ from backend.db.engine import read
 from backend.db.tables import Stage
 from backend.results import evaluations
 from backend.runs.service import number
-from backend.scenes.control.latest import Latest
-from backend.scenes.control.live import Live, LiveError
+from backend.scenes.base.flight import Floats, from_live
+from backend.scenes.base.palette import Palette, rgb
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.flight import Floats, from_live
-from backend.scenes.drawing.palette import Palette, rgb
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
 from backend.scenes.noise import STATED, Noise, draws
 from backend.scenes.panel import tables
-from backend.scenes.part import Driver, Part
-from backend.scenes.setting import Setting
 
 MOST = 36
 """Flights at most."""

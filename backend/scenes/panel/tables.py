@@ -6,10 +6,10 @@ import html
 import math
 from collections.abc import Sequence
 
+from backend.scenes.base.flight import Flight
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import vectors
 from backend.scenes.drawing.drawn import Drawn
-from backend.scenes.drawing.flight import Flight
-from backend.scenes.setting import Setting
 
 _TABLE = (
     'style="width:calc(100% - 28px);margin:6px 18px 6px 10px;border-collapse:collapse;font-size:0.85em;'

@@ -7,14 +7,14 @@ from typing import Any
 
 import viser
 
-from backend.scenes.control.latest import Latest
-from backend.scenes.control.live import Live, LiveError
+from backend.scenes.base.flight import ROWS, Flight, from_live
+from backend.scenes.base.part import Part
+from backend.scenes.base.setting import NOMINAL, Progress, Setting, Uncertain, UnknownParameterError
 from backend.scenes.drawing.drawn import Drawn
-from backend.scenes.drawing.flight import ROWS, Flight, from_live
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
 from backend.scenes.noise import Noise
 from backend.scenes.panel import tables
-from backend.scenes.part import Part
-from backend.scenes.setting import NOMINAL, Progress, Setting, Uncertain, UnknownParameterError
 
 STEPS = 400
 """How finely a slider divides its range; the buttons set values at full precision."""

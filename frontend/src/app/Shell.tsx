@@ -20,7 +20,7 @@ import { toggleTheme, useTheme } from '../theme/useTheme'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
 import { Keys } from './Keys'
-import { toggleMine, useNotifier, useWanted } from './notify'
+import { toggleMine, useNotifier, useWanted } from '../page/notify'
 import { SignedOut } from './SignedOut'
 
 const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))

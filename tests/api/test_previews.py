@@ -15,8 +15,8 @@ from backend.db.tables import CatalogueDocument
 from backend.http.errors import RefusedError
 from backend.previews import service as previews
 from backend.previews.service import LIMIT, Previews
+from backend.scenes.base.noise import STATED, Noise
 from backend.scenes.live.live import Live
-from backend.scenes.noise import STATED, Noise
 from campaigns import Campaign, library
 from tests.api.catalogue import CATALOGUE, campaign, component, parameter, published_by_workers
 from tests.api.server import Service, until

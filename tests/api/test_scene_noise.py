@@ -8,9 +8,9 @@ from backend.db.engine import read
 from backend.db.records import Columns, Finding, StagePlan
 from backend.runs.service import number
 from backend.scenes.base.flight import from_live
+from backend.scenes.base.noise import STATED, WHOLE, Noise, draws
 from backend.scenes.base.setting import Progress, load
 from backend.scenes.cloud.evaluations import load as cloud_of
-from backend.scenes.noise import STATED, WHOLE, Noise, draws
 from backend.scenes.panel.sampled import _sample
 from campaigns import library, load_file
 from tests.api.finished import Work

@@ -46,7 +46,7 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     "backend.scenes": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
     "backend.scenes.base": (*SHARED, "backend.catalog", "backend.runs", "backend.results"),
-    "backend.scenes.live": (),
+    "backend.scenes.live": ("backend.scenes.base",),
     "backend.scenes.drawing": ("backend.scenes.base",),
     "worker.kernels": (),
     "worker.physics": ("worker.kernels",),

@@ -18,7 +18,7 @@ from backend.results.improvements import Improvements
 from backend.runs.service import campaign
 from backend.scenes.base.axes import Axes, axes_of
 from backend.scenes.base.flight import Flight, from_stored
-from backend.scenes.noise import seeds
+from backend.scenes.base.noise import seeds
 from campaigns import Campaign, Catalogue
 from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from backend.db.tables import Finding, Stage
 from backend.results import evaluations
 from backend.results.schemas import Evaluations
+from backend.scenes.base.noise import STATED, Noise, draws
 from backend.scenes.base.setting import NOMINAL, Setting
-from backend.scenes.noise import STATED, Noise, draws
 
 Floats = NDArray[np.float64]
 

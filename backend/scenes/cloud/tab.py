@@ -15,6 +15,7 @@ from backend.db.engine import read
 from backend.runs.service import number
 from backend.scenes.base.address import Camera
 from backend.scenes.base.flight import ROWS, Flight, from_live
+from backend.scenes.base.noise import STATED
 from backend.scenes.base.palette import DARK, Palette
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.schemas import NONE as NO_AXIS
@@ -28,7 +29,6 @@ from backend.scenes.drawing.following import Following
 from backend.scenes.drawing.world import World
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
-from backend.scenes.noise import STATED
 from backend.scenes.panel import tables
 
 NOTHING = "–"

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from backend.scenes.noise import STATED, Noise
+from backend.scenes.base.noise import STATED, Noise
 
 ROOT = Path(__file__).parents[3]
 COMMAND = (sys.executable, "-P", "-m", "worker.processes.live")

@@ -14,6 +14,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from backend.scenes.base.noise import Noise
 from backend.scenes.base.palette import DARK, Palette, Rgb, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
@@ -22,7 +23,6 @@ from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.world import World
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
-from backend.scenes.noise import Noise
 from backend.scenes.panel import field_slice, tables
 from backend.scenes.panel.field_slice import Grid, Slice
 

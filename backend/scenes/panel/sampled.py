@@ -17,13 +17,13 @@ from backend.db.tables import Stage
 from backend.results import evaluations
 from backend.runs.service import number
 from backend.scenes.base.flight import Floats, from_live
+from backend.scenes.base.noise import STATED, Noise, draws
 from backend.scenes.base.palette import Palette, rgb
 from backend.scenes.base.part import Driver, Part
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
-from backend.scenes.noise import STATED, Noise, draws
 from backend.scenes.panel import tables
 
 MOST = 36

@@ -8,12 +8,12 @@ from typing import Any
 import viser
 
 from backend.scenes.base.flight import ROWS, Flight, from_live
+from backend.scenes.base.noise import Noise
 from backend.scenes.base.part import Part
 from backend.scenes.base.setting import NOMINAL, Progress, Setting, Uncertain, UnknownParameterError
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.live.latest import Latest
 from backend.scenes.live.live import Live, LiveError
-from backend.scenes.noise import Noise
 from backend.scenes.panel import tables
 
 STEPS = 400

@@ -18,10 +18,10 @@ import uvicorn
 from fastapi import FastAPI
 
 from backend.app import create
-from backend.connections import bounded
 from backend.db.access import create_login_code
 from backend.db.engine import migrate
 from backend.db.private import keep_private, write_private
+from backend.middleware.connections import bounded, bounded_socket
 from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 
@@ -77,7 +77,7 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         app,
         log_config=None,
         access_log=False,
-        ws="websockets-sansio",
+        ws=bounded_socket(settings.request_patience),
         ws_per_message_deflate=False,
         ws_max_size=LARGEST,
         http=bounded(settings.max_connections, settings.request_patience),

@@ -10,20 +10,21 @@ from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
 from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES, GZipMiddleware
 
-from backend import bodies, errors, openapi, pages
-from backend.auth import Guard
-from backend.capacity import Capacities
+from backend import openapi
+from backend.access.auth import Guard
+from backend.access.door import Door
 from backend.catalog import endpoints as catalog
 from backend.db.engine import connect
-from backend.door import Door
 from backend.drafts import endpoints as drafts
-from backend.edge import Edge
 from backend.events import endpoints as events
 from backend.events.hub import Hub
 from backend.exports import endpoints as exports
-from backend.frame import Frame
-from backend.heads import Heads
 from backend.health import endpoints as health
+from backend.http import bodies, errors, pages
+from backend.http.capacity import Capacities
+from backend.middleware.edge import Edge
+from backend.middleware.frame import Frame
+from backend.middleware.heads import Heads
 from backend.previews import endpoints as previews
 from backend.previews.service import Previews
 from backend.reports import endpoints as reports
@@ -31,8 +32,8 @@ from backend.results import endpoints as results
 from backend.runs import endpoints as runs
 from backend.scenes import endpoints as scenes
 from backend.scenes.control import channel as views
-from backend.scenes.control.live import Live
 from backend.scenes.control.viewers import Viewers
+from backend.scenes.live.live import Live
 from backend.scenes.recordings import pages as recordings
 from backend.sessions import endpoints as sessions
 from backend.sessions.attempts import Attempts

@@ -17,8 +17,8 @@ from fastapi.openapi.utils import get_openapi
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
-from backend.errors import ProblemDocument, declare
 from backend.events.schemas import NewImprovements
+from backend.http.errors import ProblemDocument, declare
 from backend.runs.schemas import RunSubmit
 from campaigns import Campaign
 

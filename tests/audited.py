@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import sqlalchemy as sa
 
 from backend.db.engine import read
@@ -12,7 +13,7 @@ from backend.db.store import plain
 from campaigns import Campaign
 from campaigns.asked.snapshot import snapshot
 from worker.audit.judge import Item, audit, closing
-from worker.audit.record import Columns, Record, of_database, of_folder
+from worker.audit.record import Record, of_database, of_folder
 from worker.catalogue.installed import catalogue
 from worker.cli._results import evidence
 from worker.cli.run import summary
@@ -48,6 +49,7 @@ def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = No
     assert run.conclusion is not None
     held = {k: columns for k in range(len(run.stages)) if (columns := run.evaluations(k)) is not None}
     claims = plain(summary(campaign, run, run.conclusion) | evidence(campaign, run, run.conclusion))
-    claims |= {"digests": {"result": claims["digest"]}}
-    stored = {k: Columns(c.points, c.costs, c.status) for k, c in held.items()}
-    return Record(campaign, snapshot(campaign, catalogue()), stored, claims)
+    claims |= {"components": snapshot(campaign, catalogue())}
+    stage = np.repeat(list(held), [len(c.status) for c in held.values()])
+    columns = (np.concatenate([getattr(c, name) for c in held.values()]) for name in ("points", "costs", "status"))
+    return Record(campaign, claims, {"digests.result": (claims["digest"], campaign.digest)}, stage, *columns)

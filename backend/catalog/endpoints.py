@@ -6,12 +6,12 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Request
 
-from backend import bodies
 from backend.catalog import service
 from backend.catalog.schemas import Checked, LibraryCampaign
 from backend.db.engine import read
-from backend.deps import Engine, Reader, capacities
-from backend.errors import problems
+from backend.http import bodies
+from backend.http.deps import Engine, Reader, capacities
+from backend.http.errors import problems
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.asked.load import load_document
 

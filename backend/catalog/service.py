@@ -12,7 +12,7 @@ from backend.catalog.schemas import Checked, CheckedParameter, LibraryCampaign, 
 from backend.db import snapshots
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueDocument, Run, Stage
-from backend.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, not_found
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
 from campaigns.asked.check import parameters
 from campaigns.asked.plan import plan

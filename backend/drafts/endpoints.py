@@ -6,12 +6,12 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, status
 
-from backend.auth import CurrentVisitor
-from backend.deps import Engine, Reader
+from backend.access.auth import CurrentVisitor
 from backend.drafts import service
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
-from backend.errors import problems
-from backend.schema import DraftName, Number32
+from backend.http.deps import Engine, Reader
+from backend.http.errors import problems
+from backend.http.schema import DraftName, Number32
 
 router = APIRouter(tags=["drafts"])
 

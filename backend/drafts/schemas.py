@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from backend.http.schema import Given, Number32, Schema
 from backend.runs.schemas import Tags
-from backend.schema import Given, Number32, Schema
 
 LONGEST = 500_000
 

@@ -14,7 +14,7 @@ from backend.db.engine import now
 from backend.db.tables import Draft as Row
 from backend.db.tables import Run
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
-from backend.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, service
 
 MOST = 1000

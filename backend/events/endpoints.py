@@ -13,8 +13,8 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 
 from backend.db.engine import read
-from backend.deps import Engine
-from backend.errors import problems
+from backend.http.deps import Engine
+from backend.http.errors import problems
 from backend.runs import service
 
 router = APIRouter(tags=["events"])

@@ -16,8 +16,8 @@ import sqlalchemy as sa
 from backend.catalog.service import bounds, described
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import Run
-from backend.errors import RefusedError
 from backend.events.schemas import NewImprovements
+from backend.http.errors import RefusedError
 from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service

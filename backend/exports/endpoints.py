@@ -9,16 +9,16 @@ import sqlalchemy as sa
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
-from backend.capacity import BoundedStream
 from backend.db.engine import read
-from backend.deps import Engine, Reader, capacities
-from backend.errors import problems
 from backend.exports import service
-from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
+from backend.http.capacity import BoundedStream
+from backend.http.deps import Engine, Reader, capacities
+from backend.http.errors import problems
+from backend.http.naming import named
+from backend.http.schema import FlightName, RunName
 from backend.runs.service import number, summary
 from backend.scenes.recordings import pages as recordings
-from backend.schema import FlightName, RunName
 
 router = APIRouter(tags=["exports"])
 Theme = Annotated[Literal["light", "dark"], Query(description="Which colours it has.")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from backend.schema import Schema
+from backend.http.schema import Schema
 
 
 class ExportFile(Schema):

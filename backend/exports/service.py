@@ -21,9 +21,9 @@ from backend.db import snapshots
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument, Trace
-from backend.exports.naming import named
 from backend.exports.schemas import ExportFile
 from backend.exports.sheet import Flown, Sheet, headings, sheet
+from backend.http.naming import named
 from backend.reports import pdf
 from backend.results import service as results
 from backend.runs import service as runs

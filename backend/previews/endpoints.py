@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request
 
-from backend import bodies
 from backend.catalog.endpoints import CHECK_BODY, given
-from backend.deps import Engine, capacities
-from backend.errors import problems
+from backend.http import bodies
+from backend.http.deps import Engine, capacities
+from backend.http.errors import problems
 from backend.previews import service
 from backend.previews.schemas import Preview
 from campaigns import CampaignError

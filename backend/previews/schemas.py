@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from backend.schema import Schema
+from backend.http.schema import Schema
 
 
 class PreviewClosest(Schema):

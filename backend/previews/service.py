@@ -15,10 +15,10 @@ from anyio import CapacityLimiter, to_thread
 
 from backend.catalog.service import required
 from backend.db.engine import read
-from backend.deps import Engine
-from backend.errors import RefusedError
+from backend.http.deps import Engine
+from backend.http.errors import RefusedError
 from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
-from backend.scenes.control.live import FlightRefusedError, Live, LiveError
+from backend.scenes.live.live import FlightRefusedError, Live, LiveError
 from campaigns import Campaign, CampaignError, check
 from campaigns.asked import effort
 from campaigns.catalogue import ComponentEntry

@@ -9,11 +9,11 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 
 from backend.db.engine import now, read
-from backend.deps import Engine, capacities
-from backend.errors import problems
+from backend.http.deps import Engine, capacities
+from backend.http.errors import problems
+from backend.http.schema import RunName
 from backend.reports import pdf, service
 from backend.runs.service import number
-from backend.schema import RunName
 
 router = APIRouter(tags=["reports"])
 

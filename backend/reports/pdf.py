@@ -15,7 +15,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from backend.errors import RefusedError
+from backend.http.errors import RefusedError
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PATIENCE = 60.0

@@ -16,7 +16,7 @@ import jinja2
 import sqlalchemy as sa
 from markupsafe import Markup
 
-from backend.exports.naming import named
+from backend.http.naming import named
 from backend.reports import charts, limits, sections, validated, words
 from backend.reports.held import Held, load
 from campaigns.flown import Flown, Processor

@@ -6,12 +6,12 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from backend.deps import Reader
-from backend.errors import problems
+from backend.http.deps import Reader
+from backend.http.errors import problems
+from backend.http.schema import FlightName, RunName
 from backend.results import evaluations, service
 from backend.results.schemas import Evaluations, FindingDetail, TraceData, TraceInfo
 from backend.runs.service import number
-from backend.schema import FlightName, RunName
 
 router = APIRouter(tags=["results"])
 

@@ -46,16 +46,17 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
     return found
 
 
-def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[dict[str, float]]:
-    """Parameters, {path: value} bit by bit, of the first evaluations of a stage, at most `most`, none excluded."""
+def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[tuple[int, dict[str, float]]]:
+    """Index and parameters, {path: value} bit by bit, of a stage's first evaluations, at most `most`, none excluded."""
     asked = campaign(reader, run_id)
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
-    found: list[dict[str, float]] = []
+    found: list[tuple[int, dict[str, float]]] = []
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
         flown = np.flatnonzero(columns.status != STATUS.index("excluded"))[: most - len(found)]
         values = in_units(columns.points[flown], list(asked.uncertain), bounds(asked, described(reader, run_id)))
-        found += [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
+        rows = [dict(zip(values, one, strict=True)) for one in zip(*values.values(), strict=True)]
+        found += zip((row.first + flown).tolist(), rows, strict=True)
         if len(found) >= most:
             break
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from backend.catalog.schemas import CriterionOut
-from backend.schema import Schema
+from backend.http.schema import Schema
 from campaigns.results import TraceHead
 from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation
 from campaigns.results.sensitivity import Slices

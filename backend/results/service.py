@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
-from backend.errors import not_found
+from backend.http.errors import not_found
 from backend.results import thin
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
 from backend.runs.service import campaign, require

@@ -12,7 +12,7 @@ from backend.db import audit, queue
 from backend.db.access import Visitor
 from backend.db.engine import read
 from backend.db.tables import Run
-from backend.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, not_found
 from backend.runs import listing
 from backend.runs.removal import refuse_removed
 from backend.runs.schemas import RunEdit, RunSummary

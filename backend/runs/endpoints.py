@@ -8,11 +8,12 @@ from fastapi import APIRouter, Header, Query, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 from pydantic import Field, ValidationError
 
-from backend import bodies
-from backend.auth import CurrentVisitor
+from backend.access.auth import CurrentVisitor
 from backend.db.engine import read
-from backend.deps import Engine, Reader
-from backend.errors import problems
+from backend.http import bodies
+from backend.http.deps import Engine, Reader
+from backend.http.errors import problems
+from backend.http.schema import RunName, Seconds
 from backend.runs import edits, listing, removal, service, texts
 from backend.runs.components import components
 from backend.runs.facets import facets
@@ -34,7 +35,6 @@ from backend.runs.schemas import (
     RunSummary,
     StageDetail,
 )
-from backend.schema import RunName, Seconds
 from campaigns import CampaignError, Problem
 from campaigns.asked.problem import shown
 from campaigns.results.verdict import VerdictWord

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sqlalchemy as sa
 
 from backend.db.tables import Audit, Run
-from backend.errors import not_found
+from backend.http.errors import not_found
 from backend.runs import listing
 from backend.runs.schemas import HistoryEntry
 

@@ -17,8 +17,8 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
-from backend.errors import RefusedError
-from backend.schema import LARGEST_WHOLE, unstorable_text
+from backend.http.errors import RefusedError
+from backend.http.schema import LARGEST_WHOLE, unstorable_text
 from campaigns import Problem
 
 Sort = Literal[

@@ -14,7 +14,7 @@ from backend.db import audit
 from backend.db.access import Visitor
 from backend.db.engine import now, read
 from backend.db.tables import Run, Signoff
-from backend.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, tombstones
 from backend.runs.schemas import RunSummary
 from campaigns import Problem

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from backend.catalog.schemas import CriterionOut
-from backend.schema import Given, Schema
+from backend.http.schema import Given, Schema
 from campaigns import Catalogue
 from campaigns.asked.load import LARGEST_FILE
 from campaigns.asked.values import Notes

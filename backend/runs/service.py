@@ -10,7 +10,6 @@ from typing import Any
 import sqlalchemy as sa
 from pydantic import ValidationError
 
-from backend import bodies
 from backend.catalog.criteria import criteria
 from backend.catalog.service import described, required
 from backend.db import audit, queue
@@ -18,7 +17,8 @@ from backend.db.access import Visitor
 from backend.db.engine import now, read
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import IdempotencyKey, Run, RunText, Stage
-from backend.errors import RefusedError, not_found
+from backend.http import bodies
+from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged

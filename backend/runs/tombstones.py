@@ -11,7 +11,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from backend.db.tables import Run
-from backend.errors import RefusedError
+from backend.http.errors import RefusedError
 
 _KEPT = (
     "id", "name", "campaign_digest", "removed", "removed_by", "removed_reason", "purged", "purged_by", "purged_digest",

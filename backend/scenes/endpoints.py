@@ -13,14 +13,14 @@ from fastapi.responses import RedirectResponse, Response
 from starlette.websockets import WebSocketDisconnect
 
 from backend.db.engine import read
-from backend.deps import Reader
-from backend.errors import RefusedError
+from backend.http.deps import Reader
+from backend.http.errors import RefusedError
 from backend.runs.service import number, require
-from backend.scenes import setting
-from backend.scenes.address import Address, parse
+from backend.scenes.base import setting
+from backend.scenes.base.address import Address, parse
 from backend.scenes.control.relay import relay
 from backend.scenes.control.viewers import Handle, Viewers
-from backend.scenes.viewer import Viewer
+from backend.scenes.viewer.viewer import Viewer
 
 router = APIRouter(include_in_schema=False)
 

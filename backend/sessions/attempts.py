@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import time
 
+from backend.access.door import Door
 from backend.db import access
-from backend.door import Door
 
 BURST = 20
 """So many wrong codes are answered with 403 at once; those beyond with 429."""

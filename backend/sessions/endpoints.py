@@ -7,10 +7,10 @@ from fastapi import APIRouter, Request, Response, status
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse
 
-from backend import pages
-from backend.auth import CurrentVisitor
+from backend.access.auth import CurrentVisitor
 from backend.db import access
-from backend.deps import Engine
+from backend.http import pages
+from backend.http.deps import Engine
 from backend.sessions.schemas import SessionInfo
 
 USER = "local"

@@ -6,11 +6,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, status
 
-from backend.auth import CurrentVisitor
-from backend.deps import Engine, Reader
-from backend.errors import problems
+from backend.access.auth import CurrentVisitor
+from backend.http.deps import Engine, Reader
+from backend.http.errors import problems
+from backend.http.schema import RunName
 from backend.runs.service import number
-from backend.schema import RunName
 from backend.signoffs import service
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs, WithdrawalRequest
 

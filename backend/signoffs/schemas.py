@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from backend.schema import Given, Schema
+from backend.http.schema import Given, Schema
 from campaigns.asked.values import Name, Notes
 
 Comment = Annotated[Notes, Field(max_length=4000)]

@@ -15,7 +15,7 @@ from backend.db.digest import results_digest
 from backend.db.engine import now
 from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
-from backend.errors import RefusedError, not_found
+from backend.http.errors import RefusedError, not_found
 from backend.runs.listing import name
 from backend.runs.removal import refuse_removed
 from backend.runs.tombstones import refuse_purged

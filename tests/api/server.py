@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -13,7 +12,7 @@ from typing import Any
 import httpx
 import sqlalchemy as sa
 
-from backend.__main__ import Server, server_config
+from backend.__main__ import Server, _listen, server_config
 from backend.app import create
 from backend.db.access import create_login_code, create_token
 from backend.db.tables import Base, CatalogueDocument
@@ -38,7 +37,7 @@ class Service:
         """On a free port, or on the one that another service has left."""
         self.app = create(settings)
         self.settings = settings
-        self._socket = socket.create_server((settings.host, port))
+        self._socket = _listen(settings.model_copy(update={"port": port}))
         self.port = self._socket.getsockname()[1]
         self.url = f"http://127.0.0.1:{self.port}"
         self.server = Server(server_config(self.app))

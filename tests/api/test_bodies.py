@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
-from backend import bodies
-from backend.errors import RefusedError
+from backend.http import bodies
+from backend.http.errors import RefusedError
 from tests.api.catalogue import campaign
 from tests.api.server import Service
 from tests.api.test_access import problem

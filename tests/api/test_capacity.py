@@ -11,10 +11,10 @@ from typing import Any
 import httpx
 import pytest
 
-from backend import bodies
-from backend.capacity import Capacity
 from backend.catalog import service as catalog
 from backend.exports import service as exports
+from backend.http import bodies
+from backend.http.capacity import Capacity
 from backend.reports import pdf
 from backend.reports import service as reports
 from backend.runs import listing

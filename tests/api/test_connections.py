@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -18,8 +21,9 @@ from backend.settings import Settings
 from tests.api.conftest import Fresh, running
 from tests.api.server import Service, until
 from tests.api.test_access import problem
+from tests.api.test_listing import fill
 from tests.api.test_runs import submit
-from tests.api.viewing import viewing
+from tests.api.viewing import PROTOCOL, viewing
 
 PATIENCE = 0.4
 MOST = 6
@@ -114,15 +118,62 @@ def test_a_stream_outlives_that_time(strict: Service) -> None:
 
 
 def test_a_client_that_does_not_read_is_not_waited_for(strict: Service) -> None:
-    strict._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # connections have it from there
-    with strict.signed_in() as client, socket.socket() as connection:
-        run = submit(client)
-        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
-        connection.connect(("127.0.0.1", strict.port))
-        ask = f"GET /view/{run}/ HTTP/1.1\r\nHost: x\r\n".encode() + cookie(strict, client) + b"\r\n"
-        connection.sendall(ask)
-        until(lambda: any(c.flow.write_paused for c in list(strict.server.server_state.connections)))  # type: ignore[union-attr]
-        until(lambda: len(strict.server.server_state.connections) == 1)
+    with strict.signed_in() as client, unread(strict, f"GET /view/{submit(client)}/ HTTP/1.1\r\n", client):
+        held = until(lambda: waiting(strict))
+        until(lambda: not held & strict.server.server_state.connections)
+
+
+def unread(service: Service, head: str, client: httpx.Client) -> socket.socket:
+    """A connection whose small buffers soon are full, since nobody reads what comes."""
+    service._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # connections have it from there
+    connection = socket.socket()
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
+    connection.connect(("127.0.0.1", service.port))
+    connection.sendall(head.encode() + b"Host: x\r\n" + cookie(service, client) + b"\r\n")
+    return connection
+
+
+def test_an_event_stream_that_is_not_read_is_let_go(fresh: Fresh, tmp_path: Path) -> None:
+    with running(fresh, tmp_path, request_patience=PATIENCE) as service, service.signed_in() as client:
+        service.publish()
+        fill(service, 400, state="queued")  # what is active is told at once
+        with unread(service, "GET /api/v1/events HTTP/1.1\r\n", client):
+            held = until(lambda: waiting(service))
+            until(lambda: service.app.state.hub.listeners == 0)
+            until(lambda: not held & service.server.server_state.connections)
+
+
+def waiting(service: Service) -> set[Any]:
+    """The connections on which something waits until the client reads."""
+    return {c for c in list(service.server.server_state.connections) if c.transport.get_write_buffer_size()}
+
+
+@contextmanager
+def unread_view(service: Service) -> Iterator[socket.socket]:
+    """The socket of a 3D view that is open and never read."""
+    with service.signed_in() as client:
+        upgrade = (
+            f"GET /view/{submit(client)}/ HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {'A' * 22}==\r\n"
+            f"Sec-WebSocket-Protocol: {PROTOCOL}\r\nOrigin: http://x\r\n"
+        )
+        with unread(service, upgrade, client) as connection:
+            held = until(lambda: waiting(service))
+            yield connection
+            until(lambda: service.app.state.viewers.open == 0)
+            until(lambda: not held & service.server.server_state.connections)
+
+
+def test_a_view_that_is_not_read_ends_with_the_pings(strict: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(strict.server.config, "ws_ping_interval", 0.1)
+    monkeypatch.setattr(strict.server.config, "ws_ping_timeout", PATIENCE)
+    with unread_view(strict):
+        assert strict.app.state.viewers.open == 1
+
+
+def test_a_view_that_is_not_read_can_be_closed(strict: Service) -> None:
+    with unread_view(strict) as connection:
+        connection.sendall(b"\x81\x81\0\0\0\0x")  # a masked text, which is refused
 
 
 def test_beyond_so_many_connections_there_is_a_refusal_and_one_gone_makes_room(strict: Service) -> None:
@@ -188,6 +239,11 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hub, "HEARTBEAT", 0.05)
 
 
+def ends_soon(lines: Iterator[str]) -> bool:
+    """Whether the stream ends within 100 lines, which is 50 heartbeats."""
+    return sum(1 for _ in itertools.islice(lines, 100)) < 100
+
+
 def test_a_revoked_token_loses_its_event_stream(service: Service, soon: None) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program, program.stream("GET", "/api/v1/events") as stream:
@@ -195,8 +251,7 @@ def test_a_revoked_token_loses_its_event_stream(service: Service, soon: None) ->
         assert next(line for line in lines if line.startswith(":"))
         with service.engine.begin() as connection:
             revoke_token(connection, "ci")
-        for _ in lines:  # ends
-            pass
+        assert ends_soon(lines)
         problem(program.get("/api/v1/session"), 401)
     until(lambda: service.app.state.hub.listeners == 0)
 
@@ -212,8 +267,7 @@ def test_whoever_signs_out_loses_the_event_stream_and_others_keep_theirs(service
         name = service.settings.cookie
         with service.visitor(cookie=f"{name}={leaving.cookies[name]}") as same:
             assert same.delete("/api/v1/session").status_code == 204
-        for _ in ends.iter_lines():  # ends
-            pass
+        assert ends_soon(ends.iter_lines())
         lines = lasts.iter_lines()
         assert next(line for line in lines if line.startswith(":"))
         assert service.app.state.hub.listeners == 1

@@ -24,6 +24,7 @@ from backend.db.store import RunStore
 from campaigns import Campaign
 from tests.api.conftest import Fresh, running
 from tests.api.server import Service
+from tests.audited import audited
 from tests.unit.cases import campaign
 from worker.catalogue.installed import catalogue
 from worker.cli._report import print_report
@@ -103,6 +104,8 @@ def ran(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ran]
             assert sent.status_code == 201, sent.text
             memory = MemoryStore()
             conclusion = execute(asked, _both(service, memory))
+            audited(memory, asked)
+            audited(service.engine)
             yield Ran(client, asked, memory, conclusion)
 
 

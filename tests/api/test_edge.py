@@ -21,10 +21,10 @@ from hypothesis import HealthCheck, given, settings
 
 from backend.db.engine import read
 from backend.db.tables import Run
-from backend.errors import KINDS
+from backend.http.errors import KINDS
+from backend.http.schema import Given
 from backend.previews.service import Previews
-from backend.scenes.control.live import Live
-from backend.schema import Given
+from backend.scenes.live.live import Live
 from tests.api.catalogue import campaign
 from tests.api.conftest import Fresh, running
 from tests.api.finished import finish

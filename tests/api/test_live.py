@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from backend.scenes.control.latest import Latest
-from backend.scenes.control.live import Live, LiveError
-from backend.scenes.drawing.flight import from_live
+from backend.scenes.base.flight import from_live
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
 from campaigns import library, load_file
 from tests.api.server import until
 

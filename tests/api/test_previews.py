@@ -12,10 +12,11 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument
-from backend.errors import RefusedError
+from backend.http.errors import RefusedError
 from backend.previews import service as previews
 from backend.previews.service import LIMIT, Previews
-from backend.scenes.control.live import Live
+from backend.scenes.base.noise import STATED, Noise
+from backend.scenes.live.live import Live
 from campaigns import Campaign, library
 from tests.api.catalogue import CATALOGUE, campaign, component, parameter, published_by_workers
 from tests.api.server import Service, until
@@ -134,7 +135,7 @@ class Held(Live):
         self.flown: list[str] = []
         self.go = threading.Event()
 
-    def fly(self, campaign: Any, digest: str, parameters: Any, rows: int) -> dict[str, Any]:
+    def fly(self, campaign: Any, digest: str, parameters: Any, rows: int, noise: Noise = STATED) -> dict[str, Any]:
         self.flown.append(campaign["name"])
         assert self.go.wait(10)
         return {}

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import viser
 
-from backend.scenes.drawing.axes import Axes
+from backend.scenes.base.axes import Axes
+from backend.scenes.base.palette import LIGHT
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.obstacles import Obstacles
-from backend.scenes.drawing.palette import LIGHT
 from backend.scenes.drawing.world import World
-from backend.scenes.setting import Setting
 
 ROUND = {"obstacles.0.position.x": 3.0, "obstacles.0.position.y": 2.0, "obstacles.0.radius": 1.0}
 BOX = ROUND | {"obstacles.0.length": 4.0, "obstacles.0.width": 2.0, "obstacles.0.height": 6.0}

@@ -10,13 +10,14 @@ import pytest
 from backend.reports import plot
 from backend.reports.figures import Case, Quantity
 from backend.reports.plan_view import plan_view
+from backend.scenes.base.axes import Axes, along, axes_of
+from backend.scenes.base.flight import Closest, from_live
+from backend.scenes.base.setting import _climbs, _course
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.axes import Axes, along, axes_of
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import distance
-from backend.scenes.drawing.flight import from_live
+from backend.scenes.drawing.drawn import ruler
 from backend.scenes.drawing.world import Frame
-from backend.scenes.setting import _climbs, _course
 from campaigns import Campaign
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.finished import encounter, straight, turned
@@ -192,3 +193,46 @@ def test_a_planned_climb_is_drawn_as_it_is_flown(written_in: str, frame: str, up
     end = _course(values, axes, 2.0, _climbs(Campaign.model_validate(campaign()), known, axes))
     assert end is not None
     assert end[2] == pytest.approx(up * 20.0 * np.sin(0.5))
+
+
+AT = {"obstacles.0.position.x": 1.0, "obstacles.0.position.y": 2.0, "obstacles.0.position.z": 3.0}
+
+
+@pytest.mark.parametrize(
+    ("sizes", "place", "end"),
+    [
+        ({"radius": 2.0}, (1, 7, 3), (1, 4, 3)),
+        ({"radius": 2.0}, (1, 3, 3), (1, 4, 3)),
+        ({"radius": 2.0}, (1, 2, 3), (3, 2, 3)),
+        ({"radius": 3.0, "height": 8.0}, (1, 7, 5), (1, 5, 5)),
+        ({"radius": 3.0, "height": 8.0}, (1, 3, 12), (1, 3, 7)),
+        ({"radius": 3.0, "height": 8.0}, (5, 5, 9), (3.4, 3.8, 7)),
+        ({"radius": 3.0, "height": 8.0}, (1, 2, 6), (1, 2, 7)),
+        ({"length": 2.0, "width": 6.0, "height": 4.0}, (9, 3, 3), (2, 3, 3)),
+        ({"length": 2.0, "width": 6.0, "height": 4.0}, (9, 9, 9), (2, 5, 5)),
+        ({"length": 2.0, "width": 6.0, "height": 4.0}, (0.9, 2, 3), (0, 2, 3)),
+        ({"length": 2.0, "width": 6.0, "height": 4.0, "angle": np.pi / 2}, (9, 2, 3), (4, 2, 3)),
+        ({"length": 2.0, "width": 6.0, "height": 0.0}, (1.2, 2, 3), (2, 2, 3)),
+    ],
+)
+def test_the_nearest_point_of_a_surface(
+    sizes: dict[str, float], place: tuple[float, ...], end: tuple[float, ...]
+) -> None:
+    """Outside, inside and at the centre of each shape; a box of the plane has no height."""
+    body = body_of(0, AT | {f"obstacles.0.{name}": size for name, size in sizes.items()}, Axes("enu"), None)
+    assert body.surface(np.array(place, dtype=float), body.place) == pytest.approx(end, abs=1e-12)
+
+
+@pytest.mark.parametrize("body_radius", [0.0, 0.4])
+@pytest.mark.parametrize("x", [-2.0, 0.8, 2.1, 6.0])
+def test_a_ruler_is_as_long_as_the_distance_it_tells(x: float, body_radius: float) -> None:
+    """To the surface from the vehicle's body, however deep the vehicle is inside; otherwise between centres."""
+    body = body_of(0, AT | {"obstacles.0.radius": 1.5}, Axes("enu"), None)
+    position = np.array([x, 2.0, 3.0])
+    gap = abs(x - 1.0) - 1.5 - body_radius
+    closest = Closest(1.0, gap, position, body.place, 0)
+    near, far = ruler(closest, [body], body_radius)
+    assert np.linalg.norm(near - far) == pytest.approx(abs(gap))
+    assert np.linalg.norm(far - body.place) == pytest.approx(1.5), "on the surface"
+    assert np.linalg.norm(near - position) == pytest.approx(body_radius), "at the edge of the vehicle's body"
+    assert ruler(closest, [body], None) == (closest.position, closest.obstacle)

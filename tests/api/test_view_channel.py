@@ -192,6 +192,8 @@ def test_a_key_is_good_for_its_run_and_its_visitor_alone(service: Service, clien
         {"layers": {"axes": ["vehicle.m", "vehicle.mass", "none"]}},
         {"what_if": {"vehicle.mass": 5.0}},
         {"what_if": {"vehicle.m": 50.0}},
+        {"what_if_seed": 3},
+        {"what_if": {"vehicle.m": 5.0}, "what_if_seed": -1},
     ],
     ids=str,
 )

@@ -14,9 +14,9 @@ from websockets.sync.client import ClientConnection
 
 from backend.db.engine import read
 from backend.db.records import Columns
-from backend.scenes import setting
+from backend.scenes.base import setting
+from backend.scenes.base.palette import DARK, LIGHT
 from backend.scenes.control.relay import open_server
-from backend.scenes.drawing.palette import DARK, LIGHT
 from backend.scenes.drawing.world import ROOTS, World
 from campaigns import library, load_file
 from tests.api.finished import Work, encounter, finish, straight

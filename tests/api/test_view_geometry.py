@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from backend.scenes.address import CAMERAS
+from backend.scenes.base.address import CAMERAS
+from backend.scenes.base.flight import Closest, Flight, from_live, rate
 from backend.scenes.drawing import cameras
 from backend.scenes.drawing.bodies import bodies_of, nearest
 from backend.scenes.drawing.cameras import Scene, Sight, pose
-from backend.scenes.drawing.flight import Closest, Flight, from_live, rate
 from tests.api.finished import encounter, straight
 
 UNIT, THRESHOLD = 2.0, 10.0

@@ -12,7 +12,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
-from backend.scenes.schemas import Layers, ViewState
+from backend.scenes.base.schemas import Layers, ViewState
 from campaigns import library, load_file
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from backend.db.engine import connect, default_url
+from tests.audited import audited
 from tests.e2e.browser import visiting
 from tests.faults.test_serve import serving
 
@@ -32,6 +34,7 @@ def test_from_the_start_to_an_exported_report(tmp_path: Path, browser: Browser) 
         printed = exported(visit.page)
         assert printed.startswith(b"%PDF-")
         assert time.monotonic() - began < LONGEST
+        audited(connect(default_url(service.data)))
 
 
 def launched(page: Page) -> None:

@@ -11,9 +11,10 @@ import sqlalchemy as sa
 
 from backend.db.engine import connect, migrate, read
 from backend.db.queue import submit
-from backend.db.tables import CatalogueDocument, Run, Stage
+from backend.db.tables import CatalogueDocument, Stage
 from tests.faults.cases import campaign
 from tests.faults.processes import CLEARANCE, REPOSITORY, Started, kill, started, until
+from tests.faults.stored import Stored
 
 POST = '''"""Post: a point in the plane."""
 
@@ -42,7 +43,7 @@ component = Obstacle(name="post_here", title="Post", dimension=2, parameters=Pos
 '''
 
 
-class Home:
+class Home(Stored):
     """A database, a worker on it, and a component that another package adds."""
 
     def __init__(self, folder: Path) -> None:
@@ -65,14 +66,6 @@ class Home:
         asked = campaign(name=name, scenario={**document, "obstacles": [post], "horizon": 0.5, "step": 0.005})
         with self.engine.begin() as connection:
             return submit(connection, asked, name=name, tags=[], owner="", planned=0)
-
-    def run(self, run_id: int) -> Any:
-        with read(self.engine) as connection:
-            return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
-
-    def ended(self, run_id: int) -> Any:
-        until(lambda: self.run(run_id).state in ("done", "failed", "cancelled"), f"run {run_id} ends")
-        return self.run(run_id)
 
     def stage(self, run_id: int, position: int) -> str | None:
         with read(self.engine) as connection:

@@ -7,7 +7,6 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 import sqlalchemy as sa
@@ -20,11 +19,12 @@ from backend.db.tables import Worker as WorkerRow
 from tests.faults.cases import campaign, columns
 from tests.faults.jobs import SEARCH
 from tests.faults.processes import Started, alive, descendants, kill, until, worker
+from tests.faults.stored import Stored
 
 OPTIONS = ("--runner", "tests.faults.jobs:execute", "--lease", "2")
 
 
-class Bench:
+class Bench(Stored):
     """A database and a worker on it."""
 
     def __init__(self, url: str, folder: Path) -> None:
@@ -35,14 +35,6 @@ class Bench:
         asked = campaign(name=f"{accident} {once or ''}"[:120], summary=str(once or ""))
         with self.engine.begin() as connection:
             return submit(connection, asked, name=accident, tags=[], owner="", planned=0)
-
-    def run(self, run_id: int) -> Any:
-        with read(self.engine) as connection:
-            return connection.execute(sa.select(Run).where(Run.id == run_id)).one()
-
-    def ended(self, run_id: int) -> Any:
-        until(lambda: self.run(run_id).state in ("done", "failed", "cancelled"), f"run {run_id} ends")
-        return self.run(run_id)
 
     def half_flown(self, run_id: int) -> None:
         until(lambda: self.run(run_id).evaluations > SEARCH // 2, f"run {run_id} is half flown")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from tests.audited import audited
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.systems.closed_loop.trace import trace
@@ -48,6 +49,7 @@ def test_run() -> None:
     # with this seed comes within 2e-5 m. The corner is the worst case because d_min falls with both parameters.
     store = MemoryStore()
     conclusion = execute(CASE, store, threads=1)
+    audited(store, CASE)
     found = {r.plan.method: r.result["best"] for r in store.stages if r.plan.kind == "search" and r.result}
     assert conclusion.verdict == "cleared"
     assert found["direct"]["cost"] == pytest.approx(0.94174626738275, abs=1e-10)

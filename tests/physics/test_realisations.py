@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 
 from campaigns import Campaign, CampaignError, check, library, load_file
 from campaigns.asked.load import load_document
+from tests.audited import audited
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Environment, Fault
 from worker.reference import Reference
@@ -144,6 +145,7 @@ class TestShown:
     def test_a_run_says_what_its_verdict_holds_for(self) -> None:
         store = MemoryStore()
         execute(noisy([3, 1]), store)
+        audited(store, noisy([3, 1]))
         assert store.conclusion is not None
         assert "with Sensor noise, worst of 2 realisations" in store.conclusion.summary["scope"]
         stated = [f.label for f in store.findings if f.validation["realisation"] is None]

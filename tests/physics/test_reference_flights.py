@@ -10,6 +10,7 @@ import ctypes
 from types import SimpleNamespace
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -72,6 +73,31 @@ def test_compiled_and_interpreted_give_the_same_bits(case1: Problem) -> None:
     here, there = Reference(case1), Reference(case1)
     there.__dict__["_system"] = SimpleNamespace(address=called), flight.fly
     assert there.fly(case1.nominal) == here.fly(case1.nominal)
+
+
+def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits() -> None:
+    problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
+    assert compiled.draws(problem.loop) == 3
+    drawn = numba.cfunc(compiled.SYSTEM, **compiled.STRICT)(compiled.bound(problem.loop, keep=False))
+    keeping, drawing = Reference(problem), Reference(problem)
+    drawing.__dict__["_system"] = drawn, compiled.integrator()
+    for seed in (1, 2):
+        vector = problem.vector({"environment.0.W": 5.0})
+        assert keeping.fly(vector, seed).cost is not None
+        assert keeping.fly(vector, seed) == drawing.fly(vector, seed)
+    assert keeping.fly(vector, 1) != keeping.fly(vector, 2)
+
+
+def test_the_seed_that_counts_need_not_be_searched_again() -> None:
+    problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
+    vectors = problem.vectors(np.random.default_rng(3).random((3, problem.dimension)))
+    batch, _, seeds = problem.fly_realised(vectors)
+    assert seeds is not None
+    assert (batch.costs == problem.fly_vectors(vectors)[0].costs).all()
+    reference = Reference(problem)
+    searched = reference.fly_all(vectors)
+    assert reference.fly_all(vectors, counts=seeds) == searched == [reference.fly(v) for v in vectors]
+    assert all(f.cost is not None for f in searched)
 
 
 def test_it_is_found_on_disk_by_a_digest_of_the_loop(case1: Problem) -> None:

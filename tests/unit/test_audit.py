@@ -344,7 +344,7 @@ def test_the_command_tells_given_and_recomputed(tmp_path: Path, capsys: pytest.C
     assert invoke(["audit", str(folder.path)]) == 1
     (row,) = [line for line in capsys.readouterr().out.splitlines() if "disagree" in line and "│ nominal.cost" in line]
     assert "0.75" in row
-    assert repr(recorded(ran("cleared")[1], ran("cleared")[0]).columns[0].costs[0, 0].item()) in row
+    assert repr(recorded(ran("cleared")[1], ran("cleared")[0]).costs[0, 0].item()) in row
 
 
 @pytest.mark.parametrize(

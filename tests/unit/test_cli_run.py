@@ -299,3 +299,28 @@ def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
     assert process.returncode == INTERRUPTED == 130
     assert b"Cleared" not in out
     assert "Traceback" not in errors.read_text()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is bounded on Linux alone")
+def test_a_run_that_needs_more_memory_than_it_may_take_ends_with_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    import resource
+
+    def greedy(*_: object, **__: object) -> None:
+        np.zeros(2**31)  # 16 GiB, never touched
+
+    monkeypatch.setattr("worker.runs.runner.execute", greedy)
+    monkeypatch.setenv("CLEARANCE_CHILD_MEMORY", "1")
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    assert invoke(["run", "unicycle_static"]) == 3
+    assert "the simulation needs more than the 1 GiB that one may take: lower the" in capfd.readouterr().err
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+
+
+def test_a_memory_bound_that_is_no_number_is_wrong_input(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CLEARANCE_CHILD_MEMORY", "lots")
+    assert invoke(["run", "unicycle_static"]) == 3
+    assert "invalid CLEARANCE_CHILD_MEMORY 'lots': give a number of GiB such as 8" in capfd.readouterr().err

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from campaigns.asked.load import load_document
+from tests.audited import audited
 from tests.unit.cases import CASE1, campaign
 from worker.cli._results import write_results
 from worker.runs.runner import execute
@@ -107,6 +108,7 @@ def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path:
     )
     store = MemoryStore()
     execute(asked, store, threads=1)
+    audited(store, asked)
     result = next(s.result for s in store.stages if s.plan.method == method)
     assert result is not None
     assert result["front_size"] == len(result["front"]) > 1

@@ -12,7 +12,10 @@ from typing import Any
 
 import pytest
 
+from campaigns import library, load_file
 from tests.unit.cases import CASE1, document
+from worker.stages.parts.seeds import of_draws
+from worker.systems.problem import Problem
 
 PATIENCE = 60.0
 """[s]; the first flight may have to be compiled."""
@@ -198,3 +201,23 @@ def test_a_memory_bound_that_is_no_number_ends_the_process_with_a_sentence() -> 
         1,
         "invalid CLEARANCE_CHILD_MEMORY 'lots': give a number of GiB such as 8, or 0 for no bound",
     )
+
+
+def test_a_flight_has_its_own_noise(live: Live) -> None:
+    """A seed, or the number of a draw of the certify stage, stands in place of the realisations of the campaign."""
+    campaign = load_file(library()["unicycle_noise"])
+    noisy, problem = campaign.document(), Problem(campaign)
+    drawn = int(of_draws(problem.campaign.seed, 3, 1)[0])
+    stated = live.ask(id=1, campaign=noisy)
+    by_seed = live.ask(id=2, campaign=noisy, seed=drawn)
+    by_draw = live.ask(id=3, campaign=noisy, draw=3)
+    own, _ = problem.under(drawn).fly(problem.nominal_point[None, :])
+    assert by_seed["cost"] == by_draw["cost"] == own.costs[0, 0] != stated["cost"]
+    assert by_draw["meta"]["realisation"]["seed"] == drawn
+    assert stated["meta"]["realisation"]["seeds"] == len(campaign.scenario.realisations.seeds)
+
+
+@pytest.mark.parametrize("given", [{"seed": -1}, {"seed": 2**20}, {"seed": 1.5}, {"draw": True}, {"draw": "3"}])
+def test_noise_that_does_not_exist_is_refused(live: Live, given: dict[str, Any]) -> None:
+    error = live.ask(id=1, campaign=CASE1, **given)["error"]
+    assert f"{next(iter(given))} is a whole number from 0 to " in error

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
+from tests.audited import audited
 from tests.unit.cases import searching
 from worker.runs.runner import Cancelled, Tally, execute
 from worker.runs.store import MemoryStore
@@ -69,7 +70,9 @@ def outcome(store: MemoryStore, conclusion: Conclusion) -> Any:
 
 def run(asked: Campaign, threads: int = 1) -> Any:
     store = MemoryStore()
-    return outcome(store, execute(asked, store, threads=threads))
+    conclusion = execute(asked, store, threads=threads)
+    audited(store, asked)
+    return outcome(store, conclusion)
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from campaigns import Campaign
+from tests.audited import audited
 from tests.unit.cases import campaign
 from tests.unit.test_resume import Interrupted, Unreliable, outcome
 from worker.runs.runner import execute
@@ -45,7 +46,9 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def run(store: MemoryStore, threads: int) -> Any:
-    return outcome(store, execute(ASKED, store, threads=threads))
+    conclusion = execute(ASKED, store, threads=threads)
+    audited(store, ASKED)
+    return outcome(store, conclusion)
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns.asked.spec import MAX_SEED
+from tests.audited import audited
 from tests.unit.cases import searching
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
@@ -55,7 +56,9 @@ def ran() -> tuple[MemoryStore, Conclusion, Problem]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(offered, "SPOT_CHECKS", 5)
         patch.setattr(offered, "AT_MOST", 5)
-        return store, execute(campaign, store, threads=1), Problem(campaign)
+        conclusion = execute(campaign, store, threads=1)
+        audited(store, campaign)
+        return store, conclusion, Problem(campaign)
 
 
 def certified() -> tuple[int, dict[str, Any]]:

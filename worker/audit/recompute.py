@@ -1,6 +1,6 @@
-"""What follows from a run's stored evaluations alone, in the shape of the claims; `MISSING` where something is missing.
+"""What follows from a run's stored evaluations: costs, counts, findings, and what a random sample allows to claim.
 
-Clopper and Pearson (Biometrika 26, 1934); Wilks (Annals of Mathematical Statistics 12, 1941). Start at `Recomputed`.
+Clopper and Pearson (Biometrika 26, 1934); Wilks (Annals of Mathematical Statistics 12, 1941). Start at `Run`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import numpy as np
 
 from campaigns.asked.check import parameters, seeded
 from campaigns.asked.plan import plan
-from worker.audit.record import MISSING, Columns, Record, at
+from worker.audit.record import MISSING, Record
 
+Tree = dict[str, Any]
 FLOOR = 1e-6
 """Fraction of the scale of what is compared below which a difference is rounding."""
 
@@ -36,154 +37,116 @@ def upper_bound(violations: int, samples: int, confidence: float) -> float:
     return high
 
 
-def counts(columns: Columns) -> dict[str, Any]:
+def counts(status: Any) -> Tree:
     """How many evaluations there are, and how they ended."""
-    excluded, ok = (int(np.count_nonzero(columns.status == status)) for status in (3, 0))
-    return {"evaluations": len(columns.status), "failed": len(columns.status) - ok - excluded, "excluded": excluded}
+    ok, excluded = (int(np.count_nonzero(status == code)) for code in (0, 3))
+    return {"evaluations": len(status), "failed": len(status) - ok - excluded, "excluded": excluded}
 
 
-class Recomputed:
-    """A run's evaluations by stage, and what they amount to."""
+class Run:
+    """What follows from a run's evaluations. A cost that does not exist is NaN; a `KeyError` is what was not stored."""
 
     def __init__(self, record: Record) -> None:
-        self.campaign, self.components, columns, self.claims = record
-        self.threshold, self.plan = self.campaign.criterion.threshold, plan(self.campaign)
-        self.searches = [k for k, stage in enumerate(self.plan) if stage.kind == "search"]
-        empty = Columns(np.empty((0, len(self.campaign.uncertain))), np.empty((0, 1)), np.empty(0, np.uint8))
-        self.columns = [columns.get(k, empty) for k in range(len(self.plan))]
-        self.costs = [c.costs[c.status == 0, 0] for c in self.columns]
-        self.all = np.concatenate(self.costs)
-        self.lowest, self.highest = (float(f(self.all)) if len(self.all) else None for f in (np.min, np.max))
-        self.nominal = self.best(0)
-        self.rows = [counts(c) for c in self.columns]
-        stored, failed, excluded = (sum(r[k] for r in self.rows) for k in ("evaluations", "failed", "excluded"))
-        self.total = {"stored": stored, "succeeded": len(self.all), "failed": failed, "excluded": excluded}
-        self.total["violating"] = int(np.count_nonzero(self.all <= self.threshold))
-        ok = [(c.status == 0) == np.isfinite(c.costs[:, 0]) for c in self.columns]
-        self.sound = all(bool(o.all() and (c.status < 4).all()) for o, c in zip(ok, self.columns, strict=True))
-        apart = (self.highest or 0.0) - (self.lowest or 0.0)
-        self.varies = apart > FLOOR * max(abs(self.highest or 0.0), abs(self.lowest or 0.0))
-        known = parameters(self.campaign, self.components) if self.components else {}
-        self.bounds: dict[str, Any] = {
-            path: u.interval(known[path][1] if path in known else 0.0)
-            if path in known or u.low is not None
-            else MISSING
-            for path, u in self.campaign.uncertain.items()
+        self.campaign, self.claims, _, self.stage, self.points, costs, self.status = record
+        self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
+        self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
+        self.raw, self.costs = costs[:, 0], costs[self.status == 0, 0]
+        by_stage = [self.raw[(self.stage == k) & (self.status == 0)] for k in range(len(self.plan))]
+        self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
+        self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
+        self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
+        self.nominal, self.lowest = self.best[0], min(self.costs.tolist(), default=math.nan)
+        self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
+        self.varies = self.highest - self.lowest > FLOOR * max(abs(self.highest), abs(self.lowest))
+        self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
+        self.confirmed = any(f["validation"]["violates"] for f in self.findings if f["margin"] <= 0.0)
+        self.bound: Any = MISSING
+
+    def finding(self, number: int, given: Tree) -> Tree:
+        """A finding by the stored evaluation at its point."""
+        here = self.raw[(self.status == 0) & (self.points == np.array(given["point"])).all(axis=1)]
+        cost = min(here.tolist(), key=lambda c: abs(c - given["cost"]), default=math.nan)
+        ends = zip(self.campaign.uncertain, given["point"], strict=True)
+        edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
+        told = {"label": f"F{number}", "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
+        return told | {"validation": self.case(given["validation"])}
+
+    def case(self, given: Tree) -> Tree:
+        """What follows from the three costs of a case: the one at the campaign's step and the two others."""
+        stated = (given["cost"], given["half_step"]["cost"], given["integrator"]["cost"])
+        costs = np.array(stated, dtype=np.float64)  # None becomes NaN, of which no comparison holds
+        cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
+        floor = min(FLOOR, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
+        allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), floor)
+        violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
+        agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
+        apart = {
+            k: {"difference": float(c) - cost} for k, c in zip(("half_step", "integrator"), costs[1:], strict=True)
         }
-        criterion = self.components and self.components.component("criterion", self.campaign.criterion.component)
-        self.of = getattr(criterion, "of", MISSING)
-        self.random: Any = bool(seeded(self.campaign, self.components)) if self.components else MISSING
+        return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
 
-    def best(self, k: int) -> float | None:
-        return float(self.costs[k].min()) if len(self.costs[k]) else None
+    def describe(self) -> None:
+        """Look up what the catalogue says of the run's parameters and methods, and take the sample of a probability."""
+        known = parameters(self.campaign, self.claims["components"])
+        self.bounds = {path: u.interval(known[path][1]) for path, u in self.campaign.uncertain.items()}
+        methods = {method.name: method for method in self.claims["components"].methods}
+        self.methods = {k: methods[self.plan[k].method] for k in self.searches}
+        certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
+        random = {k for k in self.searches if self.methods[k].kind == "random"}
+        self.samples = {k: self.sample(k) for k in sorted(certify | random)}
+        claimable = (s for k, s in self.samples.items() if k in (certify or random) and s["upper_bound"] is not None)
+        self.claimed = next(claimable, None)
+        self.bound = self.claimed and self.claimed["upper_bound"]
+        for finding, given in zip(self.findings, self.claims["findings"], strict=True):
+            ranges = zip(self.bounds.items(), given["point"], strict=True)
+            finding["parameters"] = {path: low + u * (high - low) for (path, (low, high)), u in ranges}
 
-    def margin(self, cost: float | None) -> float | None:
-        return None if cost is None else cost - self.threshold
-
-    def method(self, k: int, what: str) -> Any:
-        """A method's kind or title, by what the catalogue was; by the record's own word where that is not stored."""
-        named = self.components and self.components.method(self.plan[k].method or "")
-        return getattr(named, what) if named else at(self.claims, "comparison", self.searches.index(k), what)
-
-    def result(self, k: int) -> dict[str, Any]:
-        """The result of a stage that is no validation."""
-        kind, best, columns = self.plan[k].kind, self.best(k), self.columns[k]
-        if kind == "nominal":
-            return {"cost": best, "margin": self.margin(best)}
-        told = self.rows[k] | {"sample": None} if kind != "sensitivity" else {}
-        if kind == "certify" or (kind == "search" and self.method(k, "kind") == "random"):
-            told["sample"] = self.sample(k)
-        if kind == "search":
-            index = int(np.where(columns.status == 0, columns.costs[:, 0], np.inf).argmin())
-            told["best"] = None if best is None else {"cost": best, "margin": self.margin(best), "index": index}
-            told["stop"] = {"kind": "budget" if len(columns.status) >= self.plan[k].planned else "rule"}
-        return told
-
-    def sample(self, k: int) -> dict[str, Any]:
-        """The random sample of a search or the certify stage; the grid that comes after the draws is none of it."""
+    def sample(self, k: int) -> Tree:
+        """The random sample of a search, or of the certify stage, whose grid comes after its draws."""
         asked = self.campaign.stages.certify if self.plan[k].kind == "certify" else None
-        options = {} if asked else self.campaign.stages.search[k - self.searches[0]].options
-        draws = len(self.columns[k].status) - (asked.grid.points ** len(self.bounds) if asked and asked.grid else 0)
-        drawn = Columns(*(column[: max(draws, 0)] for column in self.columns[k]))
-        costs, told = np.sort(drawn.costs[drawn.status == 0, 0]), counts(drawn)
-        size, failed = told.pop("evaluations") - told["excluded"], told["failed"]
-        violations, outside = failed + int(np.count_nonzero(costs <= self.threshold)), self.outside()
-        level = confidence = self.campaign.confidence
-        if options.get("interval"):  # look k at a sample that may stop early spends 1 / (k (k + 1)) of the error
-            look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
-            level = 1.0 - (1.0 - confidence) / (look * (look + 1))
-        told |= {"samples": size, "violations": violations, "outside": outside, "confidence": confidence}
-        told |= {"excluded_fraction": told["excluded"] / max(draws, 1), "lowest": None, "mean": None, "noise": "none"}
+        options = {} if asked else self.campaign.stages.search[self.searches.index(k)].options
+        grid = asked.grid.points ** len(self.bounds) if asked and asked.grid else 0
+        drawn = np.flatnonzero(self.stage == k)[: max(self.ended[k]["evaluations"] - grid, 0)]
+        costs, told = np.sort(self.raw[drawn][self.status[drawn] == 0]), counts(self.status[drawn])
+        draws, outside, level = told.pop("evaluations"), self.outside(), self.campaign.confidence
+        size, violations = draws - told["excluded"], told["failed"] + int(np.count_nonzero(costs <= self.threshold))
+        told |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
+        told |= {"excluded_fraction": told["excluded"] / max(draws, 1)}
         told |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
-        if self.random is not False:
-            own = at(self.claims, "results", k, "drawn_realisations") if asked else 0
-            told["noise"] = MISSING if MISSING in (self.random, own) else "drawn" if own == draws else "stated"
-        bound = outside if outside is MISSING else min(1.0, upper_bound(violations, size, level) + outside)
+        if seeded(self.campaign, self.claims["components"]):
+            own = asked and self.claims["results"][k]["drawn_realisations"] == draws
+            told["noise"] = "drawn" if own else "stated"
+        if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
+            look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
+            level = 1.0 - (1.0 - level) / (look * (look + 1))
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
-        told["upper_bound"] = bound if independent else None
-        if asked and size < asked.samples and draws < 20 * asked.samples:
-            told["samples"] = asked.samples  # draws are missing: excluded ones are drawn again, up to 20 times as many
-        if asked and outside is not MISSING:
-            share = asked.quantile - outside
-            below = (
-                cumulative(min(size - 1, math.ceil(size * share)), size, share) if size and share > 0 else np.empty(0)
-            )
-            r = int(np.count_nonzero(below <= math.log1p(-confidence)))
-            value = float(costs[r - 1 - failed]) if r > failed else None
-            told["quantile"] = {
-                "order": r or None,
-                "bound": value,
-                "confidence": -math.expm1(below[r - 1]) if r else None,
-            }
+        told["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
+        if asked:
+            told["quantile"] = self.quantile([-math.inf] * told["failed"] + costs.tolist(), asked.quantile - outside)
+            if size < asked.samples and draws < 20 * asked.samples:  # an excluded draw is repeated, up to 20 times
+                told["samples"] = asked.samples
         return told
 
-    def statistics(self) -> dict[str, Any] | None:
-        """The sample that a probability may be claimed from: that of certify, else of the first random search."""
-        certify = [k for k, stage in enumerate(self.plan) if stage.kind == "certify"]
-        drawn = certify or [k for k in self.searches if self.method(k, "kind") == "random"]
-        return next((s for s in map(self.sample, drawn) if s["upper_bound"] is not None), None)
+    def quantile(self, ranked: list[float], share: float) -> Tree:
+        """Wilks: the r-th lowest of the sample, in which a failed flight is the lowest, bounds its quantile."""
+        size = len(ranked)
+        most = min(size - 1, math.ceil(size * share))
+        below = cumulative(most, size, share) if size and share > 0 else np.empty(0)
+        r = int(np.count_nonzero(below <= math.log1p(-self.campaign.confidence)))
+        if not r:
+            return dict.fromkeys(("order", "bound", "confidence"))
+        bound = ranked[r - 1] if ranked[r - 1] > -math.inf else None
+        return {"order": r, "bound": bound, "confidence": -math.expm1(below[r - 1])}
 
-    def outside(self) -> Any:
+    def outside(self) -> float:
         """The probability that unbounded normal draws lie beyond the bounds; the sum of tails where correlated."""
         tails = {}
-        for path, uncertain in self.campaign.uncertain.items():
-            given, bounds = uncertain.distribution, self.bounds[path]
-            if given.kind == "normal" and bounds is MISSING:
-                return MISSING
+        for path, (low, high) in self.bounds.items():
+            given = self.campaign.uncertain[path].distribution
             if given.kind == "normal":
-                ends = ((d / given.deviation / math.sqrt(2)) for d in (given.mean - bounds[0], bounds[1] - given.mean))
-                tails[path] = sum(math.erfc(end) / 2 for end in ends)
+                ends = ((given.mean - low) / given.deviation, (high - given.mean) / given.deviation)
+                tails[path] = sum(math.erfc(end / math.sqrt(2)) / 2 for end in ends)
         mixed = {path for c in self.campaign.correlations if c.value != 0.0 for path in c.between}
         if any(tail > 0.0 and path in mixed for path, tail in tails.items()):
             return min(1.0, sum(tails.values()))
         return 1.0 - math.prod(1.0 - tail for tail in tails.values())
-
-    def finding(self, given: dict[str, Any]) -> dict[str, Any]:
-        """A finding by the stored evaluation at its point."""
-        point, values = np.array(given["point"], dtype=np.float64), dict(given["parameters"])
-        here = np.concatenate([c.costs[(c.status == 0) & (c.points == point).all(axis=1), 0] for c in self.columns])
-        cost = float(here[np.abs(here - given["cost"]).argmin()]) if len(here) else None
-        ends = zip(self.bounds, point, strict=True)
-        edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
-        for (path, bounds), u in zip(self.bounds.items(), point, strict=True):
-            value = bounds if bounds is MISSING else float(bounds[0] + u * (bounds[1] - bounds[0]))
-            if bounds is MISSING or abs(value - values[path]) > 1e-9 * (bounds[1] - bounds[0]):
-                values[path] = value
-        told = {"cost": cost, "margin": self.margin(cost), "at_bounds": edges, "parameters": values}
-        return told | {"validation": self.case(at(given, "validation"))}
-
-    def case(self, given: Any) -> dict[str, Any]:
-        """What follows from the three costs of a case: the one at the campaign's step and the two others."""
-        costs = [at(given, "cost"), at(given, "half_step", "cost"), at(given, "integrator", "cost")]
-        if MISSING in costs:
-            return dict.fromkeys(("agrees", "violates", "ok"), MISSING)
-        cost, sides, allowed = costs[0], {c <= self.threshold for c in costs if c is not None}, None
-        apart = [None if None in (cost, c) else c - cost for c in costs[1:]]
-        if cost is not None:
-            scale = max(abs(self.threshold), abs(self.nominal or 0.0), 1e-9)
-            tolerance = self.campaign.stages.validate_.tolerance
-            allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), min(FLOOR, tolerance) * scale)
-        agrees = len(sides) == 1 and all(d is not None and abs(d) <= (allowed or 0.0) for d in apart)
-        violates = None not in costs and sides == {True}
-        told = {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
-        return told | {"half_step": {"difference": apart[0]}, "integrator": {"difference": apart[1]}}

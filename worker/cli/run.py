@@ -155,9 +155,22 @@ def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
 
 def _flying(threads: int | None, quiet: bool) -> Fly:
     """What runs a campaign into a store, with progress on the terminal unless quiet."""
+    from worker.processes import memory
     from worker.runs.runner import execute
 
+    try:
+        memory.allowed()
+    except ValueError as error:
+        raise WrongInputError(str(error)) from None
+
     def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+        try:
+            with memory.bounded(threads):
+                return simulated(campaign, store, cancelled)
+        except MemoryError:
+            raise WrongInputError(memory.sentence()) from None
+
+    def simulated(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
         with interrupt.kept(cancelled) as asked:
             if quiet:
                 return execute(campaign, store, asked, threads=threads)

@@ -127,6 +127,11 @@ class Loop:
         return self._glue[name]
 
     @property
+    def drawing(self) -> tuple[tuple[Any, int], ...]:
+        """Kernels (t, extended parameters) -> noise that changes at known instants alone; each with its count."""
+        return self._glue["drawing"]  # type: ignore[no-any-return]
+
+    @property
     def digest(self) -> str:
         """Identifies the loop: everything that its flights depend on but the parameters, the step and the machine."""
         return digest(self._filled(loop.fly, FLOWN))
@@ -187,7 +192,7 @@ def _glue(made: Loop) -> dict[str, Any]:
     slots["kept"] = _filled(guidance.four_kept if made.parts.late else guidance.none_kept, slots)
     slots["demand"] = _filled(_demand(made.parts), slots)
     slots |= _translation(made.parts, slots)
-    parts = {"extend": _extend(made)} | {name: slots[name] for name in ("bodies", "costs_of", "on_sample")}
+    parts = {"extend": _extend(made)} | {name: slots[name] for name in ("bodies", "costs_of", "on_sample", "drawing")}
     names = (
         "aware",
         "asked_at",

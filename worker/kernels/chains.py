@@ -111,16 +111,21 @@ def _actuator(parts: Parts, placed: Placed, at: dict[str, Any], slots: dict[str,
 
 def _environment(parts: Parts, own: dict[str, dict[str, Any]], slots: dict[str, Any]) -> dict[str, Any]:
     surroundings, woken = bind(links.still, {}), bind(links.no_wake, {})
-    offset = 0
+    offset, drawing = 0, []
     for i, part in enumerate(parts.environment):
         at = own[f"environment.{i}"]
         size = {"X0": offset, "X1": offset + part.states}
-        link = at | size | {"blow": part.blow, "before": surroundings, "point": slots["point"]}
+        driven = bind(links.undriven, at | {"blow": part.blow})
+        if part.draw is not None:
+            drawn = bind(links.draw_own, at | {"draw": part.draw})
+            drawing.append((drawn, part.draws))
+            driven = bind(links.driven, at | {"blow": part.blow, "drawn": drawn})
+        link = size | {"part": driven, "before": surroundings, "point": slots["point"]}
         surroundings = bind(links.more_surroundings, link)
         if part.states:
             woken = bind(links.more_wakes, at | {"wake": part.wake, "before": woken})
         offset += part.states
-    return {"surroundings": surroundings, "woken_environment": woken}
+    return {"surroundings": surroundings, "woken_environment": woken, "drawing": tuple(drawing)}
 
 
 def _criteria(parts: Parts, own: dict[str, dict[str, Any]], places: Mapping[str, Place]) -> dict[str, Any]:

@@ -217,6 +217,7 @@ class Environment:
     """A part of the environment. blow(t, q, v, e, p) -> (views.Surroundings, de); wake(p) -> e at the start.
 
     q and v are the true position and velocity in space, whatever the dimension (z = 0 in the plane).
+    One with noise may have draw(t, p) -> n, so many `draws` that change at its `switches` alone; blow takes n before p.
     With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`, `frame`
     as in `Avoider`.
     """
@@ -227,6 +228,8 @@ class Environment:
     blow: Kernel
     states: int = 0
     wake: Kernel | None = None
+    draw: Kernel | None = None
+    draws: int = 0
     derived: Derived | None = None
     switches: Switches | None = None
     frame: Frame | None = None

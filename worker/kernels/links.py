@@ -26,7 +26,7 @@ def _slot(*_: Any) -> Any:
 
 
 before = body = carried = centre = point = pose = seen_at = shifted = shown = sight = solid = _slot
-see = delay = mistake = move = wake = act = rest = blow = weigh = first = derive = balance = _slot
+see = delay = mistake = move = wake = act = rest = blow = part = draw = drawn = weigh = first = derive = balance = _slot
 sample = samples = place = reading = value = _slot
 
 
@@ -210,7 +210,7 @@ def still(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
 def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
     """What the environment does before, and one more part of it."""
     a, dx = before(t, q, v, x, p)
-    b, change = blow(t, point(q), point(v), x[X0:X1], Own(*p[P0:P1]))
+    b, change = part(t, point(q), point(v), x[X0:X1], p)
     total = Surroundings(
         a.wind_x + b.wind_x,
         a.wind_y + b.wind_y,
@@ -220,6 +220,21 @@ def more_surroundings(t: float, q: Any, v: Any, x: Any, p: Any) -> Any:
         a.rolling + b.rolling,
     )
     return total, dx + change
+
+
+def undriven(t: float, q: Any, v: Any, e: Any, p: Any) -> Any:
+    """A part of the environment that draws no noise apart."""
+    return blow(t, q, v, e, Own(*p[P0:P1]))
+
+
+def driven(t: float, q: Any, v: Any, e: Any, p: Any) -> Any:
+    """A part of the environment, driven by the noise that it draws."""
+    return blow(t, q, v, e, drawn(t, p), Own(*p[P0:P1]))
+
+
+def draw_own(t: float, p: Any) -> Any:
+    """The noise of one part of the environment at this instant."""
+    return draw(t, Own(*p[P0:P1]))
 
 
 # Obstacles weighed one after another by an avoider.

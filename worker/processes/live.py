@@ -1,6 +1,7 @@
 """Live flights for the service: a child process that answers requests on standard input, one line of JSON each.
 
 Request  {"id", "campaign", "parameters": {path: value}, "rows"}; parameters left out are nominal.
+         One noise realisation instead of those of the campaign: "seed", or "draw", its number in the certify stage.
 Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
 Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in
 `worker.systems.closed_loop.field`.
@@ -25,7 +26,9 @@ import numpy as np
 
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
+from campaigns.asked.spec import MAX_SEED
 from worker.processes import memory
+from worker.stages.parts import seeds
 from worker.systems.closed_loop.field import MOST, UNITS, field
 from worker.systems.closed_loop.trace import fly, trace
 from worker.systems.problem import CampaignUnusable, Problem
@@ -34,6 +37,7 @@ KEPT = 16
 """Problems kept ready; the one longest unused makes room."""
 
 ROWS = 400
+MOST_DRAWS = 2**53
 
 
 def main() -> None:
@@ -59,7 +63,7 @@ def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, 
         if not isinstance(request["id"], int | str):
             raise TypeError("id is a whole number or text")
         number = request["id"]
-        problem = _problem(request["campaign"], problems)
+        problem = _realised(_problem(request["campaign"], problems), request)
         parameters = request.get("parameters", {})
         values = {path: _value(problem, path, value) for path, value in parameters.items()}
         kind = request.get("kind", "flight")
@@ -86,6 +90,22 @@ def _problem(document: Any, problems: OrderedDict[str, Problem]) -> Problem:
     if len(problems) > KEPT:
         problems.popitem(last=False)
     return problem
+
+
+def _realised(problem: Problem, request: dict[str, Any]) -> Problem:
+    """Under the one noise realisation that is asked for, else under those of the campaign."""
+    seed = _whole(request, "seed", MAX_SEED)
+    draw = _whole(request, "draw", MOST_DRAWS)
+    if draw is not None:
+        seed = int(seeds.of_draws(problem.campaign.seed, draw, 1)[0])
+    return problem.under(seed)
+
+
+def _whole(request: dict[str, Any], name: str, most: int) -> int | None:
+    value = request.get(name)
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < most):
+        raise ValueError(f"{name} is a whole number from 0 to {most - 1}, given {value!r}")
+    return value
 
 
 def _flight(problem: Problem, values: dict[str, float], rows: int) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import contextlib
 import math
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 from worker.systems.evaluate import usual_threads
@@ -38,8 +39,11 @@ def allowed() -> float:
     return value or math.inf
 
 
-def bound() -> None:
-    """Bound this process from now on; to be called once everything is imported. Ends it for an invalid setting."""
+def bound(threads: int | None = None) -> None:
+    """Bound this process from now on; to be called once everything is imported. Ends it for an invalid setting.
+
+    threads: on which it simulates, the usual ones by default.
+    """
     try:
         value = allowed()
     except ValueError as error:
@@ -49,10 +53,27 @@ def bound() -> None:
     import resource
 
     pages = int(Path("/proc/self/statm").read_text().split()[0])
-    limit = pages * resource.getpagesize() + usual_threads() * THREAD + int(min(value, 2**20) * GIB)
+    limit = pages * resource.getpagesize() + (threads or usual_threads()) * THREAD + int(min(value, 2**20) * GIB)
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_AS, (limit if hard == resource.RLIM_INFINITY else min(limit, hard), hard))
+
+
+@contextlib.contextmanager
+def bounded(threads: int | None = None) -> Iterator[None]:
+    """The same bound while the block lasts; the limit of before is restored. Raises `ValueError` for the setting."""
+    allowed()
+    if sys.platform != "linux":
+        yield
+        return
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    bound(threads)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
 
 
 def sentence() -> str:

@@ -9,9 +9,9 @@ from typing import Any
 
 from numba import carray  # type: ignore[attr-defined]
 
-from worker.reference.stepper import BARRED, BEGIN, LIMIT, SAMPLE, SLOPE
+from worker.reference.stepper import BARRED, BEGIN, DRAW, LIMIT, SAMPLE, SLOPE
 
-N_X = N_P = N_G = N_Y = Y0 = Y1 = 0
+N_X = N_P = N_D = N_G = N_Y = Y0 = Y1 = D0 = D1 = 0
 AHEAD: Any = ()
 """In place of the channels of other criteria that stand before."""
 
@@ -20,22 +20,25 @@ def _slot(*_: Any) -> Any:
     raise NotImplementedError("a slot that was not filled")
 
 
-load_x = store_x = load_g = store_g = load_p = load_y = store_y = _slot
-initial = blank = guide = closed_loop = envelope = cost = barred = _slot
+load_x = store_x = load_g = store_g = load_p = store_d = load_y = store_y = _slot
+initial = blank = guide = closed_loop = envelope = cost = barred = drawn = before = one = _slot
 
 
 def answer(what: int, t: float, x: Any, dx: Any, y: Any, p: Any) -> float:
-    """What `stepper.call` asks; p: the extended parameters (N_P,), and behind them the held guidance (N_G,)."""
-    xs, dxs, ys, ps = carray(x, N_X), carray(dx, N_X), carray(y, N_Y), carray(p, N_P + N_G)
+    """What `stepper.call` asks; p: the extended parameters (N_P,), and behind them the kept noise (N_D,) and the
+    held guidance (N_G,)."""
+    xs, dxs, ys, ps = carray(x, N_X), carray(dx, N_X), carray(y, N_Y), carray(p, N_P + N_D + N_G)
     given = load_p(ps, 0, 0)
     if what == SLOPE:
-        rate, channels = closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P, 0), given)
+        rate, channels = closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given)
         store_x(dxs, 0, 0, rate)
         store_y(ys, 0, 0, channels[Y0:Y1])
     elif what == SAMPLE:
-        store_g(ps, N_P, 0, guide(t, load_x(xs, 0, 0), load_g(ps, N_P, 0), given))
+        store_g(ps, N_P + N_D, 0, guide(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given))
+    elif what == DRAW:
+        store_d(ps, N_P, 0, drawn(t, given))
     elif what == BEGIN:
-        store_g(ps, N_P, 0, blank(given))
+        store_g(ps, N_P + N_D, 0, blank(given))
         store_x(xs, 0, 0, initial(given))
     elif what == LIMIT:
         return envelope(load_x(xs, 0, 0), given)  # type: ignore[no-any-return]
@@ -44,3 +47,18 @@ def answer(what: int, t: float, x: Any, dx: Any, y: Any, p: Any) -> float:
     else:
         return cost(AHEAD + load_y(ys, 0, 0), given)  # type: ignore[no-any-return]
     return 0.0
+
+
+def none_drawn(t: float, p: Any) -> tuple[()]:
+    """No component draws noise."""
+    return ()
+
+
+def more_drawn(t: float, p: Any) -> Any:
+    """The noise drawn before, and that of one more component."""
+    return before(t, p) + one(t, p)
+
+
+def kept(t: float, p: Any) -> Any:
+    """In place of drawing: what was drawn when the stretch began."""
+    return p[D0:D1]

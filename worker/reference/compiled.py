@@ -39,21 +39,50 @@ def system(loop: Loop) -> Any:
     return numba.cfunc(SYSTEM, cache=True, **STRICT)(bound(loop))
 
 
-def bound(loop: Loop) -> Function:
-    """A closed loop as a function to compile, its digest in its name."""
+def bound(loop: Loop, keep: bool = True) -> Function:
+    """A closed loop as a function to compile, its digest in its name; `keep`: noise is drawn once a stretch and kept.
+
+    Noise changes only where a stretch begins. Drawn at each slope it took a quarter of a slope's time.
+    """
     done: dict[int, Any] = {identity(kernel): _library(other) for kernel, other in LIBRARY.items()}
-    slots = {name: rebuilt(loop.kernel(name), done, _inlined) for name in PARTS}
-    counts = {"x": loop.n_state, "p": loop.size_extended, "g": loop.n_held}
+    drawn, kept = _noise(loop, done)
+    done |= kept if keep else {}
+    slots = {name: rebuilt(loop.kernel(name), done, _inlined) for name in PARTS} | {"drawn": drawn}
+    counts = {"x": loop.n_state, "p": loop.size_extended + draws(loop), "g": loop.n_held}
     first, last = loop.channels.of["criterion"]
-    slots |= {"N_X": counts["x"], "N_P": counts["p"], "N_G": counts["g"], "N_Y": last - first, "Y0": first, "Y1": last}
+    slots |= {
+        "N_X": counts["x"],
+        "N_P": loop.size_extended,
+        "N_D": draws(loop),
+        "N_G": counts["g"],
+        "N_Y": last - first,
+        "Y0": first,
+        "Y1": last,
+    }
     slots["AHEAD"] = (0.0,) * first
     slots |= {f"load_{letter}": lane_ops(rows, 1).load for letter, rows in counts.items()}
     slots |= {"load_y": lane_ops(last - first, 1).load}
     slots |= {f"store_{letter}": lane_ops(counts[letter], 1).store for letter in "xg"}
+    slots |= {"store_d": lane_ops(draws(loop), 1).store}
     slots |= {"store_y": lane_ops(last - first, 1).store}
     made = filled(closed.answer, slots)
     made.__qualname__ = f"{loop.parts.vehicle.name}_reference_{digest(made, STRICT)}"
     return made
+
+
+def draws(loop: Loop) -> int:
+    """How many numbers of noise a stretch keeps."""
+    return sum(count for _, count in loop.drawing)
+
+
+def _noise(loop: Loop, done: dict[int, Any]) -> tuple[Any, dict[int, Any]]:
+    """What draws all noise, and by `identity` of what draws a part of it what reads that part where it is kept."""
+    drawn, kept, at = _inlined(closed.none_drawn), {}, loop.size_extended
+    for kernel, count in loop.drawing:
+        drawn = _inlined(filled(closed.more_drawn, {"before": drawn, "one": rebuilt(kernel, dict(done), _inlined)}))
+        kept[identity(kernel)] = _inlined(filled(closed.kept, {"D0": at, "D1": at + count}))
+        at += count
+    return drawn, kept
 
 
 @cache

@@ -17,6 +17,7 @@ from worker.reference.stepper import (
     BARRED,
     BEGIN,
     COST,
+    DRAW,
     GROW,
     KEPT,
     LIMIT,
@@ -73,6 +74,7 @@ def fly(
     above; the time it ended [s]; from when it was flown at the coarse tolerance [s], why (STUCK or SHORT, else 0), and
     when that was found [s].
     """
+    call(system, DRAW, (instants[0] + instants[1]) / 2.0, b, X, X, y, p)
     code = begun(instants[0], system, b, y, p, c)
     relative, floor = RELATIVE, ABSOLUTE
     horizon = instants[len(instants) - 1]
@@ -80,6 +82,9 @@ def fly(
         if code != OK:
             break
         start, end = instants[k], instants[k + 1]
+        if k > 0:
+            # In the middle: an end may be a switch but for rounding, or a sample of guidance next to one.
+            call(system, DRAW, (start + end) / 2.0, b, X, X, y, p)
         if asks[k] and k > 0:
             call(system, SAMPLE, start, b, X, X, y, p)
         until = end - before * (end - start)

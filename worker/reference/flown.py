@@ -5,7 +5,7 @@ Start reading at `Reference.fly`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -46,18 +46,18 @@ class Reference:
         self.compiled = compiled
         self.timetable = Timetable(problem)
 
-    def fly(self, vector: Floats) -> Flight:
+    def fly(self, vector: Floats, counts: int | None = None) -> Flight:
         """Fly one flat parameter vector (size,); the minimum over time comes from the dense output.
 
         Of several realisations the one that counts, where the worst does: it is that flight which is to be confirmed.
+        `counts`: its seed, where it is known; otherwise the loop finds it at the campaign's step.
         """
         problem, realised = self.problem, self.problem.realisations
         if problem.parts.criterion.over == "crossing":
             return Flight(None, f"{NAME} does not look for crossings, which {problem.parts.criterion.title} reads")
         seeds = realised.seeds
         if realised.several and realised.combine == "worst":
-            flown = problem.loop.fly(realised.flights(vector[None, :]), problem.step, *problem.counts(problem.step))
-            seeds = (seeds[realised.worst(flown.costs, problem.judge(flown.status, flown.when)[0])],)
+            seeds = tuple(problem.fly_realised(vector[None, :])[2] or ()) if counts is None else (counts,)
         flights = [self._realised(realised.flight(vector[None, :], seed)[0]) for seed in seeds]
         for flight_, seed in zip(flights, seeds, strict=True):
             if flight_.cost is None:
@@ -65,20 +65,30 @@ class Reference:
         coarse = next((f.reason for f in flights if f.reason), "")
         return Flight(float(np.mean([f.cost for f in flights if f.cost is not None])), coarse)
 
-    def fly_all(self, vectors: Floats, cancelled: Callable[[], bool] = lambda: False) -> list[Flight]:
-        """Fly vectors (m, size) on the usual threads. Once cancelled, the flights until then: fewer than m."""
+    def fly_all(
+        self,
+        vectors: Floats,
+        cancelled: Callable[[], bool] = lambda: False,
+        counts: Sequence[int | None] | None = None,
+    ) -> list[Flight]:
+        """Fly vectors (m, size) on the usual threads. Once cancelled, the flights until then: fewer than m.
+
+        counts: by vector the seed that counts, as in `fly`.
+        """
+        counts = [None] * len(vectors) if counts is None else counts
         threads = min(usual_threads(), len(vectors)) if self.compiled else 1
         flown: list[Flight] = []
         if threads > 1:
             _ = self._system  # compiled by one thread, before the others need it
             with ThreadPoolExecutor(threads, thread_name_prefix="reference") as pool:
                 while len(flown) < len(vectors) and not cancelled():
-                    flown += pool.map(self.fly, vectors[len(flown) : len(flown) + threads])
+                    some = slice(len(flown), len(flown) + threads)
+                    flown += pool.map(self.fly, vectors[some], counts[some])
             return flown
-        for vector in vectors:
+        for vector, seed in zip(vectors, counts, strict=True):
             if cancelled():
                 break
-            flown.append(self.fly(vector))
+            flown.append(self.fly(vector, seed))
         return flown
 
     @cached_property
@@ -106,11 +116,13 @@ class Reference:
         return self._judged(found)
 
     def _fly(self, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
+        from worker.reference import compiled
+
         loop = self.problem.loop
         system, fly = self._system
         first, last = loop.channels.of["criterion"]
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
-        given = np.array((*p, *(0.0,) * loop.n_held))
+        given = np.array((*p, *(0.0,) * (compiled.draws(loop) + loop.n_held)))
         where = stretches.instants, stretches.asks, stretches.before, stretches.patience
         fly(system.address, *where, states, channels, given, np.zeros(4), found)
 

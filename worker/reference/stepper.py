@@ -21,7 +21,7 @@ SEEN, OLD, END, LEFT, MID, RIGHT, LOW, KEPT, RATE = range(9)
 CHANNEL_ROWS = 9
 """Rows of y (CHANNEL_ROWS, m): SEEN the channels at the last slope; the others belong to `reading`."""
 
-SLOPE, BEGIN, SAMPLE, BARRED, LIMIT, COST = range(6)
+SLOPE, BEGIN, SAMPLE, BARRED, LIMIT, COST, DRAW = range(7)
 """What a system is asked: see `call`."""
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
@@ -33,7 +33,7 @@ def call(system: Any, what: int, t: float, b: Any, at: int, to: int, y: Any, p: 
 
     SLOPE: from the state x the slope dx and the channels; BEGIN: the state x at the start; SAMPLE: a guidance sample,
     kept in p; BARRED: whether the channels bar the flight; LIMIT: the number of the limit that x exceeds, else 0;
-    COST: of the channels.
+    COST: of the channels; DRAW: the noise until something jumps, kept in p.
     """
     return system(what, t, b[at], b[to], y[SEEN], p)  # type: ignore[no-any-return]
 

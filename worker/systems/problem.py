@@ -123,13 +123,22 @@ class Problem:
         self, vectors: Floats, step: float | None = None, seeds: Seeds | None = None
     ) -> tuple[Batch, dict[int, str]]:
         """Fly flat parameter vectors (m, size), by default at the campaign's step [s]; seeds as in `fly`."""
-        step = self.step if step is None else step
         if seeds is not None:
+            step = self.step if step is None else step
             flown = self.loop.fly(self.realisations.flight(vectors, seeds), step, *self.counts(step))
             status, reasons = self.judge(flown.status, flown.when)
             return Batch(flown.costs, status), {i: f"with seed {seeds[i]}: {why}" for i, why in reasons.items()}
-        flown = self.loop.fly(self.realisations.flights(vectors), step, *self.counts(step))
-        return self.realisations.combined(flown.costs, *self.judge(flown.status, flown.when))
+        return self.fly_realised(vectors, step)[:2]
+
+    def fly_realised(
+        self, vectors: Floats, step: float | None = None
+    ) -> tuple[Batch, dict[int, str], list[int] | None]:
+        """As `fly_vectors`, and by row the seed of the realisation that counts; None where the mean of several does."""
+        step, realised = self.step if step is None else step, self.realisations
+        flown = self.loop.fly(realised.flights(vectors), step, *self.counts(step))
+        status, reasons = self.judge(flown.status, flown.when)
+        seeds = realised.counting(flown.costs, status) if realised.combine == "worst" or not realised.several else None
+        return *realised.combined(flown.costs, status, reasons), seeds
 
     def counts(self, step: float) -> tuple[int, int]:
         """Steps in the horizon, and steps per guidance sample."""

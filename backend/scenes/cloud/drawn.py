@@ -9,11 +9,11 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from backend.scenes.base.palette import DARK, Palette, rgb
+from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.cloud.evaluations import NO_VALUE, Axes, Cloud, Evaluation, Floats, place, places
 from backend.scenes.drawing.colours import colours
-from backend.scenes.drawing.palette import DARK, Palette, rgb
 from backend.scenes.drawing.world import World
-from backend.scenes.setting import NOMINAL, Setting
 
 SIDE = 0.62
 """The box's side, as a share of the scene's."""

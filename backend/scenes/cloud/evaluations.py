@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from backend.db.tables import Finding, Stage
 from backend.results import evaluations
 from backend.results.schemas import Evaluations
-from backend.scenes.setting import NOMINAL, Setting
+from backend.scenes.base.noise import STATED, Noise, draws
+from backend.scenes.base.setting import NOMINAL, Setting
 
 Floats = NDArray[np.float64]
 
@@ -41,6 +42,8 @@ class Evaluation:
     status: str
     cost: float | None
     parameters: dict[str, float]
+    noise: Noise = STATED
+    """The realisation that it simulated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +88,7 @@ def load(reader: sa.Connection, run_id: int, setting: Setting, nominal: float | 
     marks = {NOMINAL: ({one.path: one.nominal for one in setting.uncertain}, nominal)}
     marks |= {row.label: (row.parameters, row.cost) for row in sorted(rows, key=lambda r: (len(r.label), r.label))}
     return Cloud(
-        drawn=_drawn(found),
+        drawn=_drawn(found, draws(reader, run_id, setting.document)),
         marks=marks,
         total=sum(stage.total for stage in found.stages),
         failed=sum(stage.failed for stage in found.stages),
@@ -93,17 +96,25 @@ def load(reader: sa.Connection, run_id: int, setting: Setting, nominal: float | 
     )
 
 
-def _drawn(found: Evaluations) -> list[Evaluation]:
+def _drawn(found: Evaluations, own: Mapping[int, int]) -> list[Evaluation]:
     """Those that thinning has left, and every failure that is told with its reason."""
     called = {s.position: f"{s.position} · {s.kind}{f' · {s.method}' if s.method else ''}" for s in found.stages}
     drawn: dict[tuple[int, int], Evaluation] = {}
+
+    def noise(position: int, index: int) -> Noise:
+        return Noise(draw=index) if index < own.get(position, 0) else STATED
+
     for stage in found.stages:
         for row, index in enumerate(stage.index):
             values = {path: column[row] for path, column in stage.parameters.items()}
-            one = Evaluation(called[stage.position], index, stage.status[row], stage.cost[row], values)
+            one = Evaluation(
+                called[stage.position], index, stage.status[row], stage.cost[row], values, noise(stage.position, index)
+            )
             drawn[stage.position, index] = one
     for lost in found.failures:
-        one = Evaluation(called[lost.position], lost.index, lost.status, None, lost.parameters)
+        one = Evaluation(
+            called[lost.position], lost.index, lost.status, None, lost.parameters, noise(lost.position, lost.index)
+        )
         drawn.setdefault((lost.position, lost.index), one)
     return list(drawn.values())
 

@@ -13,22 +13,23 @@ import viser
 
 from backend.db.engine import read
 from backend.runs.service import number
-from backend.scenes.address import Camera
+from backend.scenes.base.address import Camera
+from backend.scenes.base.flight import ROWS, Flight, from_live
+from backend.scenes.base.noise import STATED
+from backend.scenes.base.palette import DARK, Palette
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.schemas import NONE as NO_AXIS
+from backend.scenes.base.schemas import VALUE
+from backend.scenes.base.setting import NOMINAL, Progress, Setting, UnknownParameterError
 from backend.scenes.cloud import words
 from backend.scenes.cloud.drawn import CloudDrawn
 from backend.scenes.cloud.evaluations import Axes, Axis, Cloud, Evaluation, axes, load, met
-from backend.scenes.control.latest import Latest
-from backend.scenes.control.live import Live, LiveError
 from backend.scenes.drawing.cameras import Pose, distance
-from backend.scenes.drawing.flight import ROWS, Flight, from_live
 from backend.scenes.drawing.following import Following
-from backend.scenes.drawing.palette import DARK, Palette
 from backend.scenes.drawing.world import World
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
-from backend.scenes.part import Driver, Part
-from backend.scenes.schemas import NONE as NO_AXIS
-from backend.scenes.schemas import VALUE
-from backend.scenes.setting import NOMINAL, Progress, Setting, UnknownParameterError
 
 NOTHING = "–"
 """No axis."""
@@ -43,7 +44,8 @@ class Shown:
     """How a flight becomes the what-if: it is drawn, its parameters are those of the sliders, its outcome is told."""
 
     flight: Callable[[Flight], None]
-    parameters: Callable[[dict[str, float]], None]
+    parameters: Callable[[dict[str, float], int | None], None]
+    """With the seed of the noise realisation that the flight drew; None: those of the campaign."""
     outcome: Callable[[], None]
 
 
@@ -216,7 +218,7 @@ class CloudTab(Part):
     def _fly(self, one: Evaluation) -> None:
         """Fly it with the parameters as stored, bit by bit, and hold the result against what is stored."""
         try:
-            answer = self._live.fly(self._setting.document, self._setting.digest, one.parameters, ROWS)
+            answer = self._live.fly(self._setting.document, self._setting.digest, one.parameters, ROWS, one.noise)
         except LiveError as error:
             self._say(words.flying(one) + tables.note(str(error), strong=True), None, one)
             return
@@ -227,7 +229,7 @@ class CloudTab(Part):
             if self._stopped:
                 return
             if flight is not None:
-                self._shown.parameters(one.parameters)
+                self._shown.parameters(one.parameters, None if one.noise == STATED else flight.seed)
                 self._shown.flight(flight)
                 self._shown.outcome()
             self._result.content = result

@@ -6,10 +6,10 @@ import html
 from collections.abc import Mapping
 from typing import Any
 
+from backend.scenes.base.setting import Setting
 from backend.scenes.cloud.evaluations import Cloud, Evaluation
 from backend.scenes.drawing.colours import gradient
 from backend.scenes.panel.tables import note, number
-from backend.scenes.setting import Setting
 
 _TABLE = (
     'style="width:calc(100% - 28px);margin:6px 18px 6px 10px;border-collapse:collapse;font-size:0.85em;'

@@ -1,1 +1,1 @@
-"""How a browser comes to its viewer, how the page steers it, and who flies for it."""
+"""How a browser comes to its viewer, and how the page steers it."""

@@ -10,16 +10,16 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request
 
-from backend.auth import CurrentVisitor
-from backend.deps import capacities
-from backend.errors import RefusedError, problems
+from backend.access.auth import CurrentVisitor
+from backend.http.deps import capacities
+from backend.http.errors import RefusedError, problems
+from backend.http.schema import LARGEST_WHOLE, RunName
 from backend.runs.service import number
-from backend.scenes.address import KEY
+from backend.scenes.base.address import KEY
+from backend.scenes.base.schemas import ViewChange, ViewState
+from backend.scenes.base.setting import UnknownParameterError
 from backend.scenes.control.viewers import Handle, Viewers
-from backend.scenes.schemas import ViewChange, ViewState
-from backend.scenes.setting import UnknownParameterError
-from backend.scenes.viewer import GoneError, UnknownFlightError, Viewer
-from backend.schema import LARGEST_WHOLE, RunName
+from backend.scenes.viewer.viewer import GoneError, UnknownFlightError, Viewer
 
 router = APIRouter(tags=["views"])
 

@@ -25,7 +25,7 @@ from viser import _messages
 from backend.scenes.control import wakeful
 from backend.scenes.control.allowed import Pace, refusal
 from backend.scenes.control.viewers import Viewers
-from backend.scenes.viewer import Viewer
+from backend.scenes.viewer.viewer import Viewer
 
 SECRET = "X-Clearance-Relay"
 GOING_AWAY = 1001

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from anyio import CapacityLimiter
 
 from backend.db.access import Visitor
-from backend.scenes.viewer import Viewer
+from backend.scenes.viewer.viewer import Viewer
 
 THREADS = 8
 

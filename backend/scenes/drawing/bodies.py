@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.drawing.axes import Axes
-from backend.scenes.drawing.flight import Flight
+from backend.scenes.base.axes import Axes, rotated
+from backend.scenes.base.flight import Flight
 
 Floats = NDArray[np.float64]
 
@@ -70,6 +70,19 @@ class Body:
             return float(np.hypot(self.size[0], self.size[1] / 2))
         return float(np.linalg.norm(self.size)) / 2
 
+    def surface(self, place: Floats, centre: Floats) -> Floats:
+        """The point of its surface nearest to a place (3,), while its centre is there (3,)."""
+        away = place - centre
+        if self.kind == "round":
+            return centre + self.size[0] * _direction(away)
+        if self.kind == "cylinder":
+            out = _direction(away * (1.0, 1.0, 0.0))
+            radial, level = _outline(np.array([out @ away, away[2]]), np.array([self.size[0], self.size[1] / 2]))
+            found: Floats = centre + radial * out + np.array([0.0, 0.0, level])
+            return found
+        own = rotated(self.turn * (1.0, -1.0, -1.0, -1.0), away)
+        return centre + rotated(self.turn, _outline(own, np.array(self.size) / 2))
+
     def like(self, other: Body, span: float) -> bool:
         """Whether both would look the same in a scene of that span [m]."""
         alike = ALIKE * span
@@ -80,6 +93,24 @@ class Body:
             and (self.flight is None) == (other.flight is None)
             and _apart(self, other) <= alike
         )
+
+
+def _direction(vector: Floats) -> Floats:
+    """Of length 1; along x where there is none."""
+    length = float(np.linalg.norm(vector))
+    found: Floats = vector / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
+    return found
+
+
+def _outline(at: Floats, half: Floats) -> Floats:
+    """The nearest point of a box's outline, in its own axes; a box in the plane has no height, and no faces there."""
+    held: Floats = np.clip(at, -half, half)
+    if (held != at).any():
+        return held
+    to_face = np.where(half > 0.0, half - np.abs(at), np.inf)
+    axis = int(np.argmin(to_face))
+    held[axis] = np.copysign(half[axis], at[axis])
+    return held
 
 
 def _apart(one: Body, other: Body) -> float:

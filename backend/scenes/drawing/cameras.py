@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.address import Camera
-from backend.scenes.drawing.flight import Closest
+from backend.scenes.base.address import Camera
+from backend.scenes.base.flight import Closest
 
 Floats = NDArray[np.float64]
 Pose = tuple[Floats, Floats]

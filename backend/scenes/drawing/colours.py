@@ -1,7 +1,7 @@
 """Colours of values, as on the pages: viridis (S. van der Walt and N. Smith, matplotlib 1.5; CC0), a part of it.
 
 The lowest values are farthest from the ground in both themes; it tells values apart for the colour-blind and in grey.
-Start reading at `colours`; the pages have theirs in `frontend/src/space/colours.ts`.
+Start reading at `colours`; the pages have theirs in `frontend/src/run/space/colours.ts`.
 """
 
 from __future__ import annotations

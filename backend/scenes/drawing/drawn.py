@@ -12,13 +12,13 @@ from typing import Any, Literal
 import numpy as np
 import viser
 
+from backend.scenes.base.flight import Closest, Flight, Floats
+from backend.scenes.base.palette import rgb, shade
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import Body, bodies_of
-from backend.scenes.drawing.flight import Closest, Flight
-from backend.scenes.drawing.palette import rgb, shade
 from backend.scenes.drawing.trail import Trail
 from backend.scenes.drawing.world import World
-from backend.scenes.setting import Setting
 
 Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
 
@@ -146,18 +146,25 @@ class Drawn:
         return frame
 
     def _closest(self, closest: Closest | None) -> None:
-        """Balls where the flight came closest and where the obstacle was then, and a ruler that says how close."""
+        """Balls at the ends of the distance where the flight came closest, and a ruler that says how close."""
         if closest is None:
             for part in ("closest", "closest-obstacle", "ruler", "label"):
                 self._scene.remove_by_name(self._name(part))
             return
-        near, far = closest.position + self._lift, closest.obstacle + self._lift
+        near, far = (end + self._lift for end in ruler(closest, self.bodies, self._body))
         self._ball("closest", 0.1, near, self.style.colour)
         self._ball("closest-obstacle", 0.07, far, self.style.colour)
         self._line("ruler", np.stack([near, far])[None], 2.5)
         text = f"{self.style.title} {closest.value:.{self._setting.decimals}f} {self._setting.unit}"
         place, anchor = self._label_place(closest)
         self._scene.add_label(self._name("label"), text, position=place, anchor=anchor, font_screen_scale=0.9)
+
+    @property
+    def _body(self) -> float | None:
+        """Radius of the vehicle's body as this flight had it [m]; None where distances end at obstacles' centres."""
+        if not self._setting.to_surface or self.flight is None:
+            return None
+        return {**self._setting.values, **self.flight.parameters}.get("criterion.body_radius", 0.0)
 
     def _ball(self, part: str, size: float, place: Any, colour: str) -> None:
         radius = size * self._world.frame.unit
@@ -185,6 +192,21 @@ class Drawn:
             "top-right": "top-right",
         }
         return place, sides[f"{self.style.label}-{away}"]
+
+
+def ruler(closest: Closest, bodies: Sequence[Body], radius: float | None) -> tuple[Floats, Floats]:
+    """Both ends of the distance of the closest approach, at the vehicle and at the obstacle (3,), as it is measured.
+
+    From the edge of the vehicle's body of that radius to the obstacle's surface; None: between the centres.
+    """
+    if radius is None or closest.number >= len(bodies):
+        return closest.position, closest.obstacle
+    body = bodies[closest.number]
+    end = body.surface(closest.position, closest.obstacle if body.kind == "round" else body.place)
+    apart = closest.position - end
+    # The edge that faces the surface; of a vehicle whose centre is inside the obstacle, the one that is deepest.
+    edge = -radius if closest.value + radius >= 0.0 else radius
+    return closest.position + edge * apart / max(float(np.linalg.norm(apart)), 1e-9), end
 
 
 def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:

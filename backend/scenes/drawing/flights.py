@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import viser
 
+from backend.scenes.base.axes import rotated
+from backend.scenes.base.flight import Flight
+from backend.scenes.base.palette import Palette
+from backend.scenes.base.part import Part
+from backend.scenes.base.setting import NOMINAL, WORST, Progress, Setting
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.axes import rotated
 from backend.scenes.drawing.cameras import Sight
 from backend.scenes.drawing.drawn import DOTS, Drawn, Style
-from backend.scenes.drawing.flight import Flight
 from backend.scenes.drawing.obstacles import Obstacles
-from backend.scenes.drawing.palette import Palette
 from backend.scenes.drawing.world import World
-from backend.scenes.part import Part
-from backend.scenes.setting import NOMINAL, WORST, Progress, Setting
 
 
 class Flights(Part):

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 import viser
 
-from backend.scenes.address import Camera
+from backend.scenes.base.address import Camera
+from backend.scenes.base.part import Part
 from backend.scenes.drawing.cameras import ASPECT, FIELD_OF_VIEW, MOVING, Floats, Pose, pose
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.world import World
-from backend.scenes.part import Part
 
 FRAME = 1 / 30
 """Time between movements of the camera at least [s]."""

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import viser
 
+from backend.scenes.base.axes import along
+from backend.scenes.base.palette import Palette, Rgb, rgb, shade
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.axes import along
 from backend.scenes.drawing.bodies import Body, body_of
 from backend.scenes.drawing.drawn import Drawn, anchor_of
-from backend.scenes.drawing.palette import Palette, Rgb, rgb, shade
 from backend.scenes.drawing.solids import Solids
 from backend.scenes.drawing.world import World
-from backend.scenes.setting import Setting
 
 
 @dataclass(eq=False)

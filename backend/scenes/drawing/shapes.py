@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.drawing.axes import rotated
+from backend.scenes.base.axes import rotated
 
 Floats = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import viser
 
+from backend.scenes.base.palette import Rgb
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.palette import Rgb
 from backend.scenes.drawing.world import LINE
 
 

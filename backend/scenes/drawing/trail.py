@@ -8,8 +8,8 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from backend.scenes.base.palette import rgb, shade
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.palette import rgb, shade
 
 Floats = NDArray[np.float64]
 

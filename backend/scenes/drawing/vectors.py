@@ -14,14 +14,14 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from backend.scenes.base.palette import Palette, Rgb, linear, rgb, shade
+from backend.scenes.base.part import Part
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import nearest
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
-from backend.scenes.drawing.palette import Palette, Rgb, linear, rgb, shade
 from backend.scenes.drawing.world import World
-from backend.scenes.part import Part
-from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 

@@ -13,12 +13,12 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from backend.scenes.base.flight import Flight
+from backend.scenes.base.palette import Palette, rgb
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.cameras import Scene
-from backend.scenes.drawing.flight import Flight
-from backend.scenes.drawing.palette import Palette, rgb
-from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 

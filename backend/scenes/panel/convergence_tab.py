@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from viser import uplot
 
 from backend.results.improvements import Improvements
-from backend.scenes.drawing.palette import Palette
-from backend.scenes.part import Part
-from backend.scenes.setting import Setting
+from backend.scenes.base.palette import Palette
+from backend.scenes.base.part import Part
+from backend.scenes.base.setting import Setting
 
 Floats = NDArray[np.float64]
 

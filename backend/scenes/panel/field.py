@@ -14,16 +14,17 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from backend.scenes.control.latest import Latest
-from backend.scenes.control.live import Live, LiveError
+from backend.scenes.base.noise import Noise
+from backend.scenes.base.palette import DARK, Palette, Rgb, rgb
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
 from backend.scenes.drawing.flights import Flights
-from backend.scenes.drawing.palette import DARK, Palette, Rgb, rgb
 from backend.scenes.drawing.world import World
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import field_slice, tables
 from backend.scenes.panel.field_slice import Grid, Slice
-from backend.scenes.part import Driver, Part
-from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 
@@ -39,6 +40,7 @@ class _Asked:
     parameters: Mapping[str, float]
     time: float
     palette: Palette
+    noise: Noise
 
 
 class FieldSlice(Part):
@@ -112,14 +114,17 @@ class FieldSlice(Part):
         if lead is None or lead.flight is None:
             self._legend.content = tables.note("There is no flight yet whose field could be shown.")
             return
-        self._latest.ask(_Asked(lead.style.title, lead.flight.parameters, self._time, self._palette))
+        flight, noise = lead.flight, Noise(seed=lead.flight.seed)
+        self._latest.ask(_Asked(lead.style.title, flight.parameters, self._time, self._palette, noise))
 
     def _work(self, asked: _Asked) -> None:
         setting, grid = self._setting, Grid.over(self._world.frame)
         drawn = np.concatenate([grid.places.reshape(-1, 2), np.zeros((grid.rows * grid.columns, 1))], axis=1)
         places = [(float(x), float(y)) for x, y, _ in setting.axes.drawn(drawn)]
         try:
-            answer = self._live.field(setting.document, setting.digest, asked.parameters, asked.time, places)
+            answer = self._live.field(
+                setting.document, setting.digest, asked.parameters, asked.time, places, asked.noise
+            )
         except LiveError as error:
             with self._driver.drawing():
                 if not self._stopped:

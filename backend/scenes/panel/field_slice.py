@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.scenes.drawing.axes import Axes
+from backend.scenes.base.axes import Axes
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing.colours import colours, gradient
 from backend.scenes.drawing.world import Frame
 from backend.scenes.panel import tables
-from backend.scenes.setting import Setting
 
 Floats = NDArray[np.float64]
 

@@ -7,14 +7,14 @@ from typing import Any, cast
 
 import viser
 
-from backend.scenes.address import CAMERAS, Camera
+from backend.scenes.base.address import CAMERAS, Camera
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.schemas import SPEEDS, LayersChange, Trails
+from backend.scenes.base.setting import NOMINAL, Setting
 from backend.scenes.drawing.drawn import Drawn
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.panel import tables
-from backend.scenes.part import Driver, Part
-from backend.scenes.schemas import SPEEDS, LayersChange, Trails
-from backend.scenes.setting import NOMINAL, Setting
 
 PACES = {f"{speed:g}×": speed for speed in SPEEDS}
 STEP = 0.01

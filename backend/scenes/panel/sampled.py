@@ -16,14 +16,15 @@ from backend.db.engine import read
 from backend.db.tables import Stage
 from backend.results import evaluations
 from backend.runs.service import number
-from backend.scenes.control.latest import Latest
-from backend.scenes.control.live import Live, LiveError
+from backend.scenes.base.flight import Floats, from_live
+from backend.scenes.base.noise import STATED, Noise, draws
+from backend.scenes.base.palette import Palette, rgb
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import shapes
-from backend.scenes.drawing.flight import Floats, from_live
-from backend.scenes.drawing.palette import Palette, rgb
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
-from backend.scenes.part import Driver, Part
-from backend.scenes.setting import Setting
 
 MOST = 36
 """Flights at most."""
@@ -88,19 +89,19 @@ class Sampled(Part):
 
     def _fly(self) -> None:
         with read(self._engine) as reader:
-            stage, parameters = _sample(reader, number(self._setting.run), self._setting)
-        if not parameters:
+            stage, drawn = _sample(reader, number(self._setting.run), self._setting)
+        if not drawn:
             self._note.content = tables.note("No random sample is stored: it comes from certify or from Monte Carlo.")
             return
         self._forget()
         failed = 0
-        for begin in range(0, len(parameters), TOGETHER):
+        for begin in range(0, len(drawn), TOGETHER):
             flown = []
-            for values in parameters[begin : begin + TOGETHER]:
+            for values, noise in drawn[begin : begin + TOGETHER]:
                 if self._stopped or not self._box.value:
                     return
                 try:
-                    answer = self._live.fly(self._setting.document, self._setting.digest, values, ROWS)
+                    answer = self._live.fly(self._setting.document, self._setting.digest, values, ROWS, noise)
                 except LiveError as error:
                     self._note.content = tables.note(str(error), strong=True)
                     return
@@ -110,7 +111,7 @@ class Sampled(Part):
             self._add(flown)
         self._whole = True
         lost = f" {failed} of them failed, and end where they did." if failed else ""
-        words = f"Thin: the first {len(parameters)} flights of the sample of {stage}, as drawn.{lost}"
+        words = f"Thin: the first {len(drawn)} flights of the sample of {stage}, as drawn.{lost}"
         with self._driver.drawing():
             self._note.content = tables.note(words)
 
@@ -136,8 +137,9 @@ class Sampled(Part):
         )
 
 
-def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[dict[str, float]]]:
-    """Which stage has a random sample, and the first parameters of it: certify's own before that of a search."""
+def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[tuple[dict[str, float], Noise]]]:
+    """Which stage has a random sample, and the first flights of it: certify's own before those of a search."""
+    own = draws(reader, run_id, setting.document)
     query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.evaluations > 0)
     stages = reader.execute(query.order_by(Stage.position)).all()
     certified = (setting.document.get("stages", {}).get("certify") or {}).get("samples", MOST)
@@ -147,5 +149,7 @@ def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, 
     )
     for stage, most in asked:
         name = "the certify stage" if stage.kind == "certify" else "Monte Carlo"
-        return name, evaluations.drawn_first(reader, run_id, stage.position, most)
+        first = evaluations.drawn_first(reader, run_id, stage.position, most)
+        drew = own.get(stage.position, 0)
+        return name, [(values, Noise(draw=index) if index < drew else STATED) for index, values in first]
     return "", []

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import viser
 
-from backend.scenes.drawing.palette import DARK, LIGHT
+from backend.scenes.base.palette import DARK, LIGHT
+from backend.scenes.base.setting import Setting
 from backend.scenes.panel.tables import number
 from backend.scenes.recordings.recording import Cast, Recording
-from backend.scenes.setting import Setting
 from campaigns.version import VERSION
 
 POLICY = (

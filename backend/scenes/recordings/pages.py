@@ -16,17 +16,17 @@ from fastapi import APIRouter, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
-from backend.capacity import Capacity, Gone
 from backend.db.digest import results_digest
 from backend.db.engine import read
 from backend.db.tables import CatalogueDocument
-from backend.errors import RefusedError, not_found
-from backend.exports.naming import named
+from backend.http.capacity import Capacity, Gone
+from backend.http.errors import RefusedError, not_found
+from backend.http.naming import named
 from backend.results import service as results
 from backend.runs.service import number, summary
-from backend.scenes import setting
-from backend.scenes.address import parse
-from backend.scenes.drawing.flight import from_stored
+from backend.scenes.base import setting
+from backend.scenes.base.address import parse
+from backend.scenes.base.flight import from_stored
 from backend.scenes.recordings.caption import POLICY, Told, with_caption
 from backend.scenes.recordings.recording import Cast, record
 from campaigns.version import VERSION

@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 import viser
 
+from backend.scenes.base.flight import Flight
+from backend.scenes.base.palette import DARK, LIGHT, Palette
+from backend.scenes.base.setting import NOMINAL, Progress, Setting
 from backend.scenes.control.relay import open_server
 from backend.scenes.drawing.cameras import FIELD_OF_VIEW, pose
 from backend.scenes.drawing.drawn import Drawn
-from backend.scenes.drawing.flight import Flight
 from backend.scenes.drawing.flights import Flights
-from backend.scenes.drawing.palette import DARK, LIGHT, Palette
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
 from backend.scenes.panel.tables import number
-from backend.scenes.setting import NOMINAL, Progress, Setting
 
 RATE = 20.0
 """Pictures a second of the flight [1/s]."""

@@ -13,9 +13,9 @@ export function BrandMark() {
 
 export function Brand() {
   return (
-    <Link to="/runs" className="brand">
+    <Link to="/runs" className="brand" aria-label="Clearance">
       <BrandMark />
-      Clearance
+      <span>Clearance</span>
     </Link>
   )
 }

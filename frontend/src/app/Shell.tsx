@@ -20,7 +20,7 @@ import { toggleTheme, useTheme } from '../theme/useTheme'
 import { useHotkeys } from '../ui/useHotkeys'
 import { Brand } from './Brand'
 import { Keys } from './Keys'
-import { toggleMine, useNotifier, useWanted } from './notify'
+import { toggleMine, useNotifier, useWanted } from '../page/notify'
 import { SignedOut } from './SignedOut'
 
 const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))
@@ -70,7 +70,7 @@ function Frame() {
           </button>
           <button
             type="button"
-            className="iconbtn"
+            className="iconbtn hide-keys"
             onClick={() => setKeys(true)}
             aria-label="Keys"
             title="Keys (?)"

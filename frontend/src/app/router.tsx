@@ -1,12 +1,12 @@
 // The addresses of the pages; all that a page can be set to stands in its address.
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
 import { readCompare } from '../compare/search'
-import { readChosen } from '../run/chosen'
+import { readChosen } from '../run/data/chosen'
 import { readSearch } from '../runs/search'
 import { onlyKnown, parseSearch, stringifySearch } from './address'
 import { lazy } from './lazy'
 import { Shell } from './Shell'
-import { Loading, NotFound, Trouble } from './Trouble'
+import { Loading, NotFound, Trouble } from '../page/Trouble'
 
 const root = createRootRoute({ component: Shell, notFoundComponent: NotFound })
 

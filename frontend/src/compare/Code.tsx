@@ -11,14 +11,14 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
   return (
     <Card title="Code and packages" note="As loaded when the first stage began" className={className} flush id="code">
       {sameCampaignOtherCode(told) && (
-        <div className="note warn" data-testid="other-code">
+        <div className="note warn within" data-testid="other-code">
           <div>
             <p className="m">Same campaign, different code.</p>
             <p>The results may differ for that reason alone. The rows that differ are marked.</p>
           </div>
         </div>
       )}
-      <table className="tight">
+      <table className="tight codes">
         <thead>
           <tr>
             <th />
@@ -28,7 +28,7 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
         <tbody>
           {rows.map(({ key, name, values, differs, digest }) => (
             <tr key={key} data-code={key}>
-              <td>{name}</td>
+              <td className="nw">{name}</td>
               {values.map((value, i) => (
                 <td key={i} className={differs && value !== undefined && value !== values[0] ? 'num other' : 'num'}>
                   {value === undefined ? (

@@ -1,8 +1,8 @@
 // Two to four runs side by side: what differs in their campaigns, and what became of it. The runs stand in the address.
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo } from 'react'
-import { Loading } from '../app/Trouble'
-import { useTitle } from '../app/useTitle'
+import { Loading } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
 import { Change } from './Change'
 import { Code } from './Code'
@@ -86,10 +86,10 @@ function Compared({ comparison, all, onAll }: ComparedProps) {
         <Samples runs={runs} className="c5" />
         <div className="stack c7 wide">
           <Methods runs={runs} className="" />
+          <Code runs={runs} className="" />
         </div>
         <div className="stack c5 wide">
           <Ranges runs={runs} className="" />
-          <Code runs={runs} className="" />
         </div>
       </div>
     </>

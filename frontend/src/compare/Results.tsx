@@ -108,5 +108,6 @@ function linesOf(runs: Compared[]): Line[] {
     { key: 'closest', name: 'Closest approach at', unit: 's', decimals: 2, values: runs.map(({ worst }) => closestOf(worst)?.time ?? null) },
     { key: 'evaluations', name: 'Evaluations', unit: '', decimals: 0, values: runs.map(({ run }) => run.evaluations) },
     { key: 'failed', name: 'Failed', unit: '', decimals: 0, values: runs.map(({ run }) => run.failed_evaluations), bad: (v) => v > 0 },
+    { key: 'excluded', name: 'Excluded', unit: '', decimals: 0, values: runs.map(({ run }) => run.excluded_evaluations) },
   ]
 }

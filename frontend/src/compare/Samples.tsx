@@ -1,7 +1,9 @@
 // The independent samples of the runs on one axis, each as a density, so that samples of different size can be compared.
+import type { Sample } from '../api/results'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, padded, tickDecimals } from '../charts/ticks'
-import { count, fixed, plain } from '../format/numbers'
+import { violatedOf } from '../format/counts'
+import { fixed, plain } from '../format/numbers'
 import { SvgSign } from '../ui/Sign'
 import { useWidth } from '../ui/useWidth'
 import { type Compared, sampleOf, unitOf } from './data'
@@ -12,8 +14,7 @@ interface Drawn {
   edges: number[]
   /** Share of the sample per unit of the value. */
   density: number[]
-  samples: number
-  violations: number
+  sample: Sample
 }
 
 export function Samples({ runs, className }: { runs: Compared[]; className: string }) {
@@ -23,7 +24,7 @@ export function Samples({ runs, className }: { runs: Compared[]; className: stri
     const total = counts.reduce((sum, n) => sum + n, 0)
     if (!sample || total === 0) return []
     const density = counts.map((n, i) => n / total / ((edges[i + 1] ?? 0) - (edges[i] ?? 0) || 1))
-    return [{ of, edges, density, samples: sample.samples, violations: sample.violations }]
+    return [{ of, edges, density, sample }]
   })
   const table = () => ({
     name: 'samples',
@@ -40,8 +41,8 @@ export function Samples({ runs, className }: { runs: Compared[]; className: stri
       data={table}
       right={<RunKeys runs={drawn.map(({ of }) => of)} />}
       footer={drawn
-        .map(({ of, samples, violations }) => `${of.letter}: ${count(violations)} of ${count(samples)} violate`)
-        .join('; ')}
+        .map(({ of, sample }) => `${of.letter}: ${violatedOf(sample)}`)
+        .join('. ')}
     >
       {drawn.length === 0 ? <p className="sec">None of the runs has an independent sample.</p> : <Densities drawn={drawn} />}
     </ChartCard>

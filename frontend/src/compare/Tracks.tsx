@@ -8,7 +8,7 @@ import { useWidth } from '../ui/useWidth'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import type { Compared } from './data'
 import { RunKeys } from './Overlays'
-import { bodiesOf, line, metaOf, placeOf, type Scale, scaleOf, trackOf } from './places'
+import { bodiesOf, line, metaOf, placeOf, type Scale, scaleOf, trackOf } from '../run/flight/places'
 
 const [HEIGHT, LEFT, BOTTOM] = [360, 46, 38]
 

@@ -4,7 +4,7 @@ import { asCampaign } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
 import { type Sample, summaryOf } from '../api/results'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
-import { uncertainOf, type UncertainParameter } from '../run/data'
+import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { DASHES, LETTERS } from './search'
 
 export interface Compared {

@@ -2,7 +2,7 @@
 // Start reading at `differences`.
 import { asCampaign } from '../api/campaign'
 import type { Catalogue, RunDetail } from '../client'
-import { boundsOf, numberOf, parametersOf } from '../launch/parameters'
+import { boundsOf, numberOf, parametersOf } from '../launch/campaign/parameters'
 
 export type Setting = string | number | boolean | null
 

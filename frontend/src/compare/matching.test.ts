@@ -1,7 +1,7 @@
 // Findings of several runs that are one case.
 import { expect, it } from 'vitest'
 import type { FindingDetail } from '../client'
-import type { UncertainParameter } from '../run/data'
+import type { UncertainParameter } from '../run/data/data'
 import { type Case, matched, type Searched } from './matching'
 
 const finding = (label: string, m: number, J = 0) =>

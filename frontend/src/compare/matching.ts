@@ -1,7 +1,7 @@
 // Which finding of one run is which of another: those at the same place of the bounds that the runs share.
 // Start reading at `matched`.
 import type { FindingDetail } from '../client'
-import type { UncertainParameter } from '../run/data'
+import type { UncertainParameter } from '../run/data/data'
 
 /** Two findings are one case where no parameter is further apart, as a share of its range. */
 export const APART = 0.1

@@ -1,8 +1,8 @@
 // The API as its own document describes it: every operation with its parameters, bodies and answers, to be tried here.
 import { useQuery } from '@tanstack/react-query'
 import { getOpenApi } from '../api/calls'
-import { Loading, Trouble } from '../app/Trouble'
-import { useTitle } from '../app/useTitle'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'

@@ -1,8 +1,8 @@
 // Every component's equations with their source, and its parameters, from the catalogue: the text is that of its own file.
 import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
-import { Loading, Trouble } from '../app/Trouble'
-import { useTitle } from '../app/useTitle'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
 import type { ComponentEntry } from '../client'
 import { ComponentText } from './ComponentText'
 import { HelpFrame } from './HelpFrame'

@@ -1,6 +1,6 @@
 // What a verdict rests on, how it was attacked, what a campaign may state, and the limits that remain.
 import { Link } from '@tanstack/react-router'
-import { useTitle } from '../app/useTitle'
+import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
 import { ATTACKS } from './attacks'
 import { HelpFrame } from './HelpFrame'

@@ -1,7 +1,7 @@
 // What each verdict means, what it takes, and what it never says.
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
-import { useTitle } from '../app/useTitle'
+import { useTitle } from '../page/useTitle'
 import { type Outcome, VerdictBadge } from '../ui/VerdictBadge'
 import { HelpFrame } from './HelpFrame'
 

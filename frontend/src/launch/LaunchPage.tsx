@@ -6,13 +6,13 @@ import { useMemo, useState } from 'react'
 import { asCampaign } from '../api/campaign'
 import { Refusal } from '../api/problems'
 import { catalogueQuery, draftQuery, libraryQuery, runQuery } from '../api/queries'
-import { Loading, Trouble } from '../app/Trouble'
-import { useTitle } from '../app/useTitle'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
 import type { Draft, RunDetail } from '../client'
-import { fromDraft, fromLibrary, fromRun, type Start } from './beginning'
+import { fromDraft, fromLibrary, fromRun, type Start } from './draft/beginning'
 import { Editor } from './Editor'
 import './launch.css'
-import { ordered, type Shelf, shelfOf } from './shelf'
+import { ordered, type Shelf, shelfOf } from './library/shelf'
 
 /** An editor that has become a draft goes on as it is under the draft's address. */
 interface Own {

@@ -7,9 +7,9 @@ import { count, duration, percent } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
-import { NumberCell } from './NumberCell'
-import { numberOf } from './parameters'
-import { FieldErrors, idOf } from './problems'
+import { NumberCell } from './fields/NumberCell'
+import { numberOf } from './campaign/parameters'
+import { FieldErrors, idOf } from './fields/problems'
 
 interface RunCardProps {
   name: string

@@ -10,7 +10,7 @@ import { isLive } from '../api/queries'
 import type { RunSummary } from '../client'
 import { MOST } from '../compare/search'
 import { count } from '../format/numbers'
-import { plural, RemoveMarked } from './Removal'
+import { plural, RemoveMarked } from '../run/header/Removal'
 
 interface MarkedProps {
   /** The selected ones among the loaded. */

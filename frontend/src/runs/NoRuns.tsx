@@ -4,8 +4,8 @@ import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { asCampaign } from '../api/campaign'
 import { catalogueQuery, libraryQuery } from '../api/queries'
-import { PlanView } from '../launch/PlanView'
-import { ordered } from '../launch/shelf'
+import { PlanView } from '../launch/plan/PlanView'
+import { ordered } from '../launch/library/shelf'
 
 export function NoRuns() {
   const { data } = useQuery(libraryQuery)

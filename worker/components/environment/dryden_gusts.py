@@ -84,10 +84,16 @@ def wake(p: Constants) -> State:
 
 
 @kernel
-def blow(t: float, q: Any, v: Any, e: State, p: Constants) -> tuple[Surroundings, State]:
+def draw(t: float, p: Constants) -> tuple[float, float, float]:
     k = sample_number(t, p.period)
     n_u, n_v = normals(p.seed, 0.0, k)
     n_w, _ = normals(p.seed, 1.0, k)
+    return n_u, n_v, n_w
+
+
+@kernel
+def blow(t: float, q: Any, v: Any, e: State, n: Any, p: Constants) -> tuple[Surroundings, State]:
+    n_u, n_v, n_w = n
     g_u, a_v, b_v, a_w, b_w = e
     g_v = ROOT_3 * a_v + (1.0 - ROOT_3) * b_v
     g_w = ROOT_3 * a_w + (1.0 - ROOT_3) * b_w
@@ -116,4 +122,6 @@ component = Environment(
     wake=wake,
     derived=Derived(Constants, derive),
     switches=switches,
+    draw=draw,
+    draws=3,
 )

@@ -38,28 +38,37 @@ def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
     Raises `Cancelled`.
     """
     step = context.problem.step
-    full, half = (costs(context, asked, s) for s in (step, step / 2))
-    others = reference(context, asked, [cost is not None for cost in full])
+    (full, counts), (half, _) = (costs(context, asked, s) for s in (step, step / 2))
+    others = reference(context, asked, [cost is not None for cost in full], counts)
     return [_case(context, *case) for case in zip(asked, full, half, others, strict=True)]
 
 
-def costs(context: Context, asked: Sequence[Case], step: float) -> list[float | None]:
-    """The cost of every case at this step [s]; None where it has none."""
+def costs(context: Context, asked: Sequence[Case], step: float) -> tuple[list[float | None], list[int | None]]:
+    """The cost of every case at this step [s], None where it has none; and the seed that counts, None for a mean."""
     problem = context.problem
     found: list[float | None] = [None] * len(asked)
+    counts = [case.seed for case in asked]
     for own in (False, True):
         rows = [i for i, case in enumerate(asked) if (case.seed is not None) == own]
         if rows:
-            seeds = np.array([asked[i].seed for i in rows], dtype=np.int64) if own else None
-            batch, _ = problem.fly_vectors(problem.vectors(np.array([asked[i].point for i in rows])), step, seeds)
+            vectors = problem.vectors(np.array([asked[i].point for i in rows]))
+            if own:
+                batch, _ = problem.fly_vectors(vectors, step, np.array([asked[i].seed for i in rows], dtype=np.int64))
+            else:
+                batch, _, worst = problem.fly_realised(vectors, step)
+                for i, seed in zip(rows, worst or (), strict=worst is not None):
+                    counts[i] = seed
             for i, cost, status in zip(rows, batch.costs[:, 0], batch.status, strict=True):
                 found[i] = float(cost) if status == OK else None
-    return found
+    return found, counts
 
 
-def reference(context: Context, asked: Sequence[Case], known: Sequence[bool]) -> list[Flight]:
+def reference(
+    context: Context, asked: Sequence[Case], known: Sequence[bool], counts: Sequence[int | None] | None = None
+) -> list[Flight]:
     """Every case with the reference integrator; one that has no cost at the campaign's step is left out: it may be
-    beyond any explicit integrator. Raises `Cancelled`."""
+    beyond any explicit integrator. counts: the seeds that count, as in `Reference.fly`. Raises `Cancelled`."""
+    counts = [None] * len(asked) if counts is None else counts
     found = [Flight(None, "the evaluation failed")] * len(asked)
     by_seed: dict[int | None, list[int]] = {}
     for i, (case, has_cost) in enumerate(zip(asked, known, strict=True)):
@@ -68,7 +77,7 @@ def reference(context: Context, asked: Sequence[Case], known: Sequence[bool]) ->
     for seed, rows in by_seed.items():
         problem = context.problem.under(seed)
         vectors = problem.vectors(np.array([asked[i].point for i in rows]))
-        flights = Reference(problem).fly_all(vectors, context.cancelled)
+        flights = Reference(problem).fly_all(vectors, context.cancelled, [counts[i] for i in rows])
         if len(flights) < len(rows):
             raise Cancelled
         for i, flight in zip(rows, flights, strict=True):

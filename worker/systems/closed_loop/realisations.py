@@ -97,6 +97,12 @@ class Realisations:
         }
         return Batch(np.where((joined == OK)[:, None], value, np.nan), joined), said
 
+    def counting(self, costs: Floats, status: NDArray[np.uint8]) -> list[int]:
+        """The seed of the worst flight of each of m evaluations, from their flights' costs (s m, k), status (s m,)."""
+        states = status.reshape(len(self.seeds), -1)
+        table = costs.reshape(*states.shape, -1)
+        return [self.seeds[self.worst(table[:, i], states[:, i])] for i in range(states.shape[1])]
+
     def worst(self, costs: Floats, status: NDArray[np.uint8]) -> int:
         """Which of the flights of one evaluation to show: the first that failed, else the lowest cost.
 

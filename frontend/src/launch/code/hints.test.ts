@@ -2,7 +2,7 @@
 import { beforeAll, expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
-import { shipped } from '../repository'
+import { shipped } from '../campaign/repository'
 import { fieldAt, placeOf, tolerant } from '../text/places'
 import { plain } from '../text/tree'
 import { choicesIn } from './complete'

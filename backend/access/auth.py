@@ -1,0 +1,111 @@
+"""Who may do what: nothing is open but health, the login link and the pages' static files.
+
+A browser comes in by a session cookie, a program by `Authorization: Bearer` (RFC 6750). Writes and sockets must come
+from our own pages (RFC 6454, Origin). Start reading at `Guard`.
+"""
+
+from __future__ import annotations
+
+import urllib.parse
+from collections import Counter
+from functools import partial
+from typing import Annotated
+
+from fastapi import Depends, Request
+from starlette.datastructures import Headers
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from backend.access.door import Door
+from backend.db.access import Visitor
+from backend.http import pages
+from backend.http.errors import RefusedError, respond
+
+OPEN = frozenset({"/api/v1/health", "/login", "/favicon.ico", "/favicon.svg"})
+OPEN_FOLDERS = ("/assets/",)
+SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+class Guard:
+    """Lets known visitors through, as `request.state.visitor`; refuses everyone else."""
+
+    def __init__(self, app: ASGIApp, door: Door, most: int) -> None:
+        """most: requests and sockets that one session or token may have open at a time."""
+        self.app, self.door, self.most = app, door, most
+        self._open: Counter[str] = Counter()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket") or _is_open(scope["path"]):
+            await self.app(scope, receive, send)
+            return
+        connection = HTTPConnection(scope)
+        visitor = await self.door.visitor(connection)
+        refused = _refusal(scope, connection.headers, visitor) or self._too_many(visitor)
+        if refused is None and visitor is not None:
+            scope.setdefault("state", {}).update(visitor=visitor, still=partial(self.door.still, connection))
+            await self._let_in(visitor, scope, receive, send)
+        elif refused is None:
+            raise AssertionError("without a visitor there is a refusal")
+        elif scope["type"] == "websocket":
+            await receive()  # the handshake; closing before accepting it answers 403
+            await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
+        elif refused.status == 401 and pages.wants_page(connection.headers):
+            await pages.sign_in(401)(scope, receive, send)
+        else:
+            await respond(refused, scope["path"])(scope, receive, send)
+
+    async def _let_in(self, visitor: Visitor, scope: Scope, receive: Receive, send: Send) -> None:
+        self._open[visitor.key] += 1
+        try:
+            await self.app(scope, receive, send)
+        finally:
+            self._open[visitor.key] -= 1
+            if not self._open[visitor.key]:
+                del self._open[visitor.key]
+
+    def _too_many(self, visitor: Visitor | None) -> RefusedError | None:
+        if visitor is None or self._open[visitor.key] < self.most:
+            return None
+        detail = f"{self.most} requests of this session or token are open, and no more may be at a time"
+        return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": "1"})
+
+
+def _is_open(path: str) -> bool:
+    return path in OPEN or path.startswith(OPEN_FOLDERS)
+
+
+def _refusal(scope: Scope, headers: Headers, visitor: Visitor | None) -> RefusedError | None:
+    if visitor is None:
+        detail = (
+            "sign in first: open the login link that `clearance serve` printed (a new one: `clearance login-link`), "
+            "or send an API token as `Authorization: Bearer TOKEN` (`clearance token create NAME`)"
+        )
+        return RefusedError(401, "not-signed-in", detail, headers={"WWW-Authenticate": 'Bearer realm="clearance"'})
+    socket = scope["type"] == "websocket"
+    if (socket or scope["method"] not in SAFE) and not _from_our_pages(
+        headers, required=socket and visitor.via == "link"
+    ):
+        detail = (
+            f"the request comes from {headers.get('origin', 'no Origin')!r}, not from a page of "
+            f"{headers.get('host', '')!r}: writes and sockets are accepted from the service's own pages only"
+        )
+        return RefusedError(403, "foreign-origin", detail)
+    return None
+
+
+def _from_our_pages(headers: Headers, required: bool) -> bool:
+    """Browsers send Origin with every write and every socket; a program that sends none is no browser."""
+    origin = headers.get("origin")
+    if origin is None:
+        return not required
+    return bool(origin) and urllib.parse.urlsplit(origin).netloc == headers.get("host", "")
+
+
+async def visitor(request: Request) -> Visitor:
+    """The visitor that the guard let through. A coroutine, since a function would wait for a thread."""
+    found = request.state.visitor
+    assert isinstance(found, Visitor)
+    return found
+
+
+CurrentVisitor = Annotated[Visitor, Depends(visitor)]

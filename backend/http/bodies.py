@@ -1,0 +1,110 @@
+"""Campaigns as request bodies: JSON or YAML, read by the same rules as a file. Start reading at `campaign_text`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from anyio import CapacityLimiter, to_thread
+from fastapi import Request
+
+from backend.http.errors import RefusedError
+from campaigns import Campaign, CampaignError, Problem, load_text
+from campaigns.asked.reading import LONGEST_KEY, repeated
+
+READERS = 2
+"""So many campaigns are read at a time: the largest takes seconds, and threads share one interpreter."""
+
+WAITING = 32
+
+Value = TypeVar("Value")
+JSON_TYPES = frozenset({"application/json"})
+YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "text/x-yaml"})
+
+
+class Readers:
+    """The few threads that read bodies, so that large ones leave the others to everybody else; on one event loop."""
+
+    def __init__(self) -> None:
+        self._turns, self.inside = CapacityLimiter(READERS), 0
+
+    async def read(self, work: Callable[[], Value]) -> Value:
+        """What `work` returns; 503 where enough are waiting."""
+        if self.inside >= READERS + WAITING:
+            detail = "other campaigns are being read and enough are waiting: try again in a few seconds"
+            raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
+        self.inside += 1
+        try:
+            return await to_thread.run_sync(work, limiter=self._turns)
+        finally:
+            self.inside -= 1
+
+
+async def apart(request: Request, work: Callable[[], Value]) -> Value:
+    """Read a body on one of the application's `Readers`."""
+    readers: Readers = request.app.state.readers
+    return await readers.read(work)
+
+
+def content_type(request: Request) -> str:
+    """The body's media type without its parameters; 415 for one that is neither JSON nor YAML."""
+    given = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if given not in JSON_TYPES | YAML_TYPES:
+        detail = f"a campaign is sent as application/json or application/yaml, given {given or 'no content type'!r}"
+        raise RefusedError(415, "unsupported-media-type", detail)
+    return given
+
+
+def is_yaml(request: Request) -> bool:
+    """Whether the body is YAML; otherwise it is JSON."""
+    return content_type(request) in YAML_TYPES
+
+
+def text(body: bytes) -> str:
+    """The body as text; 422 when it is not UTF-8."""
+    try:
+        return body.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise unreadable(Problem(f"byte {error.start}", "", "the body is not UTF-8 text")) from None
+
+
+def document(body: bytes) -> Any:
+    """The body as plain JSON values; 422 when it is not JSON or repeats a key."""
+    try:
+        return json.loads(text(body), object_pairs_hook=_distinct)
+    except json.JSONDecodeError as error:
+        where = f"line {error.lineno}, column {error.colno}"
+        raise unreadable(Problem(where, "", f"not readable as JSON: {error.msg}")) from None
+    except RecursionError:
+        raise unreadable(Problem("", "", "not readable as JSON: nested too deeply")) from None
+    except _RepeatedError as error:
+        raise unreadable(Problem(str(error), "", "this key is given twice")) from None
+    except ValueError:  # Python reads no whole number that is longer
+        raise unreadable(Problem("", "", "not readable as JSON: a whole number of more than 4,300 digits")) from None
+
+
+def yaml_campaign(body: bytes) -> Campaign:
+    """The body as a campaign in YAML; raises `CampaignError`."""
+    return load_text(text(body), "request")
+
+
+def unreadable(problem: Problem) -> RefusedError:
+    """422 for a body that cannot even be read."""
+    return RefusedError(422, "unreadable", str(problem), [problem])
+
+
+def invalid(error: CampaignError) -> RefusedError:
+    """422 for a campaign that can be read but not be run."""
+    return RefusedError(422, "invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
+
+
+class _RepeatedError(ValueError):
+    pass
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise _RepeatedError((repeated(name for name, _ in pairs) or "")[:LONGEST_KEY])
+    return found

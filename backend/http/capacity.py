@@ -1,0 +1,106 @@
+"""Bounds on long work: a few jobs at a time in threads of their own, a short queue, and 503 for what does not fit.
+
+Everything else runs in the threads that all requests share (40 of them): long work there would keep the whole service
+from answering. Whoever waits here waits on the event loop and holds no thread. Start reading at `Capacity`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager
+from typing import Any, TypeVar
+
+from anyio import CancelScope, CapacityLimiter, to_thread
+from fastapi.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
+
+from backend.http.errors import RefusedError
+
+Result = TypeVar("Result")
+Gone = Callable[[], Awaitable[bool]]
+
+
+class Capacity:
+    """So many jobs of one kind at a time, so many waiting; used on one event loop."""
+
+    def __init__(self, doing: str, at_once: int, waiting: int, patience: float, retry: int) -> None:
+        """doing: as in "2 reports are `doing`". patience, retry: the longest wait, and when to ask again [s]."""
+        self.doing, self.at_once, self.waiting, self.patience, self.retry = doing, at_once, waiting, patience, retry
+        self.inside = 0
+        """How many are being done or waiting."""
+        self._turns = asyncio.Semaphore(at_once)
+        self._threads = CapacityLimiter(at_once)
+
+    async def run(self, work: Callable[[], Result], gone: Gone | None = None) -> Result:
+        """The result of the work, done in a thread when it is its turn. Raises `RefusedError` (503).
+
+        gone: whether the client has gone away; asked when the turn comes, so that nothing is done for nobody.
+        """
+        async with self.turn():
+            if gone is not None and await gone():
+                raise RefusedError(503, "busy", "the client did not wait for the answer")
+            return await self.thread(work)
+
+    async def thread(self, work: Callable[[], Result]) -> Result:
+        """The result of a part of a job, while its turn lasts."""
+        return await to_thread.run_sync(work, limiter=self._threads)
+
+    @asynccontextmanager
+    async def turn(self) -> AsyncIterator[None]:
+        """One job; raises `RefusedError` (503) where the queue is full or the wait too long."""
+        if self.inside >= self.at_once + self.waiting:
+            raise self._busy()
+        self.inside += 1
+        try:
+            try:
+                async with asyncio.timeout(self.patience):
+                    await self._turns.acquire()
+            except TimeoutError:
+                raise self._busy() from None
+            try:
+                yield
+            finally:
+                self._turns.release()
+        finally:
+            self.inside -= 1
+
+    def _busy(self) -> RefusedError:
+        detail = f"{self.at_once} {self.doing}, and enough are waiting: try again in {self.retry} s"
+        return RefusedError(503, "busy", detail, headers={"Retry-After": str(self.retry)})
+
+
+class BoundedStream(StreamingResponse):
+    """A streamed file whose parts are made in the capacity's threads; its turn lasts until the last byte is sent."""
+
+    def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], **given: Any) -> None:
+        super().__init__(iter(()), **given)
+        self._capacity, self._parts = capacity, parts
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async with self._capacity.turn():
+            parts = await self._capacity.thread(self._parts)  # what is refused is refused before the answer begins
+            self.body_iterator = self._each(parts)
+            try:
+                await super().__call__(scope, receive, send)
+            finally:
+                close = getattr(parts, "close", None)
+                if close is not None:  # it may hold a connection to the database
+                    with CancelScope(shield=True):
+                        await self._capacity.thread(close)
+
+    async def _each(self, parts: Iterator[bytes]) -> AsyncIterator[bytes]:
+        while (part := await self._capacity.thread(functools.partial(next, parts, None))) is not None:
+            yield part
+
+
+class Capacities:
+    """Those of the service."""
+
+    def __init__(self) -> None:
+        self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)
+        self.recordings = Capacity("recordings are being made", 2, 6, 20.0, 5)
+        self.files = Capacity("files are being written", 4, 12, 20.0, 5)
+        self.checks = Capacity("campaigns are being checked", 8, 32, 20.0, 3)
+        self.views = Capacity("3D views are being changed", 8, 64, 20.0, 1)

@@ -1,0 +1,236 @@
+"""Errors as problem documents: what was given, what is allowed, what to do.
+
+Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`; everything else that goes wrong is
+turned into the same form here. Start reading at `RefusedError`.
+"""
+
+from __future__ import annotations
+
+import http
+import logging
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import sqlalchemy as sa
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from backend.http.schema import Schema
+from campaigns import Problem
+from campaigns.asked.problem import LONGEST, MOST, shown
+
+MEDIA_TYPE = "application/problem+json"
+_URN = "urn:clearance:problem:"
+_log = logging.getLogger(__name__)
+
+
+class ProblemError(Schema):
+    """One thing wrong with what was sent: the field, what was given, and what is allowed or to do."""
+
+    field: str
+    given: str
+    message: str
+
+
+class ProblemDocument(Schema):
+    """An error as RFC 9457 describes it; `errors` lists every field in question where there are any."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str
+    errors: list[ProblemError] | None = None
+
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    "default": {
+        "description": "What went wrong, as a problem document (RFC 9457).",
+        "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}},
+    }
+}
+"""For `responses=` of a router: `backend.openapi` adds the schema itself."""
+
+
+class Kind(NamedTuple):
+    """A type of problem: the status that it is answered with, and when."""
+
+    status: int
+    when: str
+
+
+KINDS = {
+    "bad-request": Kind(400, "The request cannot be read: its address, its parameters or the JSON of its body."),
+    "not-allowed": Kind(400, "The address may not have this query."),
+    "not-signed-in": Kind(401, "No session and no token, or none that is good."),
+    "foreign-origin": Kind(403, "A write that does not come from a page of this service."),
+    "not-found": Kind(404, "There is no such thing."),
+    "no-such-view": Kind(404, "No such 3D view is open for this visitor."),
+    "method-not-allowed": Kind(405, "The address has no such method."),
+    "already-signed": Kind(409, "The same person has signed these results off in this role."),
+    "draft-changed": Kind(409, "The draft was saved by somebody else meanwhile."),
+    "no-verdict": Kind(409, "The run has no verdict to sign off."),
+    "not-removable": Kind(409, "A run works, or a sign-off of it stands."),
+    "notes-changed": Kind(409, "The notes were changed by somebody else meanwhile."),
+    "other-version": Kind(409, "The run's campaign was stored by another version of Clearance."),
+    "removed": Kind(409, "The run is removed: restore it first."),
+    "results-changed": Kind(409, "The results are not those that were reviewed."),
+    "too-many-drafts": Kind(409, "There are as many drafts as are kept."),
+    "withdrawn": Kind(409, "The sign-off is withdrawn already."),
+    "purged": Kind(410, "The run's results were deleted for good."),
+    "too-large": Kind(413, "The body is too large."),
+    "too-long": Kind(414, "Path and query are too long."),
+    "unsupported-media-type": Kind(415, "The body is neither JSON nor YAML."),
+    "too-many-requests": Kind(429, "Too many requests of this session or token, or too many login codes, at a time."),
+    "bad-cursor": Kind(422, "The cursor was not given by this list in this order."),
+    "idempotency-key-reused": Kind(422, "The Idempotency-Key was used for another request."),
+    "invalid": Kind(422, "Nothing to change is given."),
+    "invalid-campaign": Kind(422, "The campaign can be read, but not be run."),
+    "invalid-request": Kind(422, "A parameter or the body is not as described."),
+    "not-flyable": Kind(422, "The simulation process refuses the campaign."),
+    "unknown-finding": Kind(422, "The run has no such finding."),
+    "unknown-parameter": Kind(422, "The campaign has no such uncertain parameter."),
+    "unreadable": Kind(422, "The body cannot be read as JSON or as text."),
+    "internal": Kind(500, "A fault of the service; its log says why."),
+    "browser-failed": Kind(503, "The service's Chromium could not print the report."),
+    "busy": Kind(503, "Others use what there is of this: try again in a few seconds."),
+    "no-browser": Kind(503, "The service's machine has no Chromium."),
+    "no-catalogue": Kind(503, "No worker has published its components yet."),
+    "preview-busy": Kind(503, "Enough previews are waiting already."),
+    "preview-failed": Kind(503, "The preview could not be simulated."),
+    "preview-overtaken": Kind(503, "The connection was closed before it was this preview's turn."),
+}
+"""Every type of problem there is, by the end of its URN."""
+
+RETRY = frozenset({"no-catalogue", "preview-busy", "busy", "too-many-requests"})
+"""Those that are answered with Retry-After."""
+
+
+RETRY_AFTER = {"description": "After how many seconds to ask again.", "schema": {"type": "integer"}}
+
+
+def problems(*kinds: str) -> dict[int | str, dict[str, Any]]:
+    """For `responses=` of a route: the types of problems it answers with besides those that any route has."""
+    by_status: dict[int | str, dict[str, Any]] = {}
+    for kind in kinds:
+        declare(by_status, kind)
+    return by_status
+
+
+def declare(responses: dict[Any, dict[str, Any]], kind: str, key: type[int] | type[str] = int) -> None:
+    """Add a type of problem to the responses of an operation."""
+    status, when = KINDS[kind]
+    told = f"`{_URN}{kind}`: {when}"
+    found = responses.setdefault(key(status), PROBLEMS["default"] | {"description": "", "x-problem-types": []})
+    if _URN + kind not in found["x-problem-types"]:
+        found["x-problem-types"] = [*found["x-problem-types"], _URN + kind]
+        found["description"] = f"{found['description']}\n\n{told}".strip()
+    if kind in RETRY:
+        found["headers"] = {"Retry-After": RETRY_AFTER}
+    elif kind == "not-signed-in":
+        found["headers"] = {"WWW-Authenticate": {"description": "How to sign in.", "schema": {"type": "string"}}}
+
+
+class RefusedError(Exception):
+    """A request that is answered with a problem document instead."""
+
+    def __init__(
+        self,
+        status: int,
+        kind: str,
+        detail: str,
+        errors: Iterable[Problem] = (),
+        headers: Mapping[str, str] | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.status, self.kind, self.detail = status, kind, detail
+        self.errors, self.headers = list(errors), headers
+
+
+def not_found(what: str, given: str) -> RefusedError:
+    """404 for a thing of the product that is not there."""
+    return RefusedError(404, "not-found", f"there is no {what} {given[:LONGEST]!r}")
+
+
+def respond(refused: RefusedError, path: str) -> JSONResponse:
+    """The problem document of a refusal."""
+    errors = [
+        ProblemError(field=_text(e.field), given=_text(e.given), message=_text(e.message)) for e in refused.errors
+    ]
+    document = ProblemDocument(
+        type=_URN + refused.kind,
+        title=http.HTTPStatus(refused.status).phrase,
+        status=refused.status,
+        detail=_text(refused.detail),
+        instance=_text(path),
+        errors=errors or None,
+    )
+    content = document.model_dump(exclude_none=True)
+    return JSONResponse(content, refused.status, dict(refused.headers or {}), MEDIA_TYPE)
+
+
+def _text(given: str) -> str:
+    """As it can be written: half a surrogate pair, which is no Unicode text, as its escape."""
+    return given.encode("utf-8", "backslashreplace").decode()
+
+
+def broken(path: str) -> JSONResponse:
+    """500, for a fault of ours: the log has it all, the answer nothing of it."""
+    detail = "the service failed while answering; its log says why, and nothing of the request was kept half done"
+    return respond(RefusedError(500, "internal", detail), path)
+
+
+def install(app: FastAPI) -> None:
+    """Have every error of the application answered as a problem document."""
+    app.add_exception_handler(RefusedError, _refused)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(sa.exc.TimeoutError, _waited)
+
+
+async def _refused(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RefusedError)
+    return respond(error, request.url.path)
+
+
+async def _waited(request: Request, error: Exception) -> JSONResponse:
+    """No connection to the database was free for long."""
+    detail = "more requests wait for the database than it answers: try again in a few seconds"
+    return respond(RefusedError(503, "busy", detail, headers={"Retry-After": "5"}), request.url.path)
+
+
+_SAID = {
+    400: "the request cannot be read: a body is JSON in UTF-8, its whole numbers have at most 4,300 digits",
+    404: "there is nothing at this address",
+    405: "this address does not answer that method",
+}
+_KIND = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "too-large"}
+"""What the framework and the frame raise themselves."""
+
+
+async def _http(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, HTTPException)
+    said = _SAID.get(error.status_code, error.detail)
+    kind = _KIND.get(error.status_code) or http.HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
+    refused = RefusedError(error.status_code, kind, f"{said} ({request.method})", headers=error.headers)
+    return respond(refused, request.url.path)
+
+
+async def _invalid(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)
+    found = error.errors()
+    errors = [_problem(e) for e in found[:MOST]]
+    if len(found) > MOST:
+        errors.append(Problem("", "", f"and {len(found) - MOST} more problems"))
+    detail = "the request is not as described by the API: " + "; ".join(map(str, errors))
+    return respond(RefusedError(422, "invalid-request", detail, errors), request.url.path)
+
+
+def _problem(error: Mapping[str, Any]) -> Problem:
+    where = [str(part) for part in error["loc"] if part not in ("body", "query", "path", "header")]
+    given = error.get("input", "")
+    said = given[:LONGEST] if isinstance(given, str) else shown(given) if isinstance(given, dict | list) else str(given)
+    given = "" if error["type"] == "missing" else said[:LONGEST]
+    return Problem(".".join(where)[:400], given, str(error["msg"]).removeprefix("Value error, "))

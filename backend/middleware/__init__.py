@@ -1,0 +1,1 @@
+"""What every connection and every request passes before an endpoint: limits, security headers, HEAD."""

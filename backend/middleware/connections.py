@@ -1,0 +1,144 @@
+"""Bounds on connections, which uvicorn lacks: how many are open, and how long a client takes to send or to read.
+
+Subclasses of uvicorn's HTTP/1.1 protocol and of the one for WebSockets, which takes over with the upgrade. Source:
+OWASP Denial of Service Cheat Sheet, slow HTTP attacks. Start reading at `bounded`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import Any
+
+import h11
+from uvicorn._types import ASGISendEvent
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+
+_FULL = "as many connections as the service allows are open: try again in a few seconds"
+_SLOW = "the request did not arrive in time"
+_RETRY = "5"
+
+
+def bounded(most: int, patience: float) -> type[H11Protocol]:
+    """The protocol for at most so many connections, whose clients may take so long for a request, or to read on [s]."""
+    return type("Bounded", (BoundedProtocol,), {"most": most, "patience": patience})
+
+
+def bounded_socket(patience: float) -> type[WebSocketsSansIOProtocol]:
+    """The protocol of sockets whose clients may take so long to read what is left when their socket closes [s]."""
+    return type("BoundedSocket", (BoundedSocketProtocol,), {"patience": patience})
+
+
+class BoundedProtocol(H11Protocol):
+    """Closes a connection whose request is not complete in time, or whose client does not read the answer."""
+
+    most: int
+    patience: float
+
+    def __init__(self, *given: Any, **named: Any) -> None:
+        super().__init__(*given, **named)
+        self._sending: asyncio.TimerHandle | None = None
+        self._reading: asyncio.TimerHandle | None = None
+        self._upgraded = False
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        if len(self.connections) <= self.most or self._made_room():
+            self._await_request()
+        else:
+            self._answer(503, _FULL)
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        if self._upgraded or self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
+            self._sending = _cancelled(self._sending)
+        elif self._sending is None and not self.transport.is_closing():
+            self._await_request()
+
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        self._upgraded = True
+        super().handle_websocket_upgrade(event)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._sending, self._reading = _cancelled(self._sending), _cancelled(self._reading)
+        super().connection_lost(exc)
+
+    def pause_writing(self) -> None:
+        super().pause_writing()
+        self._reading = self._reading or self.loop.call_later(self.patience, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        self._reading = _cancelled(self._reading)
+        super().resume_writing()
+
+    @property
+    def _idle_since(self) -> float | None:
+        """Since when the service waits for a request and owes no answer; None where it does not."""
+        if self.cycle is not None and not self.cycle.response_complete:
+            return None
+        if self._sending is not None:
+            return self._sending.when() - self.patience
+        idle = self.timeout_keep_alive_task
+        return None if idle is None else idle.when() - self.timeout_keep_alive
+
+    def _made_room(self) -> bool:
+        """Close the connection that has waited longest for its request: who sends none must not keep others out."""
+        idle = [(c._idle_since, c) for c in self.connections if isinstance(c, BoundedProtocol) and c is not self]
+        waiting = [(since, c) for since, c in idle if since is not None]
+        if not waiting:
+            return False
+        _, longest = min(waiting, key=lambda one: one[0])
+        self.connections.discard(longest)
+        longest.transport.abort()
+        return True
+
+    def _await_request(self) -> None:
+        self._sending = self.loop.call_later(self.patience, self._too_slow)
+
+    def _too_slow(self) -> None:
+        self._sending = None
+        if self.flow.read_paused:  # it is the service that does not read on
+            self._await_request()
+        elif self.conn.their_state is h11.IDLE and self.conn.trailing_data[0]:
+            self._answer(408, _SLOW)
+        else:  # nothing came, or a body under way, whose reader is told that the client is gone
+            self.transport.close()
+
+    def _answer(self, status: int, detail: str) -> None:
+        """A problem document without any application, and the end of the connection."""
+        title = {408: "Request Timeout", 503: "Service Unavailable"}[status]
+        kind = f"urn:clearance:problem:{'busy' if status == 503 else 'request-timeout'}"
+        body = json.dumps({"type": kind, "title": title, "status": status, "detail": detail}).encode()
+        head = (
+            f"HTTP/1.1 {status} {title}\r\nContent-Type: application/problem+json\r\nContent-Length: {len(body)}\r\n"
+            f"Retry-After: {_RETRY}\r\nConnection: close\r\n\r\n"
+        )
+        self.transport.write(head.encode() + body)
+        self.transport.close()
+
+
+class BoundedSocketProtocol(WebSocketsSansIOProtocol):
+    """Ends a socket whose client does not read; uvicorn would wait until it has read all that was written.
+
+    uvicorn sends a ping every 20 s and closes the socket when no pong comes within 20 s.
+    """
+
+    patience: float
+
+    def keepalive_timeout(self) -> None:
+        super().keepalive_timeout()
+        if self.transport.get_write_buffer_size():
+            self.transport.abort()
+
+    async def send(self, message: ASGISendEvent) -> None:
+        if message["type"] == "websocket.close":  # itself waits until the client reads
+            self.loop.call_later(self.patience, self.transport.abort)
+        await super().send(message)
+
+
+def _cancelled(timer: asyncio.TimerHandle | None) -> asyncio.TimerHandle | None:
+    """What is left of a timer once it is cancelled: nothing."""
+    if timer is not None:
+        timer.cancel()
+    return None

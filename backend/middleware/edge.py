@@ -1,0 +1,51 @@
+"""What every request's address passes before anything reads it: its length, its characters, its parameters' number.
+
+Sources: RFC 9110, 15.5.15 (414); RFC 3986. Start reading at `Edge`.
+"""
+
+from __future__ import annotations
+
+import urllib.parse
+
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from backend.http.errors import RefusedError, respond
+
+LONGEST = 16_000
+"""Path and query together; the longest that the pages ask with has 5,000: a reason in emoji, encoded [bytes]."""
+
+MOST_PARAMETERS = 200
+"""Of a query."""
+
+
+class Edge:
+    """Refuses addresses that are no use to anybody, before the database is asked."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        refused = _refusal(scope) if scope["type"] == "http" else None
+        if refused is None:
+            await self.app(scope, receive, send)
+        else:
+            await respond(refused, scope["path"][:200].replace("\0", "\\0"))(scope, receive, send)
+
+
+def _refusal(scope: Scope) -> RefusedError | None:
+    path, query = scope["path"], scope["query_string"]
+    length = len(scope.get("raw_path") or path) + len(query)
+    if length > LONGEST:
+        detail = f"path and query have at most {LONGEST:,} bytes together, given {length:,}"
+        return RefusedError(414, "too-long", detail)
+    parameters = query.count(b"&") + 1
+    if parameters > MOST_PARAMETERS:
+        detail = f"a query has at most {MOST_PARAMETERS} parameters, given {parameters:,}: ask in several requests"
+        return RefusedError(400, "bad-request", detail)
+    if not path.startswith("/api/"):
+        return None
+    if "\0" in path:
+        return RefusedError(404, "not-found", "there is nothing at an address with null characters (%00)")
+    if b"\0" in urllib.parse.unquote_to_bytes(query):
+        return RefusedError(422, "invalid-request", "a query has no null characters (%00): take them out")
+    return None

@@ -1,0 +1,166 @@
+"""A flight as the scene needs it, from a stored trace or from a live answer. Start reading at `Flight`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backend.results import service as results
+from backend.results import thin
+from backend.scenes.base.axes import Axes, axes_of
+from campaigns.results import TraceHead
+from campaigns.results.trace import Closest as StoredClosest
+from campaigns.results.trace import TraceColumn
+
+Floats = NDArray[np.float64]
+
+ROWS = 800
+"""A drawn flight has at most so many points."""
+
+_POSE = ("x", "y", "z", "roll", "pitch", "yaw")
+_TRACK = re.compile(r"obstacle\.([0-9]+)\.x")
+
+
+@dataclass(frozen=True)
+class Closest:
+    """The closest approach: when [s], how near, where, and where the obstacle was, as drawn."""
+
+    time: float
+    value: float
+    position: Floats
+    obstacle: Floats
+    number: int = 0
+    """Which obstacle it was."""
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """Poses over time [s], [m], [rad] and the separation; only rows whose pose is finite. Places are as drawn."""
+
+    axes: Axes
+    time: Floats
+    position: Floats
+    """(m, 3)"""
+    rotation: Floats
+    """(m, 3): roll, pitch, yaw in the flight's own axes."""
+    separation: Floats
+    tracks: dict[int, Floats]
+    """Where the centre of each moving obstacle was (m, 3), by its number."""
+    parameters: dict[str, float]
+    """What this flight was flown with, by path; what is left out is nominal."""
+    closest: Closest | None
+    cost: float | None
+    status: str
+    reason: str
+    seed: int | None = None
+    """Of the noise realisation that it shows; None where nothing is random."""
+    seeds: int = 1
+    """Of how many realisations it is the lowest."""
+
+    def at(self, time: float) -> tuple[Floats, Floats, float]:
+        """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, held before and after."""
+        rotation = _between(time, self.time, np.unwrap(self.rotation, axis=0))
+        separation = float(np.interp(time, self.time, self.separation))
+        return _between(time, self.time, self.position), self.axes.attitude(rotation), separation
+
+    def obstacle(self, number: int, time: float) -> Floats:
+        """Where the centre of a moving obstacle was at a time."""
+        return _between(time, self.time, self.tracks[number])
+
+    def velocity(self, time: float) -> Floats:
+        """Velocity over ground at a time (3,), as drawn [m/s]: how fast the stored place changes, wind included."""
+        return _between(time, self.time, self._velocity)
+
+    def obstacle_velocity(self, number: int, time: float) -> Floats:
+        """Velocity of a moving obstacle's centre at a time (3,), as drawn [m/s]."""
+        return _between(time, self.time, self._track_velocities[number])
+
+    @property
+    def typical_speed(self) -> float:
+        """The median of the speed over the stored rows [m/s]."""
+        return float(np.median(np.linalg.norm(self._velocity, axis=1)))
+
+    @cached_property
+    def _velocity(self) -> Floats:
+        return rate(self.time, self.position)
+
+    @cached_property
+    def _track_velocities(self) -> dict[int, Floats]:
+        return {number: rate(self.time, track) for number, track in self.tracks.items()}
+
+
+def rate(time: Floats, rows: Floats) -> Floats:
+    """Change of rows (m, k) over time (m,), at each of them: the slope of the parabola through a row and its two
+    neighbours, of the line at the ends. Rows at one and the same time share their slope."""
+    distinct, first = np.unique(time, return_index=True)
+    if len(distinct) < 2:
+        return np.zeros_like(rows)
+    slopes = np.gradient(rows[first], distinct, axis=0)
+    found: Floats = slopes[np.searchsorted(distinct, time)]
+    return found
+
+
+def _between(time: float, times: Floats, rows: Floats) -> Floats:
+    return np.array([np.interp(time, times, rows[:, k]) for k in range(rows.shape[1])])
+
+
+def from_stored(row: Any) -> Flight | None:
+    """The flight of a row of the table of traces."""
+    data = results.table(row)
+    head, described = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
+    chosen = thin.around(len(data), ROWS, results.closest_row(head, described, data))
+    columns = {column.name: data[chosen, k] for k, column in enumerate(described)}
+    return _flight(described, columns, head)
+
+
+def from_live(answer: Mapping[str, Any]) -> Flight | None:
+    """The flight of an answer of the simulation process; None when it never left the ground."""
+    columns = {name: np.array(values, dtype=np.float64) for name, values in answer["data"].items()}
+    described = [TraceColumn.model_validate(column) for column in answer["columns"]]
+    return _flight(described, columns, TraceHead.model_validate(answer["meta"]))
+
+
+def _flight(described: Sequence[TraceColumn], columns: Mapping[str, Floats], head: TraceHead) -> Flight | None:
+    names: dict[str, str] = {column.group: column.name for column in described}
+    time = columns[names["time"]]
+    pose = np.column_stack([columns.get(name, np.zeros(len(time))) for name in _POSE])
+    separation = columns[names["separation"]] if "separation" in names else np.full(len(time), np.nan)
+    tracks = _tracks(columns)
+    known = np.isfinite(np.column_stack([pose, *tracks.values()])).all(axis=1)
+    if known.sum() < 2:
+        return None
+    axes, realised = axes_of(head.frame), head.realisation
+    return Flight(
+        axes=axes,
+        time=time[known],
+        position=axes.drawn(pose[known, :3]),
+        rotation=pose[known, 3:],
+        separation=separation[known],
+        tracks={number: axes.drawn(track[known]) for number, track in tracks.items()},
+        parameters=dict(head.parameters),
+        closest=_closest(head.closest, axes),
+        cost=head.cost,
+        status=head.status,
+        reason=head.reason,
+        seed=None if realised is None else realised.seed,
+        seeds=1 if realised is None else realised.seeds,
+    )
+
+
+def _tracks(columns: Mapping[str, Floats]) -> dict[int, Floats]:
+    """The columns obstacle.0.x, .y, .z by obstacle, each (m, 3)."""
+    numbers = [int(found[1]) for name in columns if (found := _TRACK.fullmatch(name))]
+    return {i: np.column_stack([columns[f"obstacle.{i}.{axis}"] for axis in "xyz"]) for i in numbers}
+
+
+def _closest(stored: StoredClosest | None, axes: Axes) -> Closest | None:
+    if stored is None:
+        return None
+    position, obstacle = (np.array(place) for place in (stored.position, stored.obstacle_position))
+    return Closest(stored.time, stored.value, axes.drawn(position), axes.drawn(obstacle), stored.obstacle)

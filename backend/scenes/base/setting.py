@@ -1,0 +1,239 @@
+"""What a scene shows before anything has flown, and what the run has found so far. Start reading at `load`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sqlalchemy as sa
+from numpy.typing import NDArray
+
+from backend.catalog.service import described
+from backend.db.tables import Finding, Run, Stage, Trace
+from backend.results import service as results
+from backend.results.improvements import Improvements
+from backend.runs.service import campaign
+from backend.scenes.base.axes import Axes, axes_of
+from backend.scenes.base.flight import Flight, from_stored
+from backend.scenes.base.noise import seeds
+from campaigns import Campaign, Catalogue
+from campaigns.asked.check import parameters
+from campaigns.catalogue import ComponentEntry, ParameterEntry
+
+OVER = ("done", "failed", "cancelled")
+NOMINAL, WORST = "nominal", "F1"
+
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """One uncertain parameter for a slider, in its unit."""
+
+    path: str
+    symbol: str
+    unit: str
+    text: str
+    nominal: float
+    low: float
+    high: float
+
+
+class UnknownParameterError(ValueError):
+    """The campaign has no such uncertain parameter, or not with that value; the message says what is allowed."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The scene's fixed part [m], as drawn, and what the viewer says of it."""
+
+    run: str
+    title: str
+    digest: str
+    document: dict[str, Any]
+    planar: bool
+    axes: Axes
+    vehicle: str
+    start: Floats
+    goal: Floats | None
+    """None where the flight has no goal but a course to keep."""
+    course: Floats | None
+    """Where the course would lead within the horizon, without a conflict."""
+    values: dict[str, float]
+    """The nominal values of all parameters by path."""
+    moving: list[bool]
+    """Of each obstacle, whether it moves by itself."""
+    threshold: float
+    to_surface: bool
+    """Whether the criterion's distances end at obstacles' surfaces, not at their centres."""
+    quantity: str
+    unit: str
+    horizon: float
+    uncertain: list[Uncertain]
+    methods: list[tuple[int, str, str]]
+    """Position, name and title of each search stage."""
+
+    @property
+    def decimals(self) -> int:
+        """Decimals that show the threshold, and so every value near it, with four digits."""
+        size = abs(self.threshold)
+        return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
+
+    def free(self, radius: float) -> float:
+        """Radius about the centre of a round obstacle of that radius that must stay free [m]."""
+        body = self.values.get("criterion.body_radius", 0.0)
+        return radius + body + self.threshold if self.to_surface else self.threshold
+
+
+def load(reader: sa.Connection, run_id: int) -> Setting:
+    """The setting of a run; 404 for none."""
+    asked = campaign(reader, run_id)
+    catalogue = described(reader, run_id)
+    known = {} if catalogue is None else parameters(asked, catalogue)
+    values = _given(asked) | {path: nominal for path, (_, nominal) in known.items()}
+    vehicle = None if catalogue is None else catalogue.component("vehicle", asked.scenario.vehicle.component)
+    criterion = None if catalogue is None else catalogue.component("criterion", asked.criterion.component)
+    axes = _axes(reader, run_id, vehicle)
+    start, goal = _place(values, "start", axes), _place(values, "goal", axes)
+    return Setting(
+        run=f"R-{run_id:04d}",
+        title=asked.name,
+        digest=asked.digest,
+        document=asked.document(),
+        planar=vehicle.dimension == 2 if vehicle else axes.frame == "enu",
+        axes=axes,
+        vehicle=asked.scenario.vehicle.component,
+        start=np.zeros(3) if start is None else start,
+        goal=goal,
+        course=_course(values, axes, asked.scenario.horizon, _climbs(asked, catalogue, axes)) if goal is None else None,
+        values=values,
+        moving=_moving(asked, catalogue),
+        threshold=asked.criterion.threshold,
+        to_surface=criterion is not None and criterion.measured_to == "surface",
+        quantity=criterion.quantity if criterion else "",
+        unit=criterion.unit if criterion else "",
+        horizon=asked.scenario.horizon,
+        uncertain=_uncertain(asked, known),
+        methods=_methods(asked, catalogue),
+    )
+
+
+def _given(asked: Campaign) -> dict[str, float]:
+    """What the campaign itself says, by path, whether its components are known here or not."""
+    scenario = asked.scenario
+    groups = {"start": scenario.start, "goal": scenario.goal}
+    groups |= {f"obstacles.{i}": part.parameters for i, part in enumerate(scenario.obstacles)}
+    return {f"{prefix}.{name}": value for prefix, values in groups.items() for name, value in values.items()}
+
+
+def _moving(asked: Campaign, catalogue: Catalogue | None) -> list[bool]:
+    entries = [catalogue.component("obstacle", o.component) if catalogue else None for o in asked.scenario.obstacles]
+    return [entry is not None and entry.moving for entry in entries]
+
+
+def _axes(reader: sa.Connection, run_id: int, vehicle: ComponentEntry | None) -> Axes:
+    """Of what has flown; before that, those of the vehicle as the catalogue of today has it."""
+    flown = reader.scalar(sa.select(Trace.meta).where(Trace.run_id == run_id).limit(1))
+    return axes_of((flown or {}).get("frame") or (vehicle.frame if vehicle else None))
+
+
+def _place(values: Mapping[str, float], prefix: str, axes: Axes) -> Floats | None:
+    if f"{prefix}.x" not in values:
+        return None
+    return axes.drawn(np.array([values.get(f"{prefix}.{axis}", 0.0) for axis in "xyz"]))
+
+
+def _climbs(asked: Campaign, catalogue: Catalogue | None, axes: Axes) -> float:
+    """What a positive climb does to z: it goes up in the axes that the avoider is written for, whatever flies it."""
+    avoider = None if catalogue is None else catalogue.component("avoider", asked.scenario.avoider.component)
+    return 1.0 if ((avoider.written_in if avoider else "") or axes.frame) == "enu" else -1.0
+
+
+def _course(values: Mapping[str, float], axes: Axes, horizon: float, climbs: float) -> Floats | None:
+    """The end of a course given as speed, heading (from the x towards the y axis) and climb."""
+    start = _place(values, "start", axes)
+    speed, heading = values.get("goal.speed"), values.get("goal.heading")
+    if speed is None or heading is None:
+        return None
+    climb = values.get("goal.climb", 0.0)
+    flat, way = np.cos(climb), speed * horizon
+    ahead = way * np.array([flat * np.cos(heading), flat * np.sin(heading), climbs * np.sin(climb)])
+    end: Floats = (np.zeros(3) if start is None else start) + axes.drawn(ahead)
+    return end
+
+
+def _uncertain(asked: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]) -> list[Uncertain]:
+    """For the sliders; none where a component is not known (any more)."""
+    if not known.keys() >= asked.uncertain.keys():
+        return []
+    rows = [(path, bounds, *known[path]) for path, bounds in asked.uncertain.items()]
+    return [
+        Uncertain(path, entry.symbol, entry.unit, entry.text, nominal, *bounds.interval(nominal))
+        for path, bounds, entry, nominal in rows
+    ]
+
+
+def _methods(asked: Campaign, catalogue: Catalogue | None) -> list[tuple[int, str, str]]:
+    titles = {} if catalogue is None else {m.name: m.title for m in catalogue.methods}
+    first = 1 + (asked.stages.sensitivity is not None)
+    return [(first + i, s.method, titles.get(s.method, s.method)) for i, s in enumerate(asked.stages.search)]
+
+
+class Progress:
+    """What a run has found, looked at again and again while it runs."""
+
+    def __init__(self, setting: Setting, run_id: int, shown: str = WORST) -> None:
+        """`shown` is the flight beside the nominal one."""
+        self._setting, self._run_id, self.shown = setting, run_id, shown
+        self.flights: dict[str, Flight] = {}
+        self.findings: dict[str, dict[str, float]] = {}
+        """{label: {path: value}}"""
+        self.seeds: dict[str, int] = {}
+        """Of the findings that drew a noise realisation of their own."""
+        self.curves = {position: Improvements() for position, _, _ in setting.methods}
+        self.over = False
+        self._seen: dict[str, Any] = {}
+
+    @property
+    def choices(self) -> list[str]:
+        """What may be shown beside the nominal flight, or the nominal flight alone."""
+        return [*self.findings, NOMINAL]
+
+    def show(self, label: str, reader: sa.Connection) -> None:
+        """Have another flight beside the nominal one; the one before is forgotten."""
+        if self.shown != NOMINAL:
+            self.flights.pop(self.shown, None)
+            self._seen.pop(self.shown, None)
+        self.shown = label
+        self.look(reader)
+
+    def look(self, reader: sa.Connection) -> bool:
+        """Read what is new; whether there was anything."""
+        before = self._state()
+        self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in OVER
+        shown = sa.select(Trace.name, Trace.meta).where(
+            Trace.run_id == self._run_id, Trace.name.in_((NOMINAL, self.shown))
+        )
+        for name, meta in reader.execute(shown).all():
+            if self._seen.get(name) != meta:  # stored for the first time, or again by a later stage
+                self._seen[name] = meta
+                flight = from_stored(results.stored(reader, self._run_id, name))
+                if flight is not None:
+                    self.flights[name] = flight
+        found = sa.select(Finding.label, Finding.parameters).where(Finding.run_id == self._run_id)
+        rows = sorted(reader.execute(found).all(), key=lambda row: (len(row.label), row.label))
+        self.findings = {row.label: row.parameters for row in rows}
+        self.seeds = seeds(reader, self._run_id)
+        flown = sa.select(Stage.position, Stage.evaluations).where(Stage.run_id == self._run_id)
+        for position, evaluations in reader.execute(flown).all():
+            if position in self.curves and evaluations > self.curves[position].read:
+                self.curves[position].catch_up(reader, self._run_id, position)
+        return before != self._state()
+
+    def _state(self) -> tuple[Any, ...]:
+        read = [curve.read for curve in self.curves.values()]
+        return dict(self.flights), self.findings, read, self.over

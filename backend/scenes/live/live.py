@@ -1,0 +1,246 @@
+"""Live flights: asks a child process that flies one case at a time, so that no simulation runs in the service itself.
+
+One process for all viewers, started with the first question and again after it failed; requests and answers are one
+line of JSON each (`worker/processes/live.py`). Start reading at `Live.fly`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import logging
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from backend.scenes.base.noise import STATED, Noise
+
+ROOT = Path(__file__).parents[3]
+COMMAND = (sys.executable, "-P", "-m", "worker.processes.live")
+
+LIMIT = 5.0
+"""How long a flight may take [s]."""
+
+MOST_STARTS = 3
+"""How many times one question may find that the code changed, each time asked of another process."""
+
+FIRST_LIMIT = 20.0
+"""How long the first flight of a campaign may take: its loop may have to be compiled [s]."""
+
+_log = logging.getLogger(__name__)
+
+
+class LiveError(RuntimeError):
+    """A flight could not be made; the message is a sentence for the viewer."""
+
+
+class _StaleError(LiveError):
+    """The process had loaded other code than there is now, and ended before it flew."""
+
+
+class FlightRefusedError(LiveError):
+    """The simulation process works and says that this flight cannot be made."""
+
+
+@dataclass
+class _Asked:
+    campaign: str
+    limit: float
+    sent: float = field(default_factory=time.monotonic)
+    answer: Future[dict[str, Any]] = field(default_factory=Future)
+
+
+class Live:
+    """The child process as its users see it; safe to use from any thread."""
+
+    def __init__(
+        self, command: Sequence[str] = COMMAND, limit: float = LIMIT, first_limit: float = FIRST_LIMIT
+    ) -> None:
+        self._command, self._limit, self._first_limit = command, limit, first_limit
+        self._lock = threading.Lock()
+        self._child: _Child | None = None
+        self._closed = False
+
+    def fly(
+        self,
+        campaign: Mapping[str, Any],
+        digest: str,
+        parameters: Mapping[str, float],
+        rows: int,
+        noise: Noise = STATED,
+    ) -> dict[str, Any]:
+        """One flight with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
+
+        digest: of the campaign, by which its first flight is known.
+        """
+        return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows} | noise.request)
+
+    def field(
+        self,
+        campaign: Mapping[str, Any],
+        digest: str,
+        parameters: Mapping[str, float],
+        time: float,
+        places: Sequence[tuple[float, float]],
+        noise: Noise = STATED,
+    ) -> dict[str, Any]:
+        """What the avoider asks for at places of the plane of the vehicle's height, at a time [s] of that flight.
+
+        Places, demands: in the flight's own axes; what comes is told in `worker/processes/live.py`. Raises `LiveError`.
+        """
+        asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
+        return self._answered(digest, asked | noise.request)
+
+    def _answered(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
+        for _ in range(MOST_STARTS):
+            try:
+                return self._asked_once(digest, request)
+            except _StaleError:
+                _log.info("the code has changed: another simulation process loads it")
+        raise LiveError("the code of this installation keeps changing; ask again once it is installed")
+
+    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
+        with self._lock:
+            if self._closed:
+                raise LiveError("the service is stopping")
+            if self._child is None or self._child.over:
+                self._child = _Child(self._command)
+            child = self._child
+            limit = self._limit if digest in child.flown else self._first_limit
+            asked = child.ask(request, _Asked(digest, limit))
+        return child.wait(asked)
+
+    def close(self) -> None:
+        """End the child; later questions are refused."""
+        with self._lock:
+            self._closed = True
+            if self._child is not None:
+                self._child.end("the service is stopping")
+
+
+class _Child:
+    """One life of the process. Its thread starts it and reads from it until it ends.
+
+    The thread must be the one that starts it: Linux sends the signal that tells a child of its parent's end when the
+    starting thread ends.
+    """
+
+    def __init__(self, command: Sequence[str]) -> None:
+        self.over, self._why = False, ""
+        self._failure: type[LiveError] = LiveError
+        self.flown: set[str] = set()
+        self._command = command
+        self._numbers = itertools.count(1)
+        self._asked: dict[int, _Asked] = {}
+        self._heard = time.monotonic()
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._started = threading.Event()
+        threading.Thread(target=self._run, name="live flights", daemon=True).start()
+        self._started.wait()
+
+    def ask(self, request: Mapping[str, Any], asked: _Asked) -> _Asked:
+        """Send a request off."""
+        number = next(self._numbers)
+        line = json.dumps({"id": number, **request}, allow_nan=False).encode() + b"\n"
+        with self._lock:
+            if self.over:
+                asked.answer.set_exception(self._failure(self._why))
+                return asked
+            self._asked[number] = asked
+        try:
+            assert self._process is not None
+            assert self._process.stdin is not None
+            self._process.stdin.write(line)
+            self._process.stdin.flush()
+        except OSError:
+            self.end(_ENDED)
+        return asked
+
+    def wait(self, asked: _Asked) -> dict[str, Any]:
+        """The answer; ends the child when the request it is working on takes longer than it may."""
+        while True:
+            remaining = self._remaining()
+            if remaining <= 0 and not asked.answer.done():
+                self.end("the flight took too long and was given up; the next one starts a fresh simulation process")
+            try:
+                return asked.answer.result(max(remaining, 0.01))
+            except TimeoutError:
+                continue
+
+    def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
+        """Kill it and fail everything that was asked."""
+        with self._lock:
+            if not self.over:
+                self.over, self._why, self._failure = True, why, failure
+            asked, self._asked = list(self._asked.values()), {}
+        if self._process is not None:
+            self._process.kill()
+        for one in asked:
+            one.answer.set_exception(failure(why))
+
+    def _remaining(self) -> float:
+        """Time left for the oldest request; the child answers in order [s]."""
+        with self._lock:
+            oldest = next(iter(self._asked.values()), None)
+            return 0.05 if oldest is None else max(self._heard, oldest.sent) + oldest.limit - time.monotonic()
+
+    def _run(self) -> None:
+        path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH", ""))))
+        try:
+            self._process = subprocess.Popen(
+                self._command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env={**os.environ, "PYTHONPATH": path},
+                process_group=0,
+            )
+        except OSError as error:
+            _log.error("%s could not be started: %s", self._command, error)
+            self.end(f"the simulation process could not be started: {error.strerror}")
+            return
+        finally:
+            self._started.set()
+        with self._process:
+            assert self._process.stdout is not None
+            for line in self._process.stdout:
+                if not self._received(line):
+                    _log.error("the simulation process said %r", line[:200])
+                    self.end(
+                        "the simulation process gave an unreadable answer; it is started again for the next flight"
+                    )
+            self.end(_ENDED)
+
+    def _received(self, line: bytes) -> bool:
+        """Take one line; False when it is none of the agreed ones."""
+        try:
+            message = json.loads(line)
+            if message.get("ready"):
+                return True
+            if message.get("stale"):
+                self.end(_STALE, _StaleError)
+                return True
+            with self._lock:
+                self._heard = time.monotonic()
+                asked = self._asked.pop(message["id"], None)
+        except (ValueError, AttributeError, KeyError, TypeError):
+            return False
+        if asked is None:
+            return self.over
+        if "error" in message:
+            asked.answer.set_exception(FlightRefusedError(str(message["error"])))
+        else:
+            self.flown.add(asked.campaign)
+            asked.answer.set_result(message)
+        return True
+
+
+_STALE = "the code of this installation has changed; the next flight starts a fresh simulation process"
+_ENDED = "the simulation process ended unexpectedly; it is started again for the next flight"

@@ -1,0 +1,113 @@
+// Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The same rules as
+// the service's own check, but forgiving: what is half typed stays on the page. Start reading at `parametersOf`.
+import { type Campaign, fieldOf, type List, LISTS, type Part, type Raw, type Uncertain } from '../../api/campaign'
+import type { Catalogue, ComponentEntry, ParameterEntry } from '../../client'
+import { parse } from '../../format/numbers'
+
+export type Role = ComponentEntry['role']
+
+export interface Parameter {
+  path: string
+  /** The name by which the service calls it in its problems. */
+  field: string
+  group: string
+  entry: ParameterEntry
+  nominal: Raw | null
+}
+
+export interface Section {
+  role: Role
+  title: string
+  /** Where the part stands in the document. */
+  at: (string | number)[]
+  part: Part
+  component: ComponentEntry | undefined
+  parameters: Parameter[]
+  /** Values that the component does not know (any more), by where they stand. */
+  strays: { at: (string | number)[]; name: string; value: Raw }[]
+}
+
+const ROLE: Record<Role, string> = {
+  vehicle: 'Vehicle',
+  controller: 'Controller',
+  avoider: 'Avoider',
+  obstacle: 'Obstacle',
+  environment: 'Environment',
+  fault: 'Fault',
+  criterion: 'Criterion',
+}
+
+export const ROLE_OF: Record<List, Role> = { obstacles: 'obstacle', environment: 'environment', faults: 'fault' }
+
+/** The parts of a campaign, in the order of the form. */
+export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] {
+  const { scenario } = campaign
+  const { vehicle, controller, avoider, start = {}, goal } = scenario
+  const find = (role: Role, part: Part) =>
+    catalogue.components.find((c) => c.role === role && c.name === part.component)
+  const section = (role: Role, prefix: string, at: (string | number)[], part: Part, title = ROLE[role]): Section => {
+    const component = find(role, part)
+    const values = part.parameters ?? {}
+    const entries = component?.parameters ?? []
+    const strays = component ? strayed(entries, values, [...at, 'parameters']) : []
+    return { role, title, at, part, component, parameters: listed(prefix, title, entries, values), strays }
+  }
+  const sections = [
+    section('vehicle', 'vehicle', ['scenario', 'vehicle'], vehicle),
+    section('controller', 'controller', ['scenario', 'controller'], controller),
+    section('avoider', 'avoider', ['scenario', 'avoider'], avoider),
+    ...LISTS.flatMap((list) =>
+      (scenario[list] ?? []).map((part, i) =>
+        section(ROLE_OF[list], `${list}.${i}`, ['scenario', list, i], part, `${ROLE[ROLE_OF[list]]} ${i + 1}`),
+      ),
+    ),
+    section('criterion', 'criterion', ['criterion'], campaign.criterion),
+    ...(campaign.objectives ?? []).map((part, i) =>
+      section('criterion', `objectives.${i}`, ['objectives', i], part, `Further criterion ${i + 1}`),
+    ),
+  ]
+  const also = (at: number, name: 'start' | 'goal', entries: ParameterEntry[] | undefined, values: Record<string, Raw>) => {
+    sections[at]?.parameters.push(...listed(name, ROLE_NAME[name], entries ?? [], values))
+    if (entries) sections[at]?.strays.push(...strayed(entries, values, ['scenario', name]))
+  }
+  also(0, 'start', find('vehicle', vehicle)?.starts, start)
+  also(2, 'goal', find('avoider', avoider)?.goals, goal)
+  return sections
+}
+
+const ROLE_NAME = { start: 'Start', goal: 'Goal' }
+
+const strayed = (entries: ParameterEntry[], values: Record<string, Raw>, at: (string | number)[]): Section['strays'] =>
+  Object.entries(values)
+    .filter(([name]) => !entries.some((entry) => entry.name === name))
+    .map(([name, value]) => ({ at: [...at, name], name, value }))
+
+function listed(prefix: string, group: string, entries: ParameterEntry[], values: Record<string, Raw>): Parameter[] {
+  return entries.map((entry) => {
+    const path = `${prefix}.${entry.name}`
+    return { path, field: fieldOf(path), group, entry, nominal: values[entry.name] ?? entry.default }
+  })
+}
+
+export const parametersOf = (campaign: Campaign, catalogue: Catalogue): Parameter[] =>
+  sectionsOf(campaign, catalogue).flatMap((section) => section.parameters)
+
+/** The number a raw value means; null where it means none. */
+export function numberOf(raw: Raw | null | undefined): number | null {
+  if (raw === null || raw === undefined) return null
+  return typeof raw === 'number' ? raw : parse(raw)
+}
+
+/** Low and high of an uncertain parameter as they stand; a share of the nominal value is worked out. */
+export function boundsOf(uncertain: Uncertain, nominal: Raw | null): [Raw | null, Raw | null] {
+  const given = uncertain.plus_minus
+  if (given === null || given === undefined) return [uncertain.low ?? null, uncertain.high ?? null]
+  const middle = numberOf(nominal)
+  const share = /^\s*([0-9.eE+-]+)\s*%\s*$/.exec(String(given))
+  const amount = share ? Number(share[1]) / 100 : numberOf(given)
+  if (middle === null || amount === null || !Number.isFinite(amount)) return [null, null]
+  const reach = share ? amount * Math.abs(middle) : amount
+  // 0.05 + 20 % is 0.06 to everybody but a computer.
+  const round = (value: number) => Number(value.toPrecision(12))
+  return [round(middle - reach), round(middle + reach)]
+}

@@ -1,0 +1,152 @@
+// The single numbers of a campaign that no component declares: where each stands, its unit, what it is. The names and
+// limits are the service's; it says beside the field what is wrong. Start reading at `Setting`.
+import { type Campaign, type Raw, read } from '../../api/campaign'
+
+export interface Setting {
+  at: (string | number)[]
+  label: string
+  unit?: string
+  text: string
+  /** May be left empty: then this stands for it. */
+  empty?: string
+}
+
+export const SIMULATION: Setting[] = [
+  { at: ['scenario', 'horizon'], label: 'Horizon', unit: 's', text: 'Length of a flight' },
+  { at: ['scenario', 'step'], label: 'Step', unit: 's', text: 'Of the fourth-order Runge-Kutta method' },
+  {
+    at: ['scenario', 'guidance', 'period'],
+    label: 'Guidance period',
+    unit: 's',
+    text: '0: the avoider is asked continuously; else at this period, with a hold between',
+  },
+]
+
+export const VERDICT: Setting[] = [
+  { at: ['agreement'], label: 'Agreement', text: 'Share of nominal minus worst within which the global methods must agree' },
+  {
+    at: ['target_probability'],
+    label: 'Target for P(violation)',
+    text: 'The upper bound from the certify stage must meet it',
+    empty: 'none',
+  },
+  { at: ['confidence'], label: 'Confidence', text: 'Of every statement on a probability' },
+  { at: ['seed'], label: 'Seed', text: 'All random numbers come from it' },
+]
+
+export interface Group {
+  title: string
+  /** The service's name of all of it. */
+  field: string
+  digest: (campaign: Campaign) => string
+  settings: Setting[]
+}
+
+const words = (count: Raw | null | undefined, one: string): string => `${count ?? ''} ${one}`
+
+export const STAGES: Group[] = [
+  {
+    title: 'Certify',
+    field: 'stages.certify',
+    digest: ({ stages: { certify } }) =>
+      certify ? `${words(certify.samples ?? 3000, 'random flights')}${certify.grid ? ', full grid' : ''}` : 'left out',
+    settings: [
+      {
+        at: ['stages', 'certify', 'samples'],
+        label: 'Certify samples',
+        text: 'Independent flights that probabilities are claimed from; empty leaves the stage out',
+        empty: 'left out',
+      },
+      {
+        at: ['stages', 'certify', 'quantile'],
+        label: 'Certify quantile',
+        text: 'Share of the flights whose value is bounded from below',
+      },
+      {
+        at: ['stages', 'certify', 'grid', 'points'],
+        label: 'Grid points per axis',
+        text: 'A full grid, where the parameters are few; empty leaves it out',
+        empty: 'left out',
+      },
+    ],
+  },
+  {
+    title: 'Sensitivity',
+    field: 'stages.sensitivity',
+    digest: ({ stages: { sensitivity } }) =>
+      sensitivity
+        ? [
+            words(sensitivity.points, 'points per parameter'),
+            sensitivity.morris && 'Morris',
+            sensitivity.sobol && 'Sobol',
+          ]
+            .filter(Boolean)
+            .join(', ')
+        : 'left out',
+    settings: [
+      {
+        at: ['stages', 'sensitivity', 'points'],
+        label: 'Sensitivity points',
+        text: 'Per parameter, one at a time; empty leaves the stage out',
+        empty: 'left out',
+      },
+      {
+        at: ['stages', 'sensitivity', 'morris', 'trajectories'],
+        label: 'Morris trajectories',
+        text: 'Elementary effects over the whole box; empty leaves them out',
+        empty: 'left out',
+      },
+      { at: ['stages', 'sensitivity', 'morris', 'levels'], label: 'Morris levels', text: 'Of the grid; an even number' },
+      {
+        at: ['stages', 'sensitivity', 'sobol', 'samples'],
+        label: 'Sobol samples',
+        text: 'Shares of the variance; a power of two; empty leaves them out',
+        empty: 'left out',
+      },
+    ],
+  },
+  {
+    title: 'Findings',
+    field: 'stages.findings',
+    digest: ({ stages: { findings } }) => `at most ${findings?.at_most ?? 8} worst cases told apart`,
+    settings: [
+      { at: ['stages', 'findings', 'at_most'], label: 'Findings at most', text: 'How many distinct worst cases are kept' },
+      {
+        at: ['stages', 'findings', 'evaluations'],
+        label: 'Evaluations at most',
+        text: 'For telling worst cases apart',
+      },
+      { at: ['stages', 'findings', 'distance'], label: 'Distance', text: 'Nearer than this share of every range, two are one' },
+      {
+        at: ['stages', 'findings', 'barrier'],
+        label: 'Barrier',
+        text: 'With no hill above this share of nominal minus worst between them, two are one',
+      },
+    ],
+  },
+  {
+    title: 'Validate',
+    field: 'stages.validate',
+    digest: ({ stages: { validate } }) =>
+      `tolerance ${validate?.tolerance ?? ''}, ${words(validate?.neighbours, 'neighbours of each finding')}`,
+    settings: [
+      {
+        at: ['stages', 'validate', 'tolerance'],
+        label: 'Validation tolerance',
+        text: 'Share of the value, against half the step and the other integrator',
+      },
+      { at: ['stages', 'validate', 'neighbours'], label: 'Neighbours', text: 'Flown around each finding' },
+      { at: ['stages', 'validate', 'reach'], label: 'Reach of neighbours', text: 'Share of each range' },
+    ],
+  },
+]
+
+/** What a setting shows of a campaign. */
+export const settingOf = (campaign: Campaign, { at }: Setting): Raw | null =>
+  (read(campaign, at) as Raw | null | undefined) ?? null
+
+/** Where a setting's new value goes: a stage or study that loses its first number is left out with all that is in it. */
+export function settled({ at, empty }: Setting, value: Raw | null): [(string | number)[], Raw | null] {
+  if (value === null && at[0] === 'stages' && empty !== undefined) return [at.slice(0, -1), null]
+  return [at, value === null && empty === undefined ? '' : value]
+}

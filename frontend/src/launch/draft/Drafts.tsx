@@ -1,0 +1,131 @@
+// The drafts that are kept on the service: who saved which when, to go on with or to delete.
+import { Modal } from '@mantine/core'
+import { IconTrash } from '@tabler/icons-react'
+import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
+import { useState } from 'react'
+import { deleteDraft } from '../../api/calls'
+import { draftsQuery } from '../../api/queries'
+import type { DraftSummary } from '../../client'
+import { count } from '../../format/numbers'
+import { moment, when } from '../../format/time'
+import { Card, Tags } from '../../ui/Card'
+import { useNow } from '../../ui/useNow'
+
+const FEW = 4
+
+export function Drafts() {
+  const { data } = useQuery(draftsQuery)
+  const [all, setAll] = useState(false)
+  const [leaving, setLeaving] = useState<DraftSummary | null>(null)
+  const now = useNow(30_000)
+  if (!data || data.length === 0) return null
+  const shown = all ? data : data.slice(0, FEW)
+  return (
+    <Card
+      title="Drafts"
+      note="Campaigns that were kept before they were started."
+      className="drafts"
+      flush
+      footer={
+        shown.length < data.length && (
+          <button type="button" className="linkbtn" onClick={() => setAll(true)}>
+            Show {count(data.length - shown.length)} more
+          </button>
+        )
+      }
+    >
+      <table>
+        <thead>
+          <tr>
+            <th>Draft</th>
+            <th>Name</th>
+            <th className="hide-n">Tags</th>
+            <th>Saved by</th>
+            <th>Saved</th>
+            <th>Run</th>
+            <th aria-label="Delete" />
+          </tr>
+        </thead>
+        <tbody>
+          {shown.map((draft) => (
+            <tr key={draft.id}>
+              <td>
+                <Link to="/launch" search={{ draft: draft.id }} className="mono">
+                  {draft.id}
+                </Link>
+              </td>
+              <td className="wrap-any">{draft.name || <span className="mut">Untitled</span>}</td>
+              <td className="hide-n">
+                <Tags tags={draft.tags} />
+              </td>
+              <td>
+                {draft.saved_by}
+                {draft.owner !== draft.saved_by && <span className="mut">, begun by {draft.owner}</span>}
+              </td>
+              <td className="nw" title={moment(draft.saved)}>
+                {when(draft.saved, now)}
+              </td>
+              <td>
+                {draft.run && (
+                  <Link to="/runs/$id" params={{ id: draft.run }} className="mono">
+                    {draft.run}
+                  </Link>
+                )}
+              </td>
+              <td className="acts">
+                <button
+                  type="button"
+                  className="iconbtn"
+                  aria-label={`Delete draft ${draft.id}`}
+                  title="Delete"
+                  onClick={() => setLeaving(draft)}
+                >
+                  <IconTrash className="i s" aria-hidden />
+                </button>
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      <Modal
+        opened={leaving !== null}
+        onClose={() => setLeaving(null)}
+        title={`Delete draft ${leaving?.id ?? ''}`}
+        centered
+        lockScroll={false}
+      >
+        {leaving && <Deletion draft={leaving} onDone={() => setLeaving(null)} />}
+      </Modal>
+    </Card>
+  )
+}
+
+function Deletion({ draft, onDone }: { draft: DraftSummary; onDone: () => void }) {
+  const cache = useQueryClient()
+  const removal = useMutation({
+    mutationFn: () => deleteDraft(draft.id, draft.version),
+    onSuccess: onDone,
+    onSettled: () => cache.invalidateQueries({ queryKey: ['drafts'] }),
+  })
+  return (
+    <div className="panel">
+      <p>
+        {draft.name || 'This untitled draft'} is gone for everybody then. Runs that were started from it stay.
+      </p>
+      {removal.error && (
+        <p className="ferr" role="alert">
+          {removal.error.message}
+        </p>
+      )}
+      <div className="acts end">
+        <button type="button" className="btn" onClick={onDone}>
+          Keep it
+        </button>
+        <button type="button" className="btn p" disabled={removal.isPending} onClick={() => removal.mutate()}>
+          Delete
+        </button>
+      </div>
+    </div>
+  )
+}

@@ -1,0 +1,33 @@
+// What an editor begins with: a campaign of the library, an earlier run's, or the text of a draft. Start: `fromDraft`.
+import { checkCampaign, getRunText, getSchema } from '../../api/calls'
+import { asCampaign, type Campaign } from '../../api/campaign'
+import type { Draft, LibraryCampaign, RunDetail } from '../../client'
+import type { Beginning } from './useDraft'
+
+export interface Start extends Beginning {
+  name: string
+  tags: string[]
+  /** The draft that it is, as it was opened. */
+  draft: Draft | null
+}
+
+export function fromLibrary(item: LibraryCampaign): Start {
+  const campaign = asCampaign(item.document)
+  return { campaign, text: item.yaml, readable: true, name: campaign.name, tags: campaign.tags ?? [], draft: null }
+}
+
+export async function fromRun(run: RunDetail): Promise<Start> {
+  const campaign = asCampaign(run.campaign)
+  const text = await getRunText(run.id)
+  return { campaign, text, readable: true, name: run.name, tags: run.tags, draft: null }
+}
+
+/** A draft as it was left, in the form too wherever that can show it. */
+export async function fromDraft(draft: Draft, otherwise: Campaign): Promise<Start> {
+  const own = { name: draft.name, tags: draft.tags, draft, text: draft.text }
+  const { document } = await checkCampaign(draft.text)
+  if (document) return { ...own, campaign: asCampaign(document), readable: true }
+  const [{ formOf }, schema] = await Promise.all([import('../text'), getSchema()])
+  const nearly = formOf(draft.text, schema)
+  return { ...own, campaign: nearly ?? otherwise, readable: nearly !== null }
+}

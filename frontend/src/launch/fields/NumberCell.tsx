@@ -1,0 +1,58 @@
+// A number as text: nothing is rounded or reformatted while it is typed; what is no number is kept for the service to name.
+import { useState } from 'react'
+import type { Raw } from '../../api/campaign'
+import { parse, field as shown } from '../../format/numbers'
+import { idOf, useProblems } from './problems'
+
+interface NumberCellProps {
+  /** The service's name of the field. */
+  field: string
+  label: string
+  value: Raw | null | undefined
+  onChange: (value: Raw | null) => void
+  disabled?: boolean
+  /** Empty means that it is not given. */
+  optional?: boolean
+  placeholder?: string
+  invalid?: boolean
+}
+
+const textOf = (value: Raw | null | undefined): string =>
+  value === null || value === undefined ? '' : typeof value === 'number' ? shown(value) : value
+
+export function NumberCell({
+  field,
+  label,
+  value,
+  onChange,
+  disabled,
+  optional,
+  placeholder,
+  invalid,
+}: NumberCellProps) {
+  const [typed, setTyped] = useState<string | null>(null)
+  const problems = useProblems(field)
+  const meaning = (text: string): Raw | null => (optional && text.trim() === '' ? null : (parse(text) ?? text))
+  // What is being typed stays as it is while it means the value; a value set from elsewhere replaces it.
+  const text = typed !== null && meaning(typed) === (value ?? null) ? typed : textOf(value)
+  const change = (next: string) => {
+    setTyped(next)
+    onChange(meaning(next))
+  }
+  return (
+    <input
+      id={idOf(field)}
+      className="cell"
+      inputMode="decimal"
+      autoComplete="off"
+      spellCheck={false}
+      aria-label={label}
+      aria-invalid={invalid || problems.length > 0}
+      title={problems[0]?.message}
+      placeholder={placeholder}
+      disabled={disabled}
+      value={text}
+      onChange={(event) => change(event.target.value)}
+    />
+  )
+}

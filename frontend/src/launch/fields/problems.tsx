@@ -1,0 +1,63 @@
+// What the service says is wrong, beside the field it names: fields ask here by the name the service uses.
+import { IconAlertCircle } from '@tabler/icons-react'
+import { createContext, useContext } from 'react'
+import type { FieldProblem } from '../../api/problems'
+
+const Problems = createContext<readonly FieldProblem[]>([])
+
+export const ProblemsProvider = Problems.Provider
+
+const within = (field: string, problem: FieldProblem): boolean =>
+  problem.field === field || problem.field.startsWith(`${field}.`)
+
+/** How many problems there are of some fields and everything below them. */
+export function useTroubled(fields: readonly string[]): number {
+  const all = useContext(Problems)
+  return all.filter((problem) => fields.some((field) => within(field, problem))).length
+}
+
+/** The problems of a field, or of everything below it. */
+export function useProblems(field: string, deep = false): FieldProblem[] {
+  const all = useContext(Problems)
+  return all.filter((problem) => (deep ? within(field, problem) : problem.field === field))
+}
+
+/** An identifier of an element for a field. */
+export const idOf = (field: string): string => `f-${field.replace(/[^\w-]/g, '-')}`
+
+interface MessageProps {
+  problem: FieldProblem
+  /** Says the field's name, where the message does not stand beside the field. */
+  named?: boolean
+}
+
+export function Message({ problem, named }: MessageProps) {
+  const words = problem.message.charAt(0).toUpperCase() + problem.message.slice(1)
+  return (
+    <p className="ferr" data-problem={problem.field}>
+      <IconAlertCircle className="i" aria-hidden />
+      <span>
+        {named && problem.field && <span className="mono">{problem.field} </span>}
+        {named ? problem.message : words}
+      </span>
+    </p>
+  )
+}
+
+export function FieldErrors({ field, deep }: { field: string; deep?: boolean }) {
+  const problems = useProblems(field, deep)
+  return problems.map((problem) => <Message key={problem.field + problem.message} problem={problem} />)
+}
+
+/** Brings the field of a problem into view and focus: itself, or the nearest part above it that is on the page. */
+export function focusField(field: string): void {
+  const parts = field.split('.')
+  for (let length = parts.length; length > 0; length--) {
+    const element = document.getElementById(idOf(parts.slice(0, length).join('.')))
+    if (!element) continue
+    for (let fold = element.closest('details'); fold; fold = fold.parentElement?.closest('details') ?? null) fold.open = true
+    element.scrollIntoView({ block: 'center' })
+    element.focus({ preventScroll: true })
+    return
+  }
+}

@@ -1,0 +1,30 @@
+// The whole form of a campaign, section by section; what is rarely changed is folded.
+import type { Catalogue } from '../../client'
+import { AboutForm } from './AboutForm'
+import { CriterionForm } from './CriterionForm'
+import { MethodsTable } from './MethodsTable'
+import type { Parameter } from '../campaign/parameters'
+import { ScenarioForm } from './ScenarioForm'
+import { SettingsForm } from './SettingsForm'
+import { UncertainTable } from './UncertainTable'
+import type { Draft } from '../draft/useDraft'
+
+interface CampaignFormProps {
+  draft: Draft
+  catalogue: Catalogue
+  parameters: Parameter[]
+}
+
+export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps) {
+  const { campaign, set, remove } = draft
+  return (
+    <>
+      <UncertainTable campaign={campaign} parameters={parameters} set={set} />
+      <CriterionForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      <MethodsTable campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
+      <SettingsForm campaign={campaign} set={set} />
+      <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      <AboutForm campaign={campaign} set={set} />
+    </>
+  )
+}

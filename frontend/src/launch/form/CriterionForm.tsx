@@ -1,0 +1,87 @@
+// What is judged: the criterion that decides, and further criteria that every evaluation is read for as well.
+import type { Campaign, List } from '../../api/campaign'
+import type { Catalogue } from '../../client'
+import { plain } from '../../format/numbers'
+import { Card } from '../../ui/Card'
+import { toSurfaces, withinOf } from '../campaign/extents'
+import { Fold } from '../fields/Fold'
+import { PartBody, PartCard, type SetValue } from '../fields/PartCard'
+import { sectionsOf } from '../campaign/parameters'
+import { FieldErrors, idOf } from '../fields/problems'
+import { AddPart } from './ScenarioForm'
+
+interface CriterionFormProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  set: SetValue
+  remove: (list: List | 'objectives', index: number) => void
+}
+
+export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFormProps) {
+  const sections = sectionsOf(campaign, catalogue)
+  const decides = sections.find((section) => section.at[0] === 'criterion')
+  const further = sections.filter((section) => section.at[0] === 'objectives')
+  const shared = { campaign, catalogue, set }
+  const told = further.map((section) => section.component?.title ?? section.part.component).join(', ')
+  const none = 'none; they decide nothing, and NSGA-II searches for the front of all of them'
+  return (
+    <Card title="Criterion" note="The flight is clear while its value stays above the threshold." id="section-criterion">
+      <div style={{ display: 'grid', gap: 10 }}>
+        {decides && (
+          <div style={{ maxWidth: 480 }}>
+            <PartBody section={decides} {...shared} />
+            <Centres {...shared} />
+          </div>
+        )}
+        <Fold title="Further criteria" digest={told || none} fields={['objectives']}>
+          <div id={idOf('objectives')} tabIndex={-1} className="stack">
+            <FieldErrors field="objectives" />
+            {further.length > 0 && (
+              <div className="parts">
+                {further.map((section) => (
+                  <PartCard
+                    key={section.at.join('.')}
+                    section={section}
+                    {...shared}
+                    onRemove={() => remove('objectives', Number(section.at[1]))}
+                  />
+                ))}
+              </div>
+            )}
+            <AddPart list="objectives" {...shared} />
+          </div>
+        </Fold>
+      </div>
+    </Card>
+  )
+}
+
+/** Of a distance to centres that ends within an obstacle: what to do, or that it is stated to be meant. */
+function Centres({ campaign, catalogue, set }: Omit<CriterionFormProps, 'remove'>) {
+  const { criterion } = campaign
+  const within = [...withinOf(campaign, catalogue).values()]
+  if (criterion.from_centre)
+    return (
+      <p className="small">
+        Stated: distances to the obstacles' centres are meant.{' '}
+        <button type="button" className="btn s" onClick={() => set(['criterion', 'from_centre'], undefined)}>
+          Withdraw
+        </button>
+      </p>
+    )
+  if (within.length === 0) return null
+  return (
+    <div className="small" role="note">
+      <p>
+        An obstacle reaches {plain(Math.max(...within))} m from its centre, beyond the threshold: the vehicle could be
+        inside it and the flight clear.
+      </p>
+      <button type="button" className="btn s" onClick={() => set(['criterion'], toSurfaces(criterion, catalogue))}>
+        Measure to surfaces
+      </button>{' '}
+      <button type="button" className="btn s" onClick={() => set(['criterion', 'from_centre'], true)}>
+        Centres are meant
+      </button>
+    </div>
+  )
+}

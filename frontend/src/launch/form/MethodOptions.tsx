@@ -1,0 +1,179 @@
+// A method's options, as a form made from their JSON schema, and its starts where it begins from given points.
+import { Select } from '@mantine/core'
+import { IconPlus, IconTrash } from '@tabler/icons-react'
+import type { Json, SearchStage } from '../../api/campaign'
+import type { MethodEntry } from '../../client'
+import { plain } from '../../format/numbers'
+import { Docstring } from '../../help/Docstring'
+import { HelpLink } from '../../help/links'
+import { Sign } from '../../ui/Sign'
+import { NumberCell } from '../fields/NumberCell'
+import type { Parameter } from '../campaign/parameters'
+import { numberOf } from '../campaign/parameters'
+import { FieldErrors, idOf } from '../fields/problems'
+
+interface Rule {
+  type?: string
+  enum?: Json[]
+  default?: Json
+  title?: string
+  description?: string
+  minimum?: number
+  maximum?: number
+  anyOf?: Rule[]
+}
+
+interface MethodOptionsProps {
+  field: string
+  at: (string | number)[]
+  stage: SearchStage
+  method: MethodEntry
+  parameters: Parameter[]
+  set: (at: readonly (string | number)[], value: unknown) => void
+}
+
+export function MethodOptions({ field, at, stage, method, parameters, set }: MethodOptionsProps) {
+  const rules = Object.entries((method.options.properties ?? {}) as Record<string, Rule>)
+  return (
+    <div style={{ padding: '4px 0 12px', display: 'grid', gap: 12 }}>
+      {rules.length > 0 && (
+        <div className="fields">
+          {rules.map(([name, rule]) => (
+            <Option
+              key={name}
+              field={`${field}.options.${name}`}
+              name={name}
+              rule={rule}
+              value={stage.options?.[name]}
+              onChange={(value) => set([...at, 'options', name], value)}
+            />
+          ))}
+        </div>
+      )}
+      {rules.length === 0 && <p className="small mut">This method has nothing to set besides its budget.</p>}
+      {(method.starts || (stage.starts?.length ?? 0) > 0) && (
+        <Starts field={field} at={at} starts={stage.starts ?? []} parameters={parameters} set={set} />
+      )}
+      <details>
+        <summary>What {method.title} does</summary>
+        <div className="about">
+          <Docstring text={method.text} />
+          <HelpLink to="/help/methods" at={method.name}>
+            In the help
+          </HelpLink>
+        </div>
+      </details>
+    </div>
+  )
+}
+
+interface OptionProps {
+  field: string
+  name: string
+  rule: Rule
+  value: Json | undefined
+  onChange: (value: Json | undefined) => void
+}
+
+function Option({ field, name, rule, value, onChange }: OptionProps) {
+  const words = name.replaceAll('_', ' ')
+  const label = words.charAt(0).toUpperCase() + words.slice(1)
+  const choices = rule.enum?.map(String) ?? (rule.type === 'boolean' ? ['true', 'false'] : null)
+  const shown = value ?? rule.default ?? null
+  const chosen = (text: string | null) => onChange(rule.type === 'boolean' ? text === 'true' : (text ?? undefined))
+  return (
+    <div>
+      <label className="lbl" htmlFor={idOf(field)}>
+        {label}
+      </label>
+      {choices ? (
+        <Select
+          id={idOf(field)}
+          size="xs"
+          data={choices}
+          value={typeof shown === 'object' ? null : String(shown)}
+          allowDeselect={false}
+          onChange={chosen}
+        />
+      ) : (
+        <NumberCell
+          field={field}
+          label={label}
+          value={typeof shown === 'number' || typeof shown === 'string' ? shown : null}
+          optional
+          placeholder={rule.default === null ? 'not set' : undefined}
+          onChange={(given) => onChange(given ?? undefined)}
+        />
+      )}
+      <small>
+        {rule.description}
+        {limits(rule)}
+      </small>
+      <FieldErrors field={field} />
+    </div>
+  )
+}
+
+function limits(rule: Rule): string {
+  if (rule.minimum === undefined || rule.maximum === undefined) return ''
+  return `, ${plain(rule.minimum)} to ${plain(rule.maximum)}`
+}
+
+interface StartsProps {
+  field: string
+  at: (string | number)[]
+  starts: Record<string, number>[]
+  parameters: Parameter[]
+  set: MethodOptionsProps['set']
+}
+
+function Starts({ field, at, starts, parameters, set }: StartsProps) {
+  const paths = [...new Set(starts.flatMap((start) => Object.keys(start)))]
+  const add = () => {
+    const nominal = parameters.filter((p) => p.path in (starts[0] ?? {}) || starts.length === 0)
+    const start = Object.fromEntries(nominal.map((p) => [p.path, numberOf(p.nominal) ?? 0]))
+    set([...at, 'starts'], [...starts, start])
+  }
+  return (
+    <div>
+      <span className="lbl">Starts</span>
+      {starts.length === 0 && <p className="small mut">None given: the method chooses its own.</p>}
+      {starts.map((start, i) => (
+        <div key={i} className="row" style={{ marginBottom: 4, flexWrap: 'wrap' }}>
+          {paths.map((path) => (
+            <span key={path} className="row small" style={{ gap: 5 }}>
+              <Sign text={parameters.find((p) => p.path === path)?.entry.symbol ?? path} />
+              <span style={{ width: 96 }}>
+                <NumberCell
+                  field={`${field}.starts.${i}.${path}`}
+                  label={`Start ${i + 1}, ${path}`}
+                  value={start[path]}
+                  optional
+                  placeholder="nominal"
+                  onChange={(value) => set([...at, 'starts', i, path], value ?? undefined)}
+                />
+              </span>
+            </span>
+          ))}
+          <button
+            type="button"
+            className="iconbtn"
+            aria-label={`Remove start ${i + 1}`}
+            onClick={() =>
+              set(
+                [...at, 'starts'],
+                starts.filter((_, j) => j !== i),
+              )
+            }
+          >
+            <IconTrash className="i s" aria-hidden />
+          </button>
+          <FieldErrors field={`${field}.starts.${i}`} deep />
+        </div>
+      ))}
+      <button type="button" className="btn s" onClick={add}>
+        <IconPlus className="i s" aria-hidden /> Add start at nominal
+      </button>
+    </div>
+  )
+}

@@ -1,0 +1,183 @@
+// The search methods with their budgets: which run, for how many evaluations, with which options.
+import { IconAdjustments } from '@tabler/icons-react'
+import { useState } from 'react'
+import type { Campaign, SearchStage } from '../../api/campaign'
+import type { Catalogue, MethodEntry } from '../../client'
+import { Card } from '../../ui/Card'
+import { MethodName } from '../../ui/MethodMark'
+import { MethodOptions } from './MethodOptions'
+import { NumberCell } from '../fields/NumberCell'
+import type { Parameter } from '../campaign/parameters'
+import { FieldErrors, idOf, useProblems } from '../fields/problems'
+
+interface MethodsTableProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  parameters: Parameter[]
+  set: (at: readonly (string | number)[], value: unknown) => void
+}
+
+export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTableProps) {
+  const [held, setHeld] = useState<Record<string, SearchStage>>({})
+  const stages = campaign.stages.search
+  const single = (campaign.objectives ?? []).length === 0
+  const unknown = stages.flatMap((stage, i) => (catalogue.methods.some((m) => m.name === stage.method) ? [] : [i]))
+  const replace = (next: SearchStage[]) => set(['stages', 'search'], next)
+  const drop = (at: number) => {
+    const stage = stages[at]
+    if (stage) setHeld({ ...held, [stage.method]: stage })
+    replace(stages.filter((_, i) => i !== at))
+  }
+  const add = (method: MethodEntry) => {
+    const order = new Map(catalogue.methods.map((m, i) => [m.name, i]))
+    const stage = held[method.name] ?? { method: method.name, evaluations: method.evaluations, options: {}, starts: [] }
+    const rank = (s: SearchStage) => order.get(s.method) ?? 0
+    const before = stages.findIndex((s) => rank(s) > rank(stage))
+    replace(before < 0 ? [...stages, stage] : stages.toSpliced(before, 0, stage))
+  }
+  return (
+    <Card
+      title="Methods and budgets"
+      note="Each search ends by its own rule or at its budget."
+      flush
+      footer="Cleared needs global methods that agree on the worst case, and a certify stage where a target for P(violation) is set."
+    >
+      <table className="ptable">
+        <thead>
+          <tr>
+            <th aria-label="Runs" />
+            <th>Method</th>
+            <th>How it searches</th>
+            <th className="hide-n">Source</th>
+            <th className="num" style={{ width: 140 }}>
+              Evaluations at most
+            </th>
+            <th aria-label="Options" style={{ width: 44 }} />
+          </tr>
+        </thead>
+        <tbody>
+          {catalogue.methods.map((method) => {
+            const own = stages.flatMap((stage, i) => (stage.method === method.name ? [i] : []))
+            if (own.length === 0)
+              return (
+                <MethodRow
+                  key={method.name}
+                  at={null}
+                  stage={held[method.name]}
+                  method={method}
+                  single={single}
+                  parameters={parameters}
+                  set={set}
+                  onToggle={() => add(method)}
+                />
+              )
+            return own.map((i) => (
+              <MethodRow
+                key={`${method.name}-${i}`}
+                at={i}
+                stage={stages[i]}
+                method={method}
+                single={single}
+                parameters={parameters}
+                set={set}
+                onToggle={() => drop(i)}
+              />
+            ))
+          })}
+        </tbody>
+      </table>
+      <div style={{ padding: '0 16px 8px' }} id={idOf('stages.search')} tabIndex={-1}>
+        <FieldErrors field="stages.search" />
+        {unknown.map((i) => (
+          <FieldErrors key={i} field={`stages.search.${i}`} deep />
+        ))}
+      </div>
+    </Card>
+  )
+}
+
+interface MethodRowProps {
+  /** Which of the campaign's searches it is; null while it is unticked. */
+  at: number | null
+  stage: SearchStage | undefined
+  method: MethodEntry
+  /** There is no criterion besides the one that decides. */
+  single: boolean
+  parameters: Parameter[]
+  set: MethodsTableProps['set']
+  onToggle: () => void
+}
+
+const ALONE =
+  'It looks for the front of several criteria, and there is one: add further ones under Criterion, or search with a global method.'
+
+function MethodRow({ at, stage, method, single, parameters, set, onToggle }: MethodRowProps) {
+  const [open, setOpen] = useState(false)
+  const on = at !== null
+  const field = `stages.search.${at ?? 'none'}`
+  const problems = useProblems(field, true)
+  const inside = problems.some((p) => p.field.startsWith(`${field}.options`) || p.field.startsWith(`${field}.starts`))
+  const alone = on && single && method.kind === 'multi'
+  const expanded = on && (open || inside)
+  return (
+    <>
+      <tr
+        className={on ? (expanded || alone || problems.length ? 'has-error' : undefined) : 'off'}
+        id={idOf(field)}
+        tabIndex={-1}
+      >
+        <td style={{ width: 40 }}>
+          <input type="checkbox" checked={on} aria-label={`Run ${method.title}`} onChange={onToggle} />
+        </td>
+        <td>
+          <MethodName method={method.name} title={method.title} />
+        </td>
+        <td className="sec">{method.how}</td>
+        <td className="mut hide-n">{method.source}</td>
+        <td>
+          <NumberCell
+            field={`${field}.evaluations`}
+            label={`${method.title}, evaluations at most`}
+            value={stage?.evaluations ?? method.evaluations}
+            disabled={!on}
+            onChange={(value) => on && set(['stages', 'search', at, 'evaluations'], value ?? '')}
+          />
+        </td>
+        <td>
+          <button
+            type="button"
+            className="iconbtn"
+            aria-expanded={expanded}
+            aria-label={`Options of ${method.title}`}
+            title="Options"
+            disabled={!on}
+            onClick={() => setOpen(!open)}
+          >
+            <IconAdjustments className="i" aria-hidden />
+          </button>
+        </td>
+      </tr>
+      {on && (expanded || alone || problems.length > 0) && (
+        <tr className="errors">
+          <td />
+          <td colSpan={5}>
+            <FieldErrors field={field} />
+            <FieldErrors field={`${field}.evaluations`} />
+            <FieldErrors field={`${field}.method`} />
+            {alone && <p className="small sec">{ALONE}</p>}
+            {expanded && stage && (
+              <MethodOptions
+                field={field}
+                at={['stages', 'search', at]}
+                stage={stage}
+                method={method}
+                parameters={parameters}
+                set={set}
+              />
+            )}
+          </td>
+        </tr>
+      )}
+    </>
+  )
+}

@@ -1,0 +1,67 @@
+// Which realisations of noise and gusts every evaluation flies; only where something in the scenario is random.
+import { Select } from '@mantine/core'
+import type { Campaign, Raw } from '../../api/campaign'
+import type { Catalogue } from '../../client'
+import { Fold } from '../fields/Fold'
+import { ListCell } from '../fields/ListCell'
+import type { SetValue } from '../fields/PartCard'
+import { sectionsOf } from '../campaign/parameters'
+import { FieldErrors, idOf } from '../fields/problems'
+
+const FIELD = 'scenario.realisations'
+/** The parameter by which a random component is told which realisation it flies. */
+const SEED = 'seed'
+
+interface RealisationsProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  set: SetValue
+}
+
+export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
+  const { seeds = [0], combine = 'worst' } = campaign.scenario.realisations ?? {}
+  const random = sectionsOf(campaign, catalogue)
+    .filter(({ role }) => role === 'environment' || role === 'fault')
+    .some(({ parameters }) => parameters.some(({ entry }) => entry.name === SEED))
+  if (!random && seeds.length < 2) return null
+  const digest = `${seeds.length} ${seeds.length === 1 ? 'flight' : 'flights'} for every evaluation`
+  return (
+    <div className="card">
+      <div className="bd">
+        <Fold title="Realisations of what is random" digest={digest} fields={[FIELD]}>
+          <div className="fields">
+            <div>
+              <label className="lbl" htmlFor={idOf(`${FIELD}.seeds`)}>
+                Seeds
+              </label>
+              <ListCell
+                field={`${FIELD}.seeds`}
+                label="Seeds of the realisations"
+                values={seeds}
+                onChange={(values: Raw[]) => set(['scenario', 'realisations', 'seeds'], values)}
+              />
+              <small>Whole numbers with commas between; every evaluation flies all of them</small>
+              <FieldErrors field={`${FIELD}.seeds`} deep />
+            </div>
+            <div>
+              <Select
+                id={idOf(`${FIELD}.combine`)}
+                label="Which counts"
+                labelProps={{ className: 'lbl' }}
+                size="xs"
+                data={[
+                  { value: 'worst', label: 'The worst of them' },
+                  { value: 'mean', label: 'Their average' },
+                ]}
+                value={combine}
+                allowDeselect={false}
+                onChange={(value) => set(['scenario', 'realisations', 'combine'], value)}
+              />
+              <FieldErrors field={`${FIELD}.combine`} />
+            </div>
+          </div>
+        </Fold>
+      </div>
+    </div>
+  )
+}

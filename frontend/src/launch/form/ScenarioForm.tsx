@@ -1,0 +1,115 @@
+// The scenario: which component plays each part, what is in the way, what disturbs it, how long it is flown.
+import { Select } from '@mantine/core'
+import { type Campaign, type List, LISTS, listAt } from '../../api/campaign'
+import type { Catalogue } from '../../client'
+import { criterionFor } from '../campaign/extents'
+import { PartCard, type SetValue } from '../fields/PartCard'
+import { ROLE_OF, sectionsOf } from '../campaign/parameters'
+import { FieldErrors, idOf } from '../fields/problems'
+import { Realisations } from './Realisations'
+import { SettingFields } from './SettingsForm'
+import { SIMULATION } from '../campaign/settings'
+
+interface ScenarioFormProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  set: SetValue
+  remove: (list: List | 'objectives', index: number) => void
+}
+
+const TITLE: Record<List, string> = { obstacles: 'Obstacles', environment: 'Environment', faults: 'Faults' }
+const NONE: Record<List, string> = {
+  obstacles: 'Nothing is in the way yet.',
+  environment: 'Still air, level ground without resistance.',
+  faults: 'Everything is sensed, timed and actuated perfectly.',
+}
+
+export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormProps) {
+  const sections = sectionsOf(campaign, catalogue).filter((section) => section.at[0] === 'scenario')
+  const shared = { campaign, catalogue, set }
+  return (
+    <section aria-label="Scenario" id={idOf('scenario')} tabIndex={-1} className="stack">
+      <h2 className="sect">Scenario</h2>
+      <FieldErrors field="scenario" />
+      <div className="card">
+        <div className="bd fields">
+          <SettingFields campaign={campaign} set={set} settings={SIMULATION} />
+        </div>
+      </div>
+      <div className="parts">
+        {sections
+          .filter((section) => section.at.length === 2)
+          .map((section) => (
+            <PartCard key={section.at.join('.')} section={section} {...shared} />
+          ))}
+      </div>
+      {LISTS.map((list) => {
+        const own = sections.filter((section) => section.at[1] === list)
+        return (
+          <div key={list} className="partlist" id={idOf(`scenario.${list}`)} tabIndex={-1}>
+            <div className="row">
+              <h3>{TITLE[list]}</h3>
+              <AddPart list={list} campaign={campaign} catalogue={catalogue} set={set} />
+              {own.length === 0 && <span className="small mut">{NONE[list]}</span>}
+            </div>
+            <FieldErrors field={`scenario.${list}`} />
+            {own.length > 0 && (
+              <div className="parts">
+                {own.map((section) => (
+                  <PartCard
+                    key={section.at.join('.')}
+                    section={section}
+                    {...shared}
+                    onRemove={() => remove(list, Number(section.at[2]))}
+                  />
+                ))}
+              </div>
+            )}
+          </div>
+        )
+      })}
+      <Realisations campaign={campaign} catalogue={catalogue} set={set} />
+    </section>
+  )
+}
+
+interface AddPartProps {
+  list: List | 'objectives'
+  campaign: Campaign
+  catalogue: Catalogue
+  set: SetValue
+}
+
+/** Another part of a list: a copy of the last one where that is of the same component, else as the component begins. */
+export function AddPart({ list, campaign, catalogue, set }: AddPartProps) {
+  const parts = (list === 'objectives' ? campaign.objectives : campaign.scenario[list]) ?? []
+  const role = list === 'objectives' ? 'criterion' : ROLE_OF[list]
+  const word = list === 'objectives' ? 'criterion' : role
+  const vehicle = catalogue.components.find((c) => c.role === 'vehicle' && c.name === campaign.scenario.vehicle.component)
+  const fits = (dimension: number | null) => !dimension || !vehicle?.dimension || dimension === vehicle.dimension
+  const found = catalogue.components.filter((c) => c.role === role && fits(c.dimension))
+  const add = (name: string) => {
+    const last = parts.at(-1)
+    const copied = list === 'obstacles' && last?.component === name ? structuredClone(last) : null
+    const next = [...parts, copied ?? { component: name, parameters: {} }]
+    set(listAt(list), next)
+    if (list !== 'obstacles') return
+    const criterion = criterionFor(campaign, next, catalogue)
+    if (criterion !== campaign.criterion) set(['criterion'], criterion)
+  }
+  return (
+    <Select
+      aria-label={`Add ${word}`}
+      placeholder={`Add ${word}`}
+      data={found.map((c) => ({ value: c.name, label: c.title }))}
+      value={null}
+      searchable
+      size="xs"
+      w={190}
+      comboboxProps={{ width: 280, position: 'bottom-start' }}
+      nothingFoundMessage={`No such ${word}`}
+      onChange={(name) => name && add(name)}
+      key={parts.length}
+    />
+  )
+}

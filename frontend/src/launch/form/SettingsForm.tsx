@@ -1,0 +1,60 @@
+// The stages beside the searches and the terms of the verdict, folded with how each stands.
+import type { Campaign } from '../../api/campaign'
+import { Card } from '../../ui/Card'
+import { Fold } from '../fields/Fold'
+import { NumberCell } from '../fields/NumberCell'
+import type { SetValue } from '../fields/PartCard'
+import { FieldErrors, idOf } from '../fields/problems'
+import { type Setting, settingOf, settled, STAGES, VERDICT } from '../campaign/settings'
+
+interface SettingsFormProps {
+  campaign: Campaign
+  set: SetValue
+}
+
+export function SettingsForm({ campaign, set }: SettingsFormProps) {
+  return (
+    <Card title="Certify, stages and verdict" id="section-stages">
+      {STAGES.map((group) => (
+        <Fold key={group.title} title={group.title} digest={group.digest(campaign)} fields={[group.field]}>
+          <div className="fields" id={idOf(group.field)} tabIndex={-1}>
+            <SettingFields campaign={campaign} set={set} settings={group.settings} />
+          </div>
+          <FieldErrors field={group.field} />
+        </Fold>
+      ))}
+      <h3 style={{ margin: '14px 0 8px' }}>Verdict</h3>
+      <div className="fields">
+        <SettingFields campaign={campaign} set={set} settings={VERDICT} />
+      </div>
+    </Card>
+  )
+}
+
+interface SettingFieldsProps extends SettingsFormProps {
+  settings: Setting[]
+}
+
+export function SettingFields({ campaign, set, settings }: SettingFieldsProps) {
+  return settings.map((setting) => {
+    const field = setting.at.join('.')
+    return (
+      <div key={field}>
+        <label className="lbl" htmlFor={idOf(field)}>
+          {setting.label}
+          {setting.unit && <span className="mut">, {setting.unit}</span>}
+        </label>
+        <NumberCell
+          field={field}
+          label={setting.label}
+          value={settingOf(campaign, setting)}
+          optional={setting.empty !== undefined}
+          placeholder={setting.empty}
+          onChange={(value) => set(...settled(setting, value))}
+        />
+        <small>{setting.text}</small>
+        <FieldErrors field={field} />
+      </div>
+    )
+  })
+}

@@ -1,0 +1,191 @@
+// One uncertain parameter: its values, its distribution, and what the service says of them below.
+import { Select } from '@mantine/core'
+import { place, type Raw, type Uncertain } from '../../api/campaign'
+import { unitText } from '../../format/units'
+import { Sign } from '../../ui/Sign'
+import { Density } from './Density'
+import { NumberCell } from '../fields/NumberCell'
+import { boundsOf, numberOf, type Parameter } from '../campaign/parameters'
+import { idOf, Message, useProblems } from '../fields/problems'
+
+const KINDS = [
+  { value: 'uniform', label: 'Uniform' },
+  { value: 'normal', label: 'Normal' },
+  { value: 'truncated_normal', label: 'Truncated normal' },
+  { value: 'triangular', label: 'Triangular' },
+  { value: 'beta', label: 'Beta' },
+]
+
+const NUMBERS = {
+  normal: ['mean', 'deviation'],
+  truncated_normal: ['mean', 'deviation'],
+  triangular: ['mode'],
+  beta: ['alpha', 'beta'],
+} as const
+
+interface UncertainRowProps {
+  path: string
+  parameter: Parameter | undefined
+  /** Undefined: held at the nominal value. */
+  uncertain: Uncertain | undefined
+  held: Uncertain | undefined
+  onToggle: (on: boolean) => void
+  set: (at: readonly (string | number)[], value: unknown) => void
+}
+
+export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }: UncertainRowProps) {
+  const field = `uncertain.${path}`
+  const own = useProblems(field, true)
+  const nominalProblems = useProblems(parameter?.field ?? field)
+  const problems = parameter ? [...own, ...nominalProblems] : own
+  const on = uncertain !== undefined
+  const shown = uncertain ?? held ?? {}
+  const nominal = parameter?.nominal ?? null
+  const [low, high] = boundsOf(shown, nominal)
+  const distribution = shown.distribution ?? { kind: 'uniform' }
+  const name = parameter?.entry.text ?? path
+  const shaped = on && distribution.kind !== 'uniform'
+  // A bound typed by hand replaces a plus-minus; the other bound stays where it is.
+  const bound = (which: 'low' | 'high') => (value: Raw | null) =>
+    set(['uncertain', path], { ...shown, plus_minus: null, low, high, [which]: value })
+  const wide = problems.some((p) => p.field === field || p.field.endsWith('.plus_minus'))
+  const numbers = { low: numberOf(low), high: numberOf(high), nominal: numberOf(nominal) }
+  const distribute = (kind: string | null) =>
+    set(['uncertain', path], { ...shown, distribution: distributionOf(kind ?? 'uniform', numbers) })
+  return (
+    <>
+      <tr
+        className={`${on ? '' : 'off'} ${problems.length || shaped ? 'has-error' : ''}`}
+        id={idOf(field)}
+        tabIndex={-1}
+      >
+        <td>
+          <input
+            type="checkbox"
+            checked={on}
+            aria-label={`${name} varies`}
+            onChange={(e) => onToggle(e.target.checked)}
+          />
+        </td>
+        <td>
+          <Sign text={parameter?.entry.symbol ?? path} />
+        </td>
+        <td title={path}>
+          {name}
+          {parameter && parameter.group !== 'Vehicle' && (
+            <span className="mut"> · {parameter.group.toLowerCase()}</span>
+          )}
+        </td>
+        <td>
+          {parameter && (
+            <NumberCell
+              field={`${field}.nominal`}
+              label={`${name}, nominal`}
+              value={nominal}
+              invalid={nominalProblems.length > 0}
+              onChange={(value) => set(place(path), value ?? '')}
+            />
+          )}
+        </td>
+        <td>
+          <NumberCell
+            field={`${field}.low`}
+            label={`${name}, low`}
+            value={low}
+            disabled={!on}
+            invalid={wide}
+            onChange={bound('low')}
+          />
+        </td>
+        <td>
+          <NumberCell
+            field={`${field}.high`}
+            label={`${name}, high`}
+            value={high}
+            disabled={!on}
+            invalid={wide}
+            onChange={bound('high')}
+          />
+        </td>
+        <td className="sec nw">{unitText(parameter?.entry.unit ?? '')}</td>
+        <td>
+          <Select
+            aria-label={`${name}, distribution`}
+            data={KINDS}
+            value={distribution.kind}
+            disabled={!on}
+            allowDeselect={false}
+            size="xs"
+            w={146}
+            onChange={distribute}
+          />
+        </td>
+        <td className="hide-n">
+          <Density {...numbers} distribution={distribution} />
+        </td>
+      </tr>
+      {shaped && (
+        <tr className={problems.length ? 'has-error' : undefined}>
+          <td colSpan={7} />
+          <td colSpan={2}>
+            <DistributionFields field={field} path={path} name={name} distribution={distribution} set={set} />
+          </td>
+        </tr>
+      )}
+      {problems.length > 0 && (
+        <tr className="errors">
+          <td />
+          <td colSpan={8}>
+            {problems.map((problem) => (
+              <Message key={problem.field + problem.message} problem={problem} />
+            ))}
+          </td>
+        </tr>
+      )}
+    </>
+  )
+}
+
+interface DistributionFieldsProps {
+  field: string
+  path: string
+  name: string
+  distribution: NonNullable<Uncertain['distribution']>
+  set: UncertainRowProps['set']
+}
+
+function DistributionFields({ field, path, name, distribution, set }: DistributionFieldsProps) {
+  const keys = NUMBERS[distribution.kind as keyof typeof NUMBERS] ?? []
+  return (
+    <span className="row">
+      {keys.map((key) => (
+        <span key={key} className="row small mut" style={{ gap: 5 }}>
+          {key}
+          <span style={{ width: 84 }}>
+            <NumberCell
+              field={`${field}.distribution.${key}`}
+              label={`${name}, ${key}`}
+              value={distribution[key]}
+              onChange={(value) => set(['uncertain', path, 'distribution', key], value ?? '')}
+            />
+          </span>
+        </span>
+      ))}
+    </span>
+  )
+}
+
+interface Numbers {
+  low: number | null
+  high: number | null
+  nominal: number | null
+}
+
+/** A first guess of a distribution's numbers: its middle at the nominal value, the bounds at three deviations. */
+function distributionOf(kind: string, { low, high, nominal }: Numbers): NonNullable<Uncertain['distribution']> {
+  if (kind === 'uniform') return { kind }
+  const middle: Raw = nominal ?? ''
+  if (kind === 'triangular') return { kind, mode: middle }
+  if (kind === 'beta') return { kind, alpha: 2, beta: 2 }
+  return { kind, mean: middle, deviation: low !== null && high !== null ? (high - low) / 6 : '' }
+}

@@ -1,0 +1,112 @@
+// The uncertain parameters: which vary, between which bounds, how they are distributed.
+import { Select } from '@mantine/core'
+import { useState } from 'react'
+import type { Campaign, Uncertain } from '../../api/campaign'
+import { Card } from '../../ui/Card'
+import { Correlations } from './Correlations'
+import { numberOf, type Parameter } from '../campaign/parameters'
+import { FieldErrors } from '../fields/problems'
+import { UncertainRow } from './UncertainRow'
+
+interface UncertainTableProps {
+  campaign: Campaign
+  parameters: Parameter[]
+  set: (at: readonly (string | number)[], value: unknown) => void
+}
+
+export function UncertainTable({ campaign, parameters, set }: UncertainTableProps) {
+  // What was unticked stays on the page with its bounds, so that a tick brings it back.
+  const [held, setHeld] = useState<Record<string, Uncertain>>({})
+  const uncertain = campaign.uncertain
+  const known = new Map(parameters.map((parameter) => [parameter.path, parameter]))
+  const order = new Map(parameters.map((parameter, i) => [parameter.path, i]))
+  const rows = [...new Set([...Object.keys(uncertain), ...Object.keys(held)])].sort(
+    (a, b) => (order.get(a) ?? 1e9) - (order.get(b) ?? 1e9),
+  )
+  const toggle = (path: string, on: boolean) => {
+    if (on) set(['uncertain', path], held[path] ?? startingBounds(known.get(path)))
+    else {
+      setHeld({ ...held, [path]: uncertain[path] ?? {} })
+      set(['uncertain', path], undefined)
+    }
+  }
+  const vary = Object.keys(uncertain).length
+  const free = parameters.filter((parameter) => !rows.includes(parameter.path))
+  return (
+    <Card
+      title="Uncertain parameters"
+      note={`${vary} of ${rows.length} vary. Untick to hold a parameter at its nominal value.`}
+      flush
+      right={<AddParameter free={free} onAdd={(path) => toggle(path, true)} />}
+      footer={
+        'The search uses only the bounds. The distribution weighs the independent sample, so its statistical bound ' +
+        'holds for that distribution.'
+      }
+    >
+      <table className="ptable in-table">
+        <thead>
+          <tr>
+            <th aria-label="Varies" />
+            <th>Symbol</th>
+            <th>Parameter</th>
+            <th className="num">Nominal</th>
+            <th className="num">Low</th>
+            <th className="num">High</th>
+            <th>Unit</th>
+            <th>Distribution</th>
+            <th className="hide-n">Density over bounds</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((path) => (
+            <UncertainRow
+              key={path}
+              path={path}
+              parameter={known.get(path)}
+              uncertain={uncertain[path]}
+              held={held[path]}
+              onToggle={(on) => toggle(path, on)}
+              set={set}
+            />
+          ))}
+        </tbody>
+      </table>
+      <div id="f-uncertain" tabIndex={-1} style={{ padding: '0 16px 8px' }}>
+        <FieldErrors field="uncertain" />
+        <Correlations campaign={campaign} parameters={parameters} set={set} />
+      </div>
+    </Card>
+  )
+}
+
+/** Twenty percent around the nominal value; around zero there is no share, so the bounds are left to be given. */
+function startingBounds(parameter: Parameter | undefined): Uncertain {
+  const nominal = numberOf(parameter?.nominal)
+  return nominal ? { plus_minus: '20%' } : { low: '', high: '' }
+}
+
+function AddParameter({ free, onAdd }: { free: Parameter[]; onAdd: (path: string) => void }) {
+  const groups = [...new Set(free.map((parameter) => parameter.group))]
+  const data = groups.map((group) => ({
+    group,
+    items: free
+      .filter((parameter) => parameter.group === group)
+      .map((parameter) => ({ value: parameter.path, label: `${parameter.entry.text} (${parameter.path})` })),
+  }))
+  return (
+    <Select
+      aria-label="Add parameter"
+      placeholder="Add parameter"
+      data={data}
+      value={null}
+      searchable
+      size="xs"
+      w={190}
+      comboboxProps={{ width: 360, position: 'bottom-end' }}
+      maxDropdownHeight={360}
+      nothingFoundMessage="No such parameter"
+      onChange={(path) => path && onAdd(path)}
+      key={free.length}
+    />
+  )
+}

@@ -1,0 +1,171 @@
+// The shipped campaigns as cards to choose from; with many of them, by tag and by words.
+import { IconChevronDown, IconSearch } from '@tabler/icons-react'
+import type { KeyboardEvent } from 'react'
+import { asCampaign, type Campaign } from '../../api/campaign'
+import type { Catalogue, LibraryCampaign } from '../../client'
+import { count, plain } from '../../format/numbers'
+import { Sign } from '../../ui/Sign'
+import { PlanView } from '../plan/PlanView'
+import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
+
+interface LibraryProps {
+  campaigns: LibraryCampaign[]
+  catalogue: Catalogue | undefined
+  chosen: string | null
+  shelf: Shelf
+  onShelf: (shelf: Shelf) => void
+  onChoose: (campaign: LibraryCampaign) => void
+}
+
+export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose }: LibraryProps) {
+  const found = matching(campaigns, shelf, catalogue)
+  const shown = shelf.whole ? found : around(found, chosen)
+  const about = campaigns.find((item) => item.id === chosen)
+  const keys = (event: KeyboardEvent, i: number) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key]
+    if (!step) return
+    event.preventDefault()
+    const next = shown[(i + step + shown.length) % shown.length]
+    if (!next) return
+    onChoose(next)
+    document.getElementById(`case-${next.id}`)?.focus()
+  }
+  const first = shown.some((item) => item.id === chosen) ? chosen : shown[0]?.id
+  return (
+    <div className="lib">
+      {campaigns.length > FEW && (
+        <Shelves campaigns={campaigns} shelf={shelf} onChange={(next) => onShelf({ ...next, whole: false })} />
+      )}
+      <div className="cases" role="radiogroup" aria-label="Case">
+        {shown.map((item, i) => (
+          <Card
+            key={item.id}
+            item={item}
+            catalogue={catalogue}
+            chosen={item.id === chosen}
+            tabbable={item.id === first}
+            onChoose={() => onChoose(item)}
+            onKey={(event) => keys(event, i)}
+          />
+        ))}
+      </div>
+      {found.length === 0 && <p className="sec">No campaign of the library has these words.</p>}
+      {shown.length < found.length && (
+        <button type="button" className="btn s" onClick={() => onShelf({ ...shelf, whole: true })}>
+          <IconChevronDown className="i s" aria-hidden /> Show {count(found.length - shown.length)} more
+        </button>
+      )}
+      {about && <About campaign={asCampaign(about.document)} />}
+    </div>
+  )
+}
+
+/** The first few, and the chosen one wherever it stands. */
+function around(found: LibraryCampaign[], chosen: string | null): LibraryCampaign[] {
+  return found.filter((item, i) => i < FEW || item.id === chosen)
+}
+
+interface ShelvesProps {
+  campaigns: LibraryCampaign[]
+  shelf: Shelf
+  onChange: (shelf: Shelf) => void
+}
+
+function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
+  return (
+    <div className="filters">
+      <button
+        type="button"
+        className="chip"
+        aria-pressed={shelf.tag === null}
+        onClick={() => onChange({ ...shelf, tag: null })}
+      >
+        All <span className="n">{count(campaigns.length)}</span>
+      </button>
+      {tagsOf(campaigns).map(({ tag, count: n }) => (
+        <button
+          key={tag}
+          type="button"
+          className="chip"
+          aria-pressed={shelf.tag === tag}
+          onClick={() => onChange({ ...shelf, tag: shelf.tag === tag ? null : tag })}
+        >
+          {tag} <span className="n">{count(n)}</span>
+        </button>
+      ))}
+      <span className="inp search">
+        <IconSearch className="i s" aria-hidden />
+        <input
+          type="search"
+          aria-label="Search the library"
+          placeholder="Search the library"
+          value={shelf.words}
+          onChange={(event) => onChange({ ...shelf, words: event.target.value, tag: event.target.value ? null : shelf.tag })}
+        />
+      </span>
+    </div>
+  )
+}
+
+/** What the chosen campaign is about and where it comes from. */
+function About({ campaign }: { campaign: Campaign }) {
+  return (
+    <div className="aboutcase">
+      <h3>{campaign.name}</h3>
+      {campaign.summary && <p>{campaign.summary}</p>}
+      {campaign.notes && (
+        <details>
+          <summary className="small">Source, what is reconstructed, limits</summary>
+          <p className="small mut">{campaign.notes}</p>
+        </details>
+      )}
+    </div>
+  )
+}
+
+interface CardProps {
+  item: LibraryCampaign
+  catalogue: Catalogue | undefined
+  chosen: boolean
+  tabbable: boolean
+  onChoose: () => void
+  onKey: (event: KeyboardEvent) => void
+}
+
+function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps) {
+  const campaign = asCampaign(item.document)
+  const criterion = catalogue?.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
+  return (
+    <button
+      type="button"
+      id={`case-${item.id}`}
+      className="libc"
+      role="radio"
+      aria-checked={chosen}
+      tabIndex={tabbable ? 0 : -1}
+      onClick={onChoose}
+      onKeyDown={onKey}
+    >
+      <span className="pic">
+        <PlanView campaign={campaign} catalogue={catalogue} />
+      </span>
+      <span className="tx">
+        <span className="hd">
+          {campaign.name}
+          <span className="radio" aria-hidden />
+        </span>
+        <span className="small sec">{titlesOf(campaign, catalogue).join(' \u00b7 ')}</span>
+        <span className="kv">
+          <span className="mut">Criterion</span>
+          <span className="num">
+            <Sign text={criterion?.quantity || 'value'} /> &gt; {plain(Number(campaign.criterion.threshold))}{' '}
+            {criterion?.unit}
+          </span>
+          <span className="mut">Uncertain parameters</span>
+          <span className="num">{Object.keys(campaign.uncertain).length}</span>
+        </span>
+        {item.problems[0] && <span className="small bad-t">{item.problems[0].message}</span>}
+      </span>
+    </button>
+  )
+}

@@ -1,0 +1,72 @@
+// Which campaigns of the library are shown: by tag, by words. Start reading at `matching`.
+import { asCampaign, type Campaign } from '../../api/campaign'
+import type { Catalogue, LibraryCampaign } from '../../client'
+
+export interface Shelf {
+  /** Null: all. */
+  tag: string | null
+  words: string
+  /** Whether more than the first few are shown. */
+  whole: boolean
+}
+
+/** So many cards stand on the page at first: two rows of a wide window. */
+export const FEW = 10
+
+const FIRST = 'published'
+
+/** What is published first, case by case, then everything else likewise. */
+export function ordered(campaigns: LibraryCampaign[]): LibraryCampaign[] {
+  const key = (item: LibraryCampaign) => {
+    const tags = asCampaign(item.document).tags ?? []
+    const number = Number(/\d+/.exec(tags.find((tag) => /^case-\d+$/.test(tag)) ?? '')?.[0] ?? 1e6)
+    return [tagged(item, FIRST) ? 0 : 1, number] as const
+  }
+  return [...campaigns].sort((a, b) => {
+    const [x, y] = [key(a), key(b)]
+    return x[0] - y[0] || x[1] - y[1]
+  })
+}
+
+/** Published case studies first, unless the one chosen is none of them. */
+export function shelfOf(campaigns: LibraryCampaign[], chosen: string | null): Shelf {
+  const published = campaigns.filter((item) => tagged(item, FIRST))
+  const fits = published.length > 0 && (chosen === null || published.some((item) => item.id === chosen))
+  return { tag: campaigns.length > FEW && fits ? FIRST : null, words: '', whole: false }
+}
+
+/** The tags of the library with how many carry each: what is published, kinds, then the cases. */
+export function tagsOf(campaigns: LibraryCampaign[]): { tag: string; count: number }[] {
+  const counts = new Map<string, number>()
+  for (const item of campaigns) for (const tag of asCampaign(item.document).tags ?? []) counts.set(tag, (counts.get(tag) ?? 0) + 1)
+  const rank = (tag: string) => (tag === FIRST ? 0 : /\d/.test(tag) ? 2 : 1)
+  return [...counts]
+    .map(([tag, count]) => ({ tag, count }))
+    .sort((a, b) => rank(a.tag) - rank(b.tag) || a.tag.localeCompare(b.tag, 'en', { numeric: true }))
+}
+
+/** The campaigns with that tag that have every word somewhere: name, summary, tags, parts. */
+export function matching(
+  campaigns: LibraryCampaign[],
+  { tag, words }: Pick<Shelf, 'tag' | 'words'>,
+  catalogue: Catalogue | undefined,
+): LibraryCampaign[] {
+  const wanted = words.toLowerCase().split(/\s+/).filter(Boolean)
+  return campaigns.filter((item) => {
+    if (tag !== null && !tagged(item, tag)) return false
+    const campaign = asCampaign(item.document)
+    const parts = [...titlesOf(campaign, catalogue), ...(campaign.scenario.faults ?? []).map((part) => part.component)]
+    const text = [item.id, campaign.name, campaign.summary ?? '', ...(campaign.tags ?? []), ...parts].join(' ')
+    return wanted.every((word) => text.toLowerCase().includes(word))
+  })
+}
+
+const tagged = (item: LibraryCampaign, tag: string): boolean => (asCampaign(item.document).tags ?? []).includes(tag)
+
+/** The titles of vehicle, controller and avoider. */
+export function titlesOf(campaign: Campaign, catalogue: Catalogue | undefined): string[] {
+  return (['vehicle', 'controller', 'avoider'] as const).map((role) => {
+    const name = campaign.scenario[role].component
+    return catalogue?.components.find((c) => c.role === role && c.name === name)?.title ?? name
+  })
+}

@@ -1,0 +1,166 @@
+// The geometry of a scenario, from its parameters alone: nothing is simulated, so an obstacle that gives way is shown on
+// the way it means to go. Places are in the picture's axes, x to the right and y up, with their height; for axes north,
+// east, down that is north up. Start reading at `planOf`.
+import type { Campaign } from '../../api/campaign'
+import type { Catalogue } from '../../client'
+import { numberOf, parametersOf } from '../campaign/parameters'
+import { courseOf, liftOf, placeOf, type Step, type Values, wayOf } from './ways'
+
+export interface Place {
+  x: number
+  y: number
+}
+
+export interface PlanBody {
+  /** A disc with `radius`, or a rectangle turned by `angle` [rad] in the picture. */
+  radius: number
+  rectangle: { length: number; width: number; angle: number } | null
+  /** Of a box or a cylinder, about its centre; null for what has none. */
+  height: number | null
+  /** Its centre at the start. */
+  at: Step
+  /** Where the centre of a moving one goes, from the start on; empty for one that stands. */
+  track: Step[]
+  moving: boolean
+}
+
+export interface Plan {
+  start: Step
+  /** Of the vehicle at the start, from the picture's x axis [rad]. */
+  heading: number
+  /** Null where the vehicle has no goal but a course. */
+  goal: Step | null
+  /** The straight way to the goal, or as far as the course leads within the horizon. */
+  way: Step[]
+  bodies: PlanBody[]
+  axes: Axes
+  /** Whether the criterion's distances end at the surfaces of obstacles, not at their centres. */
+  surface: boolean
+  /** Whether the vehicle lives in space and not in a plane. */
+  space: boolean
+  horizon: number
+}
+
+/** How the vehicle's own axes lie in the picture. */
+export interface Axes {
+  ned: boolean
+  map: (step: Step) => Step
+  /** An angle of the vehicle's axes in the picture [rad]. */
+  turned: (angle: number) => number
+}
+
+export const axesOf = (ned: boolean): Axes => ({
+  ned,
+  map: (step) => (ned ? { ...step, x: step.y, y: step.x } : step),
+  turned: (angle) => (ned ? Math.PI / 2 - angle : angle),
+})
+
+/** What there is to draw. `catalogue` knows defaults and axes; without it only what the campaign itself says is drawn. */
+export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Plan {
+  const { scenario } = campaign
+  const known = valuesOf(campaign, catalogue)
+  const entry = (role: string, name: string) => catalogue?.components.find((c) => c.role === role && c.name === name)
+  const vehicle = entry('vehicle', scenario.vehicle.component)
+  const axes = axesOf(vehicle?.frame === 'ned')
+  const sign = axes.ned ? -1 : 1
+  const horizon = numberOf(scenario.horizon) ?? 0
+
+  const of = (prefix: string): Values => (name) => known.get(`${prefix}.${name}`) ?? null
+  const start = of('start')
+  const from = { x: start('x') ?? 0, y: start('y') ?? 0, up: sign * (start('z') ?? 0) + 0, t: 0 }
+  const goal = placeOf(of('goal'), '', sign)
+  const avoider = entry('avoider', scenario.avoider.component)
+  const end = goal ?? courseOf(of('goal'), from, horizon, liftOf(avoider?.written_in, axes.ned))
+  return {
+    start: axes.map(from),
+    heading: axes.turned(start('psi') ?? start('theta') ?? start('heading') ?? 0),
+    goal: goal && axes.map(goal),
+    way: end ? [axes.map(from), axes.map(end)] : [],
+    bodies: (scenario.obstacles ?? []).map((part, i) => {
+      const values = of(`obstacles.${i}`)
+      const known = entry('obstacle', part.component)
+      return bodyOf(values, wayOf(values, horizon, sign, liftOf(known?.written_in, axes.ned)), known?.moving, axes)
+    }),
+    axes,
+    surface: entry('criterion', campaign.criterion.component)?.measured_to === 'surface',
+    space: vehicle?.dimension === 3,
+    horizon,
+  }
+}
+
+function bodyOf(values: Values, way: Step[], declared: boolean | undefined, axes: Axes): PlanBody {
+  const [length, width] = [values('length'), values('width')]
+  const angle = axes.turned(values('angle') ?? 0)
+  const moving = declared ?? way.length > 1
+  const place = way[0] ?? placeOf(values, 'position', axes.ned ? -1 : 1) ?? { x: 0, y: 0, up: 0, t: 0 }
+  return {
+    radius: values('radius') ?? 0,
+    rectangle: length !== null && width !== null ? { length, width, angle } : null,
+    height: values('height'),
+    at: axes.map(place),
+    track: moving ? way.map(axes.map) : [],
+    moving,
+  }
+}
+
+/** The nominal value of every parameter that has a place or a size. */
+export function valuesOf(campaign: Campaign, catalogue: Catalogue | undefined): Map<string, number> {
+  const { start = {}, goal, obstacles = [] } = campaign.scenario
+  const groups = [
+    ['start', start],
+    ['goal', goal],
+    ...obstacles.map((part, i) => [`obstacles.${i}`, part.parameters ?? {}] as const),
+  ] as const
+  const given = groups.flatMap(([prefix, values]) =>
+    Object.entries(values ?? {}).map(([name, raw]) => [`${prefix}.${name}`, raw] as const),
+  )
+  const declared = catalogue ? parametersOf(campaign, catalogue).map((p) => [p.path, p.nominal] as const) : []
+  return new Map(
+    [...given, ...declared].flatMap(([path, raw]) => {
+      const value = numberOf(raw)
+      return value === null ? [] : [[path, value] as const]
+    }),
+  )
+}
+
+export interface Window {
+  scale: number
+  x: (p: Place) => number
+  y: (p: Place) => number
+}
+
+/** Fits places into a picture with equal scales, y upwards. `air`: kept free at each side [px]. */
+export function fit(points: Place[], width: number, height: number, air: { x: number; y: number }): Window {
+  const xs = points.map((p) => p.x)
+  const ys = points.map((p) => p.y)
+  const [x0, x1] = [Math.min(...xs), Math.max(...xs)]
+  const [y0, y1] = [Math.min(...ys), Math.max(...ys)]
+  const free = Math.min((width - 2 * air.x) / (x1 - x0), (height - 2 * air.y) / (y1 - y0))
+  const scale = Number.isFinite(free) ? free : 1
+  return {
+    scale,
+    x: (p) => width / 2 + (p.x - (x0 + x1) / 2) * scale,
+    y: (p) => height / 2 - (p.y - (y0 + y1) / 2) * scale,
+  }
+}
+
+/** The distance that must be kept from obstacles' centres or surfaces, from a point of the vehicle's [m]. */
+export const reachOf = (campaign: Campaign): number =>
+  (numberOf(campaign.criterion.threshold) ?? 0) + (numberOf(campaign.criterion.parameters?.body_radius) ?? 0)
+
+/** The radius about the centre of a round obstacle, or of a rectangle's corners, that must stay free [m]. */
+export const freeOf = (body: PlanBody, reach: number, surface: boolean): number =>
+  surface && reach > 0 ? (body.rectangle ? 0 : body.radius) + reach : reach
+
+/** What the picture has to hold. */
+export function extentOf(plan: Plan, reach: number): Place[] {
+  const around = plan.bodies.flatMap(({ at, radius, rectangle }) => {
+    const extent = Math.max(radius, rectangle ? Math.hypot(rectangle.length, rectangle.width) / 2 : 0)
+    const far = plan.surface ? extent + reach : Math.max(reach, extent)
+    return [
+      { x: at.x - far, y: at.y - far },
+      { x: at.x + far, y: at.y + far },
+    ]
+  })
+  return [plan.start, ...plan.way, ...around, ...plan.bodies.flatMap((body) => body.track)]
+}

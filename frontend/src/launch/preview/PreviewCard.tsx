@@ -1,0 +1,170 @@
+// The scenario as it is edited, seen from above and from the side, and its nominal flight when asked for, with its numbers
+// as text. Start reading at `PreviewCard`.
+import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconLoader, IconPlaneDeparture } from '@tabler/icons-react'
+import { useMemo } from 'react'
+import type { Campaign } from '../../api/campaign'
+import type { Catalogue, ComponentEntry, Preview } from '../../client'
+import { decimalsApart, duration, fixed, plain } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { Card } from '../../ui/Card'
+import { Sign } from '../../ui/Sign'
+import { useWidth } from '../../ui/useWidth'
+import { flownOf } from './flown'
+import { planOf, reachOf } from '../plan/plan'
+import { PreviewPlan } from './PreviewPlan'
+import { hasHeights, PreviewSide } from './PreviewSide'
+import { rangesOf } from './ranges'
+import type { LivePreview } from './usePreview'
+
+/** A flight that takes longer is probably compiled first [s]. */
+const LONG = 3
+
+interface PreviewCardProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  criterion: ComponentEntry | undefined
+  /** Whether the text can be read as a campaign, and whether it has no problems. */
+  readable: boolean
+  ok: boolean
+  live: LivePreview
+}
+
+const FROM = { '': '', centre: ' from centres', surface: ' from surfaces' }
+
+export function PreviewCard({ campaign, catalogue, criterion, readable, ok, live }: PreviewCardProps) {
+  const [holder, width] = useWidth(300)
+  const drawn = useMemo(() => {
+    const plan = planOf(campaign, catalogue)
+    return { plan, ranges: rangesOf(campaign, catalogue, plan) }
+  }, [campaign, catalogue])
+  const flown = useMemo(() => (live.flown ? flownOf(live.flown) : null), [live.flown])
+  const kept = criterion?.unit === 'm' && criterion.of !== 'goal' && criterion.of !== 'flight'
+  const reach = kept ? reachOf(campaign) : 0
+  const shared = { ...drawn, reach, flown, stale: live.stale, width }
+  const bodies = drawn.plan.bodies
+  const label = `${campaign.name}: start, ${drawn.plan.goal ? 'goal' : 'course'} and ${bodies.length} obstacles, ${bodies.filter((body) => body.moving).length} of them moving`
+  const ranges = drawn.ranges.boxes.length + drawn.ranges.fans.length + drawn.ranges.rings.length
+  return (
+    <Card title="Preview" className="preview" note={readable ? undefined : 'of the last text that could be read'}>
+      <div ref={holder}>
+        <PreviewPlan {...shared} label={`Seen from above, ${label}`} />
+        {hasHeights(shared) && <PreviewSide {...shared} label={`Seen from the side, ${label}`} />}
+        <Legend flown={flown !== null} moving={bodies.some((body) => body.moving)} reach={reach} from={FROM[criterion?.measured_to ?? '']} ranges={ranges} />
+        <Flight ok={ok} live={live} criterion={criterion} />
+      </div>
+    </Card>
+  )
+}
+
+interface LegendProps {
+  flown: boolean
+  moving: boolean
+  reach: number
+  /** Where the distance that must be kept ends. */
+  from: string
+  ranges: number
+}
+
+function Legend({ flown, moving, reach, from, ranges }: LegendProps) {
+  const key = (d: string, colour: string, dash?: string) => (
+    <svg width={18} height={8} aria-hidden>
+      <path d={d} stroke={colour} strokeWidth={1.8} strokeDasharray={dash} fill="none" />
+    </svg>
+  )
+  return (
+    <p className="legend micro mut">
+      {flown && <span>{key('M0 4h18', 'var(--c-nom)')} Nominal flight</span>}
+      {moving && <span>{key('M0 4h18', 'var(--c-obs)', '5 3')} {flown ? 'Flown by the obstacle' : 'Intended way'}</span>}
+      {reach > 0 && <span>{key('M0 4h18', 'var(--c-crit)', '3 2')} Distance {plain(reach)} m{from}</span>}
+      {ranges > 0 && (
+        <span>
+          <i className="swatch" aria-hidden /> Uncertain
+        </span>
+      )}
+    </p>
+  )
+}
+
+interface FlightProps {
+  ok: boolean
+  live: LivePreview
+  criterion: ComponentEntry | undefined
+}
+
+function Flight({ ok, live, criterion }: FlightProps) {
+  const { following, flown, stale, waited, trouble } = live
+  return (
+    <div className="nominal">
+      <button type="button" className="btn wide" aria-pressed={following} onClick={() => live.follow(!following)}>
+        <IconPlaneDeparture className="i s" aria-hidden />
+        {following ? 'Stop flying every edit' : 'Preview nominal flight'}
+      </button>
+      <div className="said small" aria-live="polite" data-testid="nominal-flight">
+        {following && !ok && <p className="mut">It is flown again once the problems are solved.</p>}
+        {waited !== null && (
+          <p className="row">
+            <IconLoader className="i s spin" aria-hidden />
+            <span>
+              Flying the nominal case{waited > 0 && `, ${waited} s`}.
+              {waited >= LONG && ' Components that were not flown together before are compiled first: up to a minute, once.'}
+            </span>
+          </p>
+        )}
+        {following && trouble && (
+          <p className="row bad-t">
+            <IconAlertTriangle className="i s" aria-hidden />
+            <span>
+              {trouble.message.charAt(0).toUpperCase() + trouble.message.slice(1)}.{' '}
+              <button type="button" className="linkbtn" onClick={live.again}>
+                Try again
+              </button>
+            </span>
+          </p>
+        )}
+        {flown && <Told flown={flown} stale={stale} criterion={criterion} />}
+      </div>
+    </div>
+  )
+}
+
+/** The numbers of a flight. */
+function Told({ flown, stale, criterion }: { flown: Preview; stale: boolean; criterion: ComponentEntry | undefined }) {
+  const { value, margin, threshold, closest, realisation } = flown
+  const decimals = decimalsApart([value, threshold])
+  const unit = unitText(flown.unit)
+  const sign = <Sign text={flown.quantity || criterion?.quantity || 'value'} />
+  return (
+    <div className={stale ? 'mut' : undefined}>
+      {stale && <p>Of the campaign before the last edit:</p>}
+      {value === null || margin === null ? (
+        <p className="row">
+          <IconAlertTriangle className="i s" aria-hidden />
+          <span>
+            The nominal flight is {flown.status}: {flown.reason || 'no reason is known'}.
+          </span>
+        </p>
+      ) : (
+        <p className={margin > 0 ? 'row' : 'row bad-t'}>
+          {margin > 0 ? <IconCircleCheck className="i s" aria-hidden /> : <IconCircleX className="i s" aria-hidden />}
+          <span>
+            Nominal {sign}{' '}
+            <b className="num">
+              {fixed(value, decimals)} {unit}
+            </b>
+            ,{' '}
+            {margin > 0
+              ? `clear by ${fixed(margin, decimals)} ${unit}`
+              : `violates ${plain(threshold)} ${unit} by ${fixed(-margin, decimals)} ${unit}`}
+            {closest && `, closest after ${fixed(closest.time, 2)} s`}
+          </span>
+        </p>
+      )}
+      {realisation && realisation.seeds > 1 && (
+        <p className="mut">
+          {realisation.combine === 'worst' ? 'The worst' : 'The average'} of {realisation.seeds} realisations; drawn is seed {realisation.seed}.
+        </p>
+      )}
+      <p className="mut">One flight at nominal values, nothing stored; it took {duration(flown.seconds)}.</p>
+    </div>
+  )
+}

@@ -1,0 +1,205 @@
+// The scenario from above while it is edited: start, goal or course, obstacles with the distance that must be kept, ways,
+// what is uncertain about places, and the nominal flight once it is flown. Start reading at `PreviewPlan`.
+import { fixed, plain } from '../../format/numbers'
+import type { Flown } from './flown'
+import { Free } from '../plan/Free'
+import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
+import { extentOf, fit, freeOf, type Plan, type PlanBody } from '../plan/plan'
+import type { FanRange, Ranges } from './ranges'
+import { degrees, type Step } from '../plan/ways'
+
+export interface DrawnProps {
+  plan: Plan
+  ranges: Ranges
+  /** The distance that must be kept [m]; 0 where the criterion is none. */
+  reach: number
+  flown: Flown | null
+  /** The flight is that of an earlier campaign. */
+  stale: boolean
+  width: number
+  label: string
+}
+
+const AIR = 12
+
+export function PreviewPlan({ plan, ranges, reach, flown, stale, width, label }: DrawnProps) {
+  const area: Area = { left: 38, top: 18, width: width - 46, height: Math.min(260, Math.round(width * 0.66)) }
+  const points = [...extentOf(plan, reach), ...flownPoints(flown), ...ranges.boxes.flatMap(({ low, high }) => [low, high])]
+  const view = fit(points, area.width, area.height, { x: AIR, y: AIR })
+  const pixels: Pixels = { x: (p) => area.left + view.x(p), y: (p) => area.top + view.y(p) }
+  const origin = { x: view.x({ x: 0, y: 0 }), y: view.y({ x: 0, y: 0 }) }
+  const across: [number, number] = [-origin.x / view.scale, (area.width - origin.x) / view.scale]
+  const up: [number, number] = [(origin.y - area.height) / view.scale, origin.y / view.scale]
+  const names: [string, string] = plan.axes.ned ? ['East y, m', 'North x, m'] : ['x, m', 'y, m']
+  const shared = { pixels, scale: view.scale }
+  const times = timesOf(plan.horizon)
+  return (
+    <svg className="scene" width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
+      <Axes2 area={area} across={across} up={up} names={names} />
+      <clipPath id="scene-inner">
+        <rect x={area.left} y={area.top} width={area.width} height={area.height} />
+      </clipPath>
+      <g clipPath="url(#scene-inner)">
+        <Uncertain ranges={ranges} {...shared} fan={0.16 * Math.min(area.width, area.height)} />
+        <Way way={plan.way} pixels={pixels} colour="var(--c-nom)" dashed={plan.goal !== null} faint={flown !== null} />
+        {!plan.goal && !flown && <Head way={plan.way} pixels={pixels} colour="var(--c-nom)" />}
+        {plan.bodies.map((body, i) => (
+          <Obstacle key={i} body={body} way={flown?.intruders.get(i) ?? body.track} times={times} reach={reach} surface={plan.surface} {...shared} />
+        ))}
+        {flown && <Way way={flown.path} pixels={pixels} colour="var(--c-nom)" times={times} faint={stale} below />}
+        {flown && <Closest flown={flown} plan={plan} reach={reach} stale={stale} {...shared} />}
+        <Start plan={plan} pixels={pixels} />
+        {plan.goal && <Goal x={pixels.x(plan.goal)} y={pixels.y(plan.goal)} />}
+      </g>
+      <ScaleBar area={area} scale={view.scale} />
+      <North x={area.left + area.width - 14} y={area.top + 6} />
+    </svg>
+  )
+}
+
+export const flownPoints = (flown: Flown | null): Step[] =>
+  flown ? [...flown.path, ...[...flown.intruders.values()].flat()] : []
+
+interface Shared {
+  pixels: Pixels
+  /** Pixels per metre. */
+  scale: number
+}
+
+const OBSTACLE = { fill: 'var(--c-obs)', fillOpacity: 0.22, stroke: 'var(--c-obs)', strokeWidth: 1.4 }
+const RANGE = { fill: 'var(--c-range)', fillOpacity: 0.2, stroke: 'var(--c-range)', strokeOpacity: 0.7, strokeWidth: 1 }
+
+interface ObstacleProps extends Shared {
+  body: PlanBody
+  way: readonly Step[]
+  times: readonly number[]
+  reach: number
+  surface: boolean
+}
+
+/** An obstacle at the start with the distance that must be kept; a moving one with its way. */
+function Obstacle({ body, way, times, reach, surface, pixels, scale }: ObstacleProps) {
+  const { at, radius, rectangle } = body
+  const [x, y] = [pixels.x(at), pixels.y(at)]
+  return (
+    <g>
+      {body.moving && <Way way={way} pixels={pixels} colour="var(--c-obs)" times={times} dashed />}
+      {body.moving && <Head way={way} pixels={pixels} colour="var(--c-obs)" />}
+      {rectangle ? (
+        <rect
+          x={-0.5 * rectangle.length * scale}
+          y={-0.5 * rectangle.width * scale}
+          width={rectangle.length * scale}
+          height={rectangle.width * scale}
+          transform={`translate(${x} ${y}) rotate(${degrees(-rectangle.angle)})`}
+          {...OBSTACLE}
+        />
+      ) : (
+        <circle cx={x} cy={y} r={Math.max(3, radius * scale)} {...OBSTACLE} />
+      )}
+      <Free body={body} reach={reach} surface={surface} x={x} y={y} scale={scale} />
+    </g>
+  )
+}
+
+/** Boxes of places, fans of headings, rings of radii; what is certain in one direction is a bar of some pixels. */
+function Uncertain({ ranges, pixels, scale, fan }: Shared & { ranges: Ranges; fan: number }) {
+  return (
+    <g>
+      {ranges.boxes.map(({ path, low, high }) => {
+        const [x0, x1] = [pixels.x(low), pixels.x(high)].sort((a, b) => a - b) as [number, number]
+        const [y0, y1] = [pixels.y(low), pixels.y(high)].sort((a, b) => a - b) as [number, number]
+        const [w, h] = [Math.max(4, x1 - x0), Math.max(4, y1 - y0)]
+        return <rect key={path} x={(x0 + x1 - w) / 2} y={(y0 + y1 - h) / 2} width={w} height={h} {...RANGE} />
+      })}
+      {ranges.fans.map((range) => (
+        <path key={range.path} d={sector(range, pixels, fan)} {...RANGE} />
+      ))}
+      {ranges.rings.map(({ path, at, low, high }) => (
+        <circle
+          key={path}
+          cx={pixels.x(at)}
+          cy={pixels.y(at)}
+          r={0.5 * (low + high) * scale}
+          fill="none"
+          stroke="var(--c-range)"
+          strokeOpacity={0.35}
+          strokeWidth={Math.max(2, (high - low) * scale)}
+        />
+      ))}
+    </g>
+  )
+}
+
+function sector({ at, from, to }: FanRange, pixels: Pixels, radius: number): string {
+  const [x, y] = [pixels.x(at), pixels.y(at)]
+  if (to - from >= 2 * Math.PI) return `M${x - radius} ${y}a${radius} ${radius} 0 1 0 ${2 * radius} 0a${radius} ${radius} 0 1 0 ${-2 * radius} 0`
+  const point = (angle: number) => `${x + radius * Math.cos(angle)} ${y - radius * Math.sin(angle)}`
+  return `M${x} ${y}L${point(from)}A${radius} ${radius} 0 ${to - from > Math.PI ? 1 : 0} 0 ${point(to)}Z`
+}
+
+/** Both at the time of the closest approach, with the distance that must be kept about the obstacle. */
+function Closest({ flown, plan, reach, stale, pixels, scale }: Shared & Pick<DrawnProps, 'plan' | 'reach' | 'stale'> & { flown: Flown }) {
+  if (!flown.closest) return null
+  const body = plan.bodies[flown.closest.obstacle]
+  const free = plan.surface && body?.rectangle ? 0 : body ? freeOf(body, reach, plan.surface) : reach
+  const { at, other, value, time, clear } = flown.closest
+  const [x0, y0, x1, y1] = [pixels.x(at), pixels.y(at), pixels.x(other), pixels.y(other)]
+  const colour = clear ? 'var(--ink)' : 'var(--c-worst)'
+  return (
+    <g opacity={stale ? 0.45 : 1} data-testid="closest">
+      <title>{`Closest approach: ${plain(value)} after ${fixed(time, 2)} s`}</title>
+      {free > 0 && <circle cx={x1} cy={y1} r={free * scale} fill="var(--c-obs)" fillOpacity={0.07} stroke="var(--c-crit)" strokeDasharray="4 3" />}
+      <path d={`M${x0} ${y0}L${x1} ${y1}`} stroke={colour} strokeWidth={1.6} />
+      <circle cx={x0} cy={y0} r={3.4} fill={colour} />
+      <circle cx={x1} cy={y1} r={3} fill="var(--c-obs)" stroke={colour} />
+    </g>
+  )
+}
+
+function Start({ plan, pixels }: { plan: Plan; pixels: Pixels }) {
+  const turn = degrees(-plan.heading)
+  return (
+    <path
+      transform={`translate(${pixels.x(plan.start)} ${pixels.y(plan.start)}) rotate(${turn})`}
+      d="M12 0L-7 6.5L-3.5 0L-7 -6.5Z"
+      fill="var(--ink-2)"
+    />
+  )
+}
+
+function Goal({ x, y }: { x: number; y: number }) {
+  return (
+    <g stroke="var(--ink)" fill="none">
+      <path d={`M${x - 5} ${y}h10M${x} ${y - 5}v10`} strokeWidth={1.8} />
+      <circle cx={x} cy={y} r={7.5} strokeWidth={1.3} />
+    </g>
+  )
+}
+
+/** A round length near a quarter of the width. */
+function ScaleBar({ area, scale }: { area: Area; scale: number }) {
+  const most = (0.3 * area.width) / scale
+  const power = 10 ** Math.floor(Math.log10(most))
+  const length = ([5, 2, 1].find((m) => m * power <= most) ?? 1) * power
+  const [x, y] = [area.left + area.width - 8, area.top + area.height - 8]
+  return (
+    <g className="bar">
+      <path d={`M${x} ${y - 4}v4h${-length * scale}v-4`} fill="none" stroke="var(--ink-2)" strokeWidth={1.3} />
+      <text x={x - 0.5 * length * scale} y={y - 5} textAnchor="middle">
+        {plain(length)} m
+      </text>
+    </g>
+  )
+}
+
+function North({ x, y }: { x: number; y: number }) {
+  return (
+    <g className="bar">
+      <path d={`M${x} ${y + 22}V${y + 2}M${x - 3.5} ${y + 8}L${x} ${y + 1}L${x + 3.5} ${y + 8}`} fill="none" stroke="var(--ink-2)" strokeWidth={1.4} />
+      <text x={x - 7} y={y + 10} textAnchor="end">
+        N
+      </text>
+    </g>
+  )
+}

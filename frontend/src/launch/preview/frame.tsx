@@ -1,0 +1,124 @@
+// What the drawings of the preview share: a frame with axes and grid, marks along a way, arrows. Start: `Axes2`.
+import { linearTicks, tickDecimals } from '../../charts/ticks'
+import { fixed } from '../../format/numbers'
+import { at, degrees, type Step } from '../plan/ways'
+
+/** Where a drawing's inner part lies [px]. */
+export interface Area {
+  left: number
+  top: number
+  width: number
+  height: number
+}
+
+export interface Pixels {
+  x: (step: Step) => number
+  y: (step: Step) => number
+}
+
+interface AxesProps {
+  area: Area
+  /** From which value to which the inner part reaches, left to right and bottom to top. */
+  across: [number, number]
+  up: [number, number]
+  names: [string, string]
+}
+
+/** Grid lines at round values, their numbers, and the names of both axes with their units. */
+export function Axes2({ area, across, up, names }: AxesProps) {
+  const { left, top, width, height } = area
+  const columns = linearTicks(...across, Math.max(2, width / 70))
+  const rows = linearTicks(...up, Math.max(3, height / 46))
+  const x = (value: number) => left + ((value - across[0]) / (across[1] - across[0])) * width
+  const y = (value: number) => top + height - ((value - up[0]) / (up[1] - up[0])) * height
+  return (
+    <g className="axes">
+      <rect x={left} y={top} width={width} height={height} fill="var(--vp)" />
+      <path
+        d={[...columns.map((v) => `M${x(v)} ${top}v${height}`), ...rows.map((v) => `M${left} ${y(v)}h${width}`)].join('')}
+        stroke="var(--vp-line)"
+        strokeWidth={0.7}
+      />
+      {columns.map((v) => (
+        <text key={v} x={x(v)} y={top + height + 13} textAnchor="middle">
+          {fixed(v, tickDecimals(columns))}
+        </text>
+      ))}
+      {rows
+        .filter((v) => y(v) > top + 8)
+        .map((v) => (
+        <text key={v} x={left - 5} y={y(v) + 3.5} textAnchor="end">
+          {fixed(v, tickDecimals(rows))}
+        </text>
+      ))}
+      <text x={left + width / 2} y={top + height + 26} textAnchor="middle" className="name">
+        {names[0]}
+      </text>
+      <text x={2} y={top - 5} className="name">
+        {names[1]}
+      </text>
+    </g>
+  )
+}
+
+export const line = (way: readonly Step[], { x, y }: Pixels): string =>
+  way.map((p, i) => `${i === 0 ? 'M' : 'L'}${x(p).toFixed(1)} ${y(p).toFixed(1)}`).join('')
+
+interface WayProps {
+  way: readonly Step[]
+  pixels: Pixels
+  colour: string
+  /** When dots stand on it [s]; with their times where there is room. */
+  times?: readonly number[]
+  dashed?: boolean
+  faint?: boolean
+  /** Times stand below and before the dots, so that those of two ways keep apart. */
+  below?: boolean
+}
+
+/** A way with a dot at even times, and the time beside it where the dots are far enough apart. */
+export function Way({ way, pixels, colour, times = [], dashed, faint, below }: WayProps) {
+  const marks = times.flatMap((time) => {
+    const step = at(way, time)
+    return step ? [{ time, x: pixels.x(step), y: pixels.y(step) }] : []
+  })
+  const told = spread(marks)
+  return (
+    <g opacity={faint ? 0.45 : 1}>
+      <path d={line(way, pixels)} fill="none" stroke={colour} strokeWidth={1.8} strokeDasharray={dashed ? '5 4' : undefined} />
+      {marks.map((mark) => (
+        <circle key={mark.time} cx={mark.x} cy={mark.y} r={2.2} fill={colour} />
+      ))}
+      {told.map((mark) => (
+        <text
+          key={mark.time}
+          x={mark.x + (below ? -4 : 5)}
+          y={mark.y + (below ? 13 : -4)}
+          textAnchor={below ? 'end' : 'start'}
+          className="time"
+        >
+          {fixed(mark.time, tickDecimals(times))} s
+        </text>
+      ))}
+    </g>
+  )
+}
+
+/** As many of some marks as are far enough from one another for a word beside each. */
+function spread<T extends { x: number; y: number }>(marks: readonly T[]): T[] {
+  const kept: T[] = []
+  for (const mark of marks) if (kept.every((one) => Math.hypot(one.x - mark.x, one.y - mark.y) >= 34)) kept.push(mark)
+  return kept
+}
+
+/** The head of an arrow at the end of a way. */
+export function Head({ way, pixels, colour }: { way: readonly Step[]; pixels: Pixels; colour: string }) {
+  const [from, to] = way.slice(-2)
+  if (!from || !to) return null
+  const [x, y] = [pixels.x(to), pixels.y(to)]
+  const angle = Math.atan2(y - pixels.y(from), x - pixels.x(from))
+  return <path d="M0 0L-8 3.6L-8 -3.6Z" fill={colour} transform={`translate(${x} ${y}) rotate(${degrees(angle)})`} />
+}
+
+/** Round times within the horizon for the marks along ways. */
+export const timesOf = (horizon: number): number[] => (horizon > 0 ? linearTicks(0, horizon, 6).filter((t) => t > 0) : [])

@@ -1,0 +1,62 @@
+// The nominal flight of the campaign as it stands, flown by the service when asked and after every edit from then on; the
+// newest campaign wins. Start reading at `usePreview`.
+import { useQuery } from '@tanstack/react-query'
+import { useEffect, useState } from 'react'
+import { previewCampaign } from '../../api/calls'
+import type { Campaign } from '../../api/campaign'
+import type { Checked, Preview } from '../../client'
+
+export interface LivePreview {
+  /** Whether every edit is flown. */
+  following: boolean
+  follow: (on: boolean) => void
+  flown: Preview | undefined
+  /** What is drawn belongs to an earlier campaign than the one on the page. */
+  stale: boolean
+  /** How long the flight that is waited for has taken [s]; null while none is. */
+  waited: number | null
+  trouble: Error | null
+  again: () => void
+}
+
+/** `fresh`: the check is of the campaign as it stands. */
+export function usePreview(checked: Checked | undefined, fresh: boolean): LivePreview {
+  const [following, setFollowing] = useState(false)
+  const document = fresh && checked?.ok ? (checked.document as unknown as Campaign) : null
+  // Only what is flown counts: another budget or name is the same flight.
+  const key = document && JSON.stringify([document.scenario, document.criterion])
+  const [last, setLast] = useState<{ key: string; flown: Preview } | null>(null)
+  const query = useQuery({
+    queryKey: ['preview', key],
+    queryFn: ({ signal }) => previewCampaign(document as Campaign, signal),
+    enabled: following && key !== null,
+    retry: false,
+    staleTime: Number.POSITIVE_INFINITY,
+    gcTime: 120_000,
+  })
+  if (key !== null && query.data && last?.flown !== query.data) setLast({ key, flown: query.data })
+  const waited = useSeconds(query.isFetching ? key : null)
+  return {
+    following,
+    follow: setFollowing,
+    flown: last?.flown,
+    stale: last !== null && last.key !== key,
+    waited,
+    trouble: query.isFetching ? null : query.error,
+    again: () => void query.refetch(),
+  }
+}
+
+/** Whole seconds since something began; null while there is nothing. */
+function useSeconds(what: string | null): number | null {
+  const [since, setSince] = useState<{ what: string | null; seconds: number }>({ what: null, seconds: 0 })
+  useEffect(() => {
+    if (what === null) return
+    const began = Date.now()
+    const tick = () => setSince({ what, seconds: Math.floor((Date.now() - began) / 1000) })
+    const timer = setInterval(tick, 1000)
+    return () => clearInterval(timer)
+  }, [what])
+  if (what === null) return null
+  return since.what === what ? since.seconds : 0
+}

@@ -1,0 +1,47 @@
+// What the address may choose, and what is shown when it asks for something that is not there.
+import { expect, it } from 'vitest'
+import type { FindingDetail } from '../../client'
+import { calledOf, chosenOf, readChosen } from './chosen'
+
+const found = (...labels: string[]) => labels.map((label) => ({ label })) as FindingDetail[]
+
+it('reads labels and the nominal flight, nothing else', () => {
+  for (const finding of ['F1', 'F12', 'nominal']) expect(readChosen({ finding })).toEqual({ finding })
+  for (const finding of ['F0', 'f1', 'worst', '', 7, null]) expect(readChosen({ finding })).toEqual({})
+})
+
+it('reads ranges, one or several', () => {
+  expect(readChosen({ brush: 'vehicle.m:4:-5e-7' })).toEqual({ brush: ['vehicle.m:4:-5e-7'] })
+  expect(readChosen({ finding: 'F2', brush: ['value:0:1', 'm', 7, 'a:1'] })).toEqual({ finding: 'F2', brush: ['value:0:1'] })
+  expect(readChosen({ brush: true })).toEqual({})
+})
+
+it('reads an instant and a camera', () => {
+  expect(readChosen({ finding: 'F2', t: '27.18', cam: 'encounter' })).toEqual({ finding: 'F2', t: 27.18, cam: 'encounter' })
+  expect(readChosen({ t: 0 })).toEqual({ t: 0 })
+  for (const t of ['', '-1', 'nan', 'soon', '1e9', true]) expect(readChosen({ t, cam: 'behind' })).toEqual({})
+})
+
+it('reads what colours the parameter space, how much of the flight, and which columns', () => {
+  expect(readChosen({ by: 'goal_miss#2', time: 'all', columns: 'u,p_demand' })).toEqual({
+    by: 'goal_miss#2',
+    time: 'all',
+    columns: 'u,p_demand',
+  })
+  expect(readChosen({ by: 'a b', time: 'some', columns: 'u,,p' })).toEqual({})
+  expect(readChosen({ brush: 'goal_miss#2:1:2' })).toEqual({ brush: ['goal_miss#2:1:2'] })
+})
+
+it('shows the worst unless another one is known', () => {
+  expect(chosenOf(undefined, found('F1', 'F2'))).toBe('F1')
+  expect(chosenOf('F2', found('F1', 'F2'))).toBe('F2')
+  expect(chosenOf('F9', found('F1', 'F2'))).toBe('F1')
+  expect(chosenOf('nominal', found('F1'))).toBe('nominal')
+  // While the findings are still on their way, what was asked for is waited for.
+  expect(chosenOf('F2', [])).toBe('F2')
+  expect(chosenOf(undefined, [])).toBe('F1')
+})
+
+it('calls the first one the worst', () => {
+  expect([calledOf('F1'), calledOf('F2')]).toEqual(['Worst', 'F2'])
+})

@@ -1,0 +1,246 @@
+// What the cards of a run's page share: the run with its answers, and small readings of them. Start reading at `RunData`.
+import { keepPreviousData, usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
+import { useEffect, useMemo, useRef } from 'react'
+import { asCampaign, type Campaign } from '../../api/campaign'
+import { useStreamStatus } from '../../api/events'
+import {
+  componentsQuery,
+  evaluationsQuery,
+  findingsQuery,
+  isLive,
+  stagesQuery,
+  traceQuery,
+  tracesQuery,
+} from '../../api/queries'
+import { resultOf, type SearchResult } from '../../api/results'
+import type {
+  Catalogue,
+  EvaluationSeries,
+  Evaluations,
+  FindingDetail,
+  RunDetail,
+  StageDetail,
+  StageProgress,
+  TraceData,
+  TraceInfo,
+} from '../../client'
+import { boundsOf, numberOf, parametersOf } from '../../launch/campaign/parameters'
+import { usePolling } from '../../ui/usePolling'
+import { chosenOf, NOMINAL } from './chosen'
+
+export interface UncertainParameter {
+  path: string
+  /** Its symbol where no other parameter of the campaign has it, else its path. */
+  symbol: string
+  unit: string
+  text: string
+  nominal: number
+  low: number
+  high: number
+}
+
+export interface RunData {
+  run: RunDetail
+  campaign: Campaign
+  /** What its components and methods meant. */
+  catalogue: Catalogue | undefined
+  parameters: UncertainParameter[]
+  stages: StageDetail[]
+  evaluations: Evaluations | undefined
+  findings: FindingDetail[]
+  /** The stored flights without their data. */
+  traces: TraceInfo[]
+  nominalTrace: TraceData | undefined
+  /** What the page shows beside the nominal flight: the label of a finding, or `nominal`. */
+  chosen: string
+  finding: FindingDetail | null
+  findingTrace: TraceData | undefined
+  /** All has come that decides where on the page things stand. */
+  complete: boolean
+}
+
+/** Asks for what hangs on a run beside the run itself, not after it. */
+export function useAsked(id: string): void {
+  usePrefetchQuery(stagesQuery(id))
+  usePrefetchQuery(findingsQuery(id))
+  usePrefetchQuery(evaluationsQuery(id))
+  usePrefetchQuery(componentsQuery(id))
+}
+
+/** Everything the page shows of a run; what is still on its way is empty or undefined. */
+export function useRunData(run: RunDetail, asked?: string): RunData {
+  const over = !isLive(run)
+  useFreshAtEnd(run.id, over)
+  const catalogue = useQuery(componentsQuery(run.id)).data?.catalogue
+  const stages = useQuery(stagesQuery(run.id))
+  const evaluations = useQuery(evaluationsQuery(run.id))
+  useMissed(run, evaluations.refetch)
+  const findings = useQuery(findingsQuery(run.id))
+  const traces = useQuery({ ...tracesQuery(run.id), enabled: over })
+  const has = (name: string) => over && (traces.data ?? []).some((trace) => trace.name === name)
+  const nominalTrace = useQuery({ ...traceQuery(run.id, 'nominal'), enabled: has('nominal') })
+  const chosen = chosenOf(asked, findings.data ?? [])
+  const findingTrace = useQuery({
+    ...traceQuery(run.id, chosen),
+    enabled: chosen !== NOMINAL && has(chosen),
+    placeholderData: keepPreviousData,
+  })
+  const campaign = useMemo(() => asCampaign(run.campaign), [run.campaign])
+  const parameters = useMemo(() => uncertainOf(campaign, catalogue), [campaign, catalogue])
+  return {
+    run,
+    campaign,
+    catalogue,
+    parameters,
+    stages: stages.data ?? [],
+    evaluations: evaluations.data,
+    findings: findings.data ?? [],
+    traces: traces.data ?? [],
+    nominalTrace: nominalTrace.data,
+    chosen,
+    finding: findings.data?.find((finding) => finding.label === chosen) ?? null,
+    findingTrace: chosen === NOMINAL ? undefined : findingTrace.data,
+    complete: [stages, findings, traces, nominalTrace, findingTrace].every((query) => !query.isLoading),
+  }
+}
+
+/** Asks again for evaluations that the stream does not bring. */
+function useMissed(run: RunDetail, refetch: () => unknown): void {
+  const live = isLive(run)
+  // The stream brings every improvement with its place. What it does not bring is read rarely: all evaluations of a long
+  // search are much to read for one that failed.
+  const streamed = useStreamStatus() === 'open'
+  usePolling(refetch, 3000, live && !streamed)
+  const missed = useRef(0)
+  usePolling(
+    () => {
+      if (missed.current !== missedOf(run)) void refetch()
+      missed.current = missedOf(run)
+    },
+    10_000,
+    live && streamed,
+  )
+}
+
+/** Evaluations without a value, whose reasons the page lists. */
+const missedOf = (run: RunDetail): number => run.stages.reduce((sum, stage) => sum + stage.failed + stage.excluded, 0)
+
+/** However this page learns that the run has ended, by the stream or by asking: what it knows of the run is old then. */
+function useFreshAtEnd(id: string, over: boolean): void {
+  const cache = useQueryClient()
+  const live = useRef(!over)
+  useEffect(() => {
+    if (live.current && over)
+      for (const key of ['stages', 'evaluations', 'findings', 'traces', 'trace'])
+        void cache.invalidateQueries({ queryKey: [key, id] })
+    live.current = !over
+  }, [cache, id, over])
+}
+
+/** The uncertain parameters in the campaign's order, as a catalogue describes them. */
+export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined): UncertainParameter[] {
+  const all = catalogue ? parametersOf(campaign, catalogue) : []
+  const known = new Map(all.map((p) => [p.path, p]))
+  const having = (symbol: string) => all.filter((p) => p.entry.symbol === symbol).length
+  return Object.entries(campaign.uncertain).flatMap(([path, uncertain]) => {
+    const parameter = known.get(path)
+    const nominal = numberOf(parameter?.nominal)
+    const [low, high] = boundsOf(uncertain, nominal).map(numberOf)
+    if (typeof low !== 'number' || typeof high !== 'number') return []
+    const { symbol = path, unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
+    // A number must be traceable to one parameter: two obstacles have the same symbols.
+    const label = having(symbol) > 1 ? path : symbol
+    return [{ path, symbol: label, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
+  })
+}
+
+export interface SearchStage {
+  stage: StageProgress
+  result: SearchResult | null
+  series: EvaluationSeries | undefined
+  title: string
+}
+
+/** The search stages with what is known of each. */
+export function searchesOf({
+  run,
+  stages,
+  evaluations,
+  catalogue,
+}: Pick<RunData, 'run' | 'stages' | 'evaluations' | 'catalogue'>): SearchStage[] {
+  return run.stages
+    .filter((stage) => stage.kind === 'search')
+    .map((stage) => {
+      const detail = stages.find((s) => s.position === stage.position)
+      const result = resultOf(detail, 'search')
+      return {
+        stage,
+        result,
+        series: evaluations?.stages.find((s) => s.position === stage.position),
+        title: result?.title ?? catalogue?.methods.find((m) => m.name === stage.method)?.title ?? stage.method ?? '',
+      }
+    })
+}
+
+export const stageOf = (data: RunData, kind: StageDetail['kind']): StageDetail | undefined =>
+  data.stages.find((stage) => stage.kind === kind)
+
+/** The best so far against evaluations or seconds; the last point says how far the stage has come. */
+export function convergenceOf(search: SearchStage, by: 'evaluations' | 'seconds'): { x: number[]; y: number[] } {
+  const { index = [], seconds = [], cost = [] } = search.series?.improvements ?? {}
+  const x: number[] = []
+  const y: number[] = []
+  let best = Number.POSITIVE_INFINITY
+  index.forEach((at, i) => {
+    best = Math.min(best, cost[i] ?? Number.POSITIVE_INFINITY)
+    if (!Number.isFinite(best)) return
+    x.push(by === 'evaluations' ? at + 1 : (seconds[i] ?? 0))
+    y.push(best)
+  })
+  const total = by === 'evaluations' ? search.stage.evaluations : search.stage.seconds
+  const last = x[x.length - 1]
+  if (last !== undefined && total > last) {
+    x.push(total)
+    y.push(best)
+  }
+  return { x, y }
+}
+
+export interface Best {
+  cost: number
+  method: string | null
+  /** Counted from 1. */
+  evaluation: number
+  parameters: Record<string, number>
+  /** Of every criterion, by its name. */
+  values: Record<string, number | null>
+}
+
+/** The lowest value of all searches with its parameters, as far as the page knows them. */
+export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
+  let best: Best | null = null
+  for (const series of evaluations?.stages ?? []) {
+    if (series.kind !== 'search') continue
+    series.cost.forEach((cost, i) => {
+      if (cost === null || (best && cost >= best.cost)) return
+      const parameters = Object.fromEntries(Object.entries(series.parameters).map(([path, v]) => [path, v[i] ?? 0]))
+      const further = Object.entries(series.further).map(([name, v]) => [name, v[i] ?? null] as const)
+      const values = { [run.criteria[0]?.name ?? '']: cost, ...Object.fromEntries(further) }
+      best = { cost, method: series.method, evaluation: (series.index[i] ?? 0) + 1, parameters, values }
+    })
+  }
+  return best
+}
+
+/** The values of all criteria at a stored flight, by their names; none where they were not stored. */
+export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | null> =>
+  (trace?.meta.values as Record<string, number | null> | undefined) ?? {}
+
+/** The search stage that has found the lowest value so far. */
+export function leaderOf(run: RunDetail): StageProgress | null {
+  let leader: StageProgress | null = null
+  for (const stage of run.stages)
+    if (stage.kind === 'search' && stage.best !== null && (leader?.best == null || stage.best < leader.best))
+      leader = stage
+  return leader
+}

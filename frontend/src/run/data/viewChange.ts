@@ -1,0 +1,60 @@
+// What can be said to a 3D view, and where it is opened: small functions of what it shows. Start reading at `merged`.
+import type { ViewChange, ViewState } from '../../client'
+
+export type Camera = NonNullable<ViewState['camera']>
+export const CAMERAS: readonly Camera[] = ['overview', 'encounter', 'top', 'side', 'chase', 'intruder']
+
+/** What the page has its view show; told again to one that is opened anew. */
+export type Wanted = Required<Pick<ViewChange, 'flight' | 'theme'>>
+
+export interface Place {
+  time?: number
+  camera?: Camera
+}
+
+/** Two changes as one: a time replaces what was said of it before, steps add up. */
+export function merged(before: ViewChange, next: ViewChange): ViewChange {
+  const { time, step, closest, passing, ...rest } = { ...before, ...next }
+  if (before.layers && next.layers) rest.layers = { ...before.layers, ...next.layers }
+  if (next.camera) delete rest.eye
+  if (next.closest) return { ...rest, closest: true }
+  if (typeof next.time === 'number')
+    return { ...rest, time: next.time, ...(next.step && { step: next.step }), ...(next.passing && { passing: true }) }
+  if (!next.step) {
+    const kept = { ...(step != null && { step }), ...(closest && { closest }), ...(passing && { passing }) }
+    return { ...rest, ...(time != null && { time }), ...kept }
+  }
+  // A step from the closest approach cannot be said in one: the step alone is what was asked last.
+  return { ...rest, ...(time != null && { time }), step: (before.step ?? 0) + next.step }
+}
+
+/** Everything that a view showed, for the one that is opened in its place. */
+export function again(last: ViewState): ViewChange {
+  const { flight, theme, time, camera, eye, playing, speed, panel, layers, what_if, what_if_seed } = last
+  return {
+    flight,
+    theme,
+    time,
+    playing,
+    speed,
+    panel,
+    layers,
+    ...(camera ? { camera } : eye && { eye }),
+    ...(what_if && { what_if, what_if_seed }),
+  }
+}
+
+/** A random UUID (RFC 9562, version 4), also where the page came by plain HTTP. */
+export function uuid(): string {
+  const bytes = crypto.getRandomValues(new Uint8Array(16))
+  bytes[6] = ((bytes[6] ?? 0) & 0x0f) | 0x40
+  bytes[8] = ((bytes[8] ?? 0) & 0x3f) | 0x80
+  const hex = Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('')
+  return hex.replace(/^(.{8})(.{4})(.{4})(.{4})(.{12})$/, '$1-$2-$3-$4-$5')
+}
+
+/** Where a view is opened: what it shows is behind the `#`, so that every view of a run is one kept page. */
+export function addressOf(run: string, { flight, theme }: Wanted, { time, camera }: Place, key?: string): string {
+  const parts = [flight, ...(time === undefined ? [] : ['t', String(time)]), ...(camera ? ['cam', camera] : []), theme]
+  return key ? `/view/${run}/#${[...parts, 'key', key].join('/')}/` : `/view/${run}/${parts.join('/')}/`
+}

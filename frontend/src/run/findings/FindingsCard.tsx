@@ -1,0 +1,257 @@
+// Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
+import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
+import type { MouseEvent } from 'react'
+import type { ValidateResult, ValidationCase } from '../../api/results'
+import type { FindingDetail } from '../../client'
+import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { Place } from '../../ui/bars'
+import { Card, NumHead } from '../../ui/Card'
+import { MethodName } from '../../ui/MethodMark'
+import { methodLook } from '../../ui/methods'
+import { Sign } from '../../ui/Sign'
+import { useHotkeys } from '../../ui/useHotkeys'
+import { NOMINAL } from '../data/chosen'
+import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
+import { closestOf } from '../flight/flown'
+import { ModePicture } from './ModePicture'
+import { Said } from '../data/Said'
+import { useAddress } from '../data/useAddress'
+import { validatedWord } from '../data/validated'
+
+interface FindingsProps {
+  data: RunData
+  result: ValidateResult | null
+  className: string
+}
+
+export function FindingsCard({ data, result, className }: FindingsProps) {
+  const { run, findings, parameters, chosen } = data
+  const [, change] = useAddress(run.id)
+  const choose = (name: string) => change({ finding: name === findings[0]?.label ? undefined : name })
+  const names = [...findings.map((finding) => finding.label), NOMINAL]
+  const step = (by: number) => choose(names[Math.min(names.length - 1, Math.max(0, names.indexOf(chosen) + by))] ?? NOMINAL)
+  useHotkeys({ j: () => step(1), k: () => step(-1) })
+  const decimals = decimalsApart([run.nominal_cost, ...findings.map((finding) => finding.cost)], 4, 6)
+  const shared = { data, decimals, choose }
+  return (
+    <Card
+      title="Findings"
+      note="Distinct worst cases. The chosen one is shown in the flight, the table beside it and the separation"
+      className={className}
+      id="findings"
+      flush
+      footer={
+        result?.findings && (
+          <>
+            <Boundary data={data} text={result.after?.[chosen]?.boundary?.text} />
+            <Told told={result.findings} kept={findings.length} />
+          </>
+        )
+      }
+    >
+      <table className="tight pick">
+        <thead>
+          <tr>
+            <th>Finding</th>
+            <th>From above</th>
+            <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
+            <NumHead unit={run.unit}>Margin</NumHead>
+            <NumHead unit="s">Closest at</NumHead>
+            <NumHead unit="m/s">Speed there</NumHead>
+            {run.criteria.slice(1).map((criterion) => (
+              <NumHead key={criterion.name} unit={unitText(criterion.unit)} title={criterion.title}>
+                <Sign text={criterion.quantity || criterion.title} />
+              </NumHead>
+            ))}
+            {parameters.map((p) => (
+              <th key={p.path} className="place" title={`${p.text} [${unitText(p.unit)}]`}>
+                <Sign text={p.symbol} path={p.path} />
+              </th>
+            ))}
+            <th>At bounds</th>
+            <th>Found by, after evaluations</th>
+            <th>Validation</th>
+          </tr>
+        </thead>
+        <tbody>
+          {findings.map((finding) => (
+            <Row key={finding.label} {...shared} finding={finding} on={finding.label === chosen} />
+          ))}
+          <Nominal {...shared} on={chosen === NOMINAL} />
+        </tbody>
+      </table>
+    </Card>
+  )
+}
+
+interface RowProps {
+  data: RunData
+  decimals: number
+  choose: (name: string) => void
+  on: boolean
+}
+
+function Row({ data, decimals, choose, on, finding }: RowProps & { finding: FindingDetail }) {
+  const { parameters } = data
+  const { label, cost, margin } = finding
+  return (
+    <tr {...picking(label, on, choose)} data-finding={label}>
+      <Name name={label} on={on} choose={choose} />
+      <Picture data={data} name={label} />
+      <td className="num b">{fixed(cost, decimals)}</td>
+      <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      <Met data={data} name={label} values={finding.values} />
+      {parameters.map((p) => (
+        <td key={p.path} className="place">
+          <Place
+            low={p.low}
+            high={p.high}
+            nominal={p.nominal}
+            value={finding.parameters[p.path] ?? null}
+            bound={p.path in finding.at_bounds}
+          />
+        </td>
+      ))}
+      <td className="sec">
+        <Bounds finding={finding} parameters={parameters} />
+      </td>
+      <td>
+        <FoundBy finding={finding} />
+      </td>
+      <td className="nw">
+        <Validated finding={finding} />
+      </td>
+    </tr>
+  )
+}
+
+function Nominal({ data, decimals, choose, on }: RowProps) {
+  const { run, parameters } = data
+  const margin = run.nominal_cost === null || run.threshold === null ? null : run.nominal_cost - run.threshold
+  return (
+    <tr {...picking(NOMINAL, on, choose)} data-finding={NOMINAL}>
+      <Name name={NOMINAL} on={on} choose={choose} />
+      <Picture data={data} name={NOMINAL} />
+      <td className="num">{fixed(run.nominal_cost, decimals)}</td>
+      <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
+      <Met data={data} name={NOMINAL} values={valuesOf(data.nominalTrace)} />
+      <td colSpan={parameters.length + 3} className="mut small">
+        Every parameter at its nominal value
+      </td>
+    </tr>
+  )
+}
+
+/** The whole row chooses; the button in it does the same for the keyboard. */
+const picking = (name: string, on: boolean, choose: (name: string) => void) => ({
+  className: on ? 'sel' : undefined,
+  onClick: (event: MouseEvent) => {
+    if (!(event.target as HTMLElement).closest('button') && !getSelection()?.toString()) choose(name)
+  },
+})
+
+function Name({ name, on, choose }: { name: string; on: boolean; choose: (name: string) => void }) {
+  const nominal = name === NOMINAL
+  return (
+    <td>
+      <button type="button" className="picker" aria-pressed={on} onClick={() => choose(name)}>
+        <span className="dot" style={{ background: nominal ? 'var(--c-nom)' : 'var(--c-worst)' }} />
+        {nominal ? 'Nominal' : name}
+      </button>
+    </td>
+  )
+}
+
+function Picture({ data, name }: { data: RunData; name: string }) {
+  return (
+    <td className="pic">
+      <ModePicture run={data.run.id} name={name} stored={data.traces.some((trace) => trace.name === name)} />
+    </td>
+  )
+}
+
+/** When and how fast the flight is nearest, and what the criteria that do not decide say of it. */
+function Met({ data, name, values }: { data: RunData; name: string; values: Record<string, number | null> }) {
+  const { run, findings, nominalTrace } = data
+  const closest = closestOf(data.traces.find((trace) => trace.name === name))
+  return (
+    <>
+      <td className="num sec">{fixed(closest?.time, 2)}</td>
+      <td className="num sec">{fixed(closest?.speed, 2)}</td>
+      {run.criteria.slice(1).map((criterion) => {
+        const all = [valuesOf(nominalTrace), ...findings.map((finding) => finding.values)]
+        return (
+          <td key={criterion.name} className="num">
+            {fixed(values[criterion.name], decimalsApart(all.map((each) => each[criterion.name]), 4, 6))}
+          </td>
+        )
+      })}
+    </>
+  )
+}
+
+/** Up to three by name; of more, how many. */
+function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: UncertainParameter[] }) {
+  const at = parameters.filter((p) => p.path in finding.at_bounds)
+  if (at.length === 0) return 'none'
+  if (at.length > 3) return `${at.length} of ${parameters.length}`
+  return at.map((p, i) => (
+    <span key={p.path} className="nw">
+      {i > 0 && ', '}
+      <Sign text={p.symbol} path={p.path} /> {finding.at_bounds[p.path]}
+    </span>
+  ))
+}
+
+function FoundBy({ finding }: { finding: FindingDetail }) {
+  if (finding.found.length === 0) return <span className="sec">found by polishing only</span>
+  const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
+  return (
+    <span className="finders">
+      {found.map((by) => (
+        <span key={by.position} className="row nw" title={methodLook(by.method).title}>
+          <MethodName method={by.method} short /> <span className="sec tn">{count(by.evaluations)}</span>
+        </span>
+      ))}
+    </span>
+  )
+}
+
+function Validated({ finding }: { finding: FindingDetail }) {
+  const validation = finding.validation as Partial<ValidationCase>
+  const { ok, realisation } = validation
+  if (typeof ok !== 'boolean') return <span className="mut">{NONE}</span>
+  const Icon = ok ? IconCircleCheck : IconHelpCircle
+  return (
+    <span className="rn">
+      <span className="row">
+        <Icon className={ok ? 'i s ok-t' : 'i s unk-t'} aria-hidden /> {validatedWord(validation)}
+      </span>
+      {typeof realisation === 'number' && <small>noise seed {realisation}</small>}
+    </span>
+  )
+}
+
+/** How far from nominal the chosen violation begins. */
+function Boundary({ data, text }: { data: RunData; text: string | undefined }) {
+  return text ? (
+    <div>
+      <span className="sec">Boundary of {data.chosen}:</span> <Said data={data} text={`${text}.`} />
+    </div>
+  ) : null
+}
+
+/** How the findings were told apart, in one sentence. */
+function Told({ told, kept }: { told: NonNullable<ValidateResult['findings']>; kept: number }) {
+  return (
+    <>
+      {told.complete ? '' : `${told.text.charAt(0).toUpperCase()}${told.text.slice(1)}. `}
+      {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they are
+      within {percent(told.distance)} of every range, or no barrier above {percent(told.barrier)} of nominal minus worst
+      is between them.
+      {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal flight, and left out.`}
+      {kept >= told.at_most && ` At most ${told.at_most} are kept: there may be more.`}
+    </>
+  )
+}

@@ -1,0 +1,182 @@
+// Several criteria at once: the front of the worst cases, two criteria against each other, and its points as a table.
+import { useMemo, useState } from 'react'
+import { type FrontCriterion, resultOf } from '../../api/results'
+import { ChartCard } from '../../charts/ChartCard'
+import { type Key, Legend, useHidden } from '../../charts/Legend'
+import { Plot } from '../../charts/Plot'
+import type { PlotSpec } from '../../charts/spec'
+import { padded } from '../../charts/ticks'
+import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { NumHead, Seg } from '../../ui/Card'
+import { MethodName } from '../../ui/MethodMark'
+import { methodLook } from '../../ui/methods'
+import { Sign, symbolText } from '../../ui/Sign'
+import type { RunData } from '../data/data'
+import { criteriaOf, frontOf, type Placed, someOf } from './front'
+
+const ROWS = 12
+
+export function FrontCard({ data, className }: { data: RunData; className: string }) {
+  const { run, parameters, stages } = data
+  const searches = useMemo(() => stages.flatMap((stage) => resultOf(stage, 'search') ?? []), [stages])
+  const criteria = useMemo(() => criteriaOf(searches), [searches])
+  const points = useMemo(() => frontOf(searches, criteria), [searches, criteria])
+  const [across, setAcross] = useState(criteria[1]?.name ?? '')
+  const [up, setUp] = useState(criteria[0]?.name ?? '')
+  const [hidden, toggle] = useHidden()
+  const x = criteria.find((c) => c.name === across) ?? criteria[1]
+  const y = criteria.find((c) => c.name === up) ?? criteria[0]
+  const spec = useMemo(
+    () => (x && y ? specOf(points, x, y, y === criteria[0] ? run.threshold : null) : null),
+    [points, x, y, criteria, run.threshold],
+  )
+  if (!x || !y || !spec) return null
+  const sizes = searches.map((search) => search.front_size ?? 0)
+  const thinned = searches.some((search) => (search.front_size ?? 0) > (search.front?.length ?? 0))
+  const keys: Key[] = [...new Set(points.map((point) => point.method))].map((method) => ({
+    key: method,
+    label: points.find((point) => point.method === method)?.title ?? method,
+    method,
+  }))
+  const table = () => ({
+    name: 'front',
+    columns: ['method', 'evaluation', ...criteria.map(headed), ...parameters.map((p) => p.path)],
+    rows: points.map((point) => [
+      point.title,
+      point.index + 1,
+      ...criteria.map((c) => point.values[c.name] ?? null),
+      ...parameters.map((p) => point.parameters[p.path] ?? null),
+    ]),
+  })
+  const choices = criteria.map((c) => ({ value: c.name, label: c.title }))
+  return (
+    <ChartCard
+      title="Pareto front"
+      note={`${count(points.length)} flights that no other one is worse than by every criterion`}
+      className={className}
+      id="front"
+      run={run.id}
+      data={table}
+      footer={
+        <>
+          {criteria.map((c) => `${c.title}: ${c.worse === 'high' ? 'more' : 'less'} is worse`).join('; ')}. The front is
+          the worst that was found; it decides nothing: the verdict rests on {criteria[0]?.title.toLowerCase()} alone.
+          {thinned && ` Of the largest of these fronts, ${count(Math.max(...sizes))} flights, some are left out.`}
+        </>
+      }
+    >
+      {criteria.length > 2 && (
+        <div className="tools">
+          <span className="small mut">Vertical</span>
+          <Seg label="Vertical axis" options={choices} value={y.name} onChange={setUp} />
+          <span className="small mut">Horizontal</span>
+          <Seg label="Horizontal axis" options={choices} value={x.name} onChange={setAcross} />
+        </div>
+      )}
+      <Plot spec={spec} hidden={hidden} />
+      <Legend keys={keys} hidden={hidden} onToggle={toggle} />
+      <Points data={data} criteria={criteria} points={points} />
+    </ChartCard>
+  )
+}
+
+const headed = (c: FrontCriterion): string => (c.unit ? `${c.title}, ${c.unit}` : c.title)
+
+function axisTitle(c: FrontCriterion) {
+  return (
+    <>
+      {c.title} <Sign text={c.quantity} />
+      {c.unit && `, ${unitText(c.unit)}`} <span className="mut">({c.worse === 'high' ? 'more' : 'less'} is worse)</span>
+    </>
+  )
+}
+
+function specOf(points: readonly Placed[], x: FrontCriterion, y: FrontCriterion, threshold: number | null): PlotSpec {
+  const valueOf = (point: Placed, c: FrontCriterion): number => point.values[c.name] ?? Number.NaN
+  const sorted = [...points].sort((a, b) => valueOf(a, x) - valueOf(b, x))
+  const xs = sorted.map((point) => valueOf(point, x))
+  const ys = sorted.map((point) => valueOf(point, y))
+  const range = padded(ys, false, 0.06)
+  // The criterion belongs on the axis unless the points would shrink to a line beside it.
+  const near = threshold !== null && threshold > range[0] - (range[1] - range[0]) && threshold < range[1] + (range[1] - range[0])
+  const [dx, dy] = [decimalsFor(xs, 5), decimalsFor(ys, 5)]
+  return {
+    label: `Pareto front: ${y.title} over ${x.title}, ${points.length} flights`,
+    x: xs,
+    lines: [...new Set(points.map((point) => point.method))].map((method) => ({
+      key: method,
+      label: points.find((point) => point.method === method)?.title ?? method,
+      colour: methodLook(method).colour,
+      y: sorted.map((point, i) => (point.method === method ? (ys[i] as number) : null)),
+      dots: true,
+    })),
+    xTitle: axisTitle(x),
+    yTitle: axisTitle(y),
+    xRange: padded(xs, false, 0.04),
+    yRange: near ? padded([...ys, threshold], false, 0.06) : range,
+    criterion: near ? { value: threshold, label: `Criterion, ${plain(threshold)} ${y.unit}`, tint: true, right: true } : undefined,
+    height: 300,
+    xText: (v) => `${symbolText(x.quantity)} = ${fixed(v, dx)} ${unitText(x.unit)}`,
+    yText: (v) => `${symbolText(y.quantity)} = ${fixed(v, dy)} ${unitText(y.unit)}`,
+  }
+}
+
+interface PointsProps {
+  data: RunData
+  criteria: readonly FrontCriterion[]
+  points: readonly Placed[]
+}
+
+function Points({ data, criteria, points }: PointsProps) {
+  const rows = someOf(points, ROWS)
+  const digits = new Map(criteria.map((c) => [c.name, decimalsFor(points.map((p) => p.values[c.name] ?? null), 5)]))
+  return (
+    <>
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Found by</th>
+            {criteria.map((c) => (
+              <NumHead key={c.name} unit={unitText(c.unit)}>
+                {c.title}
+              </NumHead>
+            ))}
+            {data.parameters.map((p) => (
+              <NumHead key={p.path} unit={unitText(p.unit)}>
+                <Sign text={p.symbol} path={p.path} />
+              </NumHead>
+            ))}
+            <th className="num">Evaluation</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((point) => (
+            <tr key={`${point.method} ${point.index}`}>
+              <td>
+                <MethodName method={point.method} title={point.title} />
+              </td>
+              {criteria.map((c) => (
+                <td key={c.name} className="num">
+                  {fixed(point.values[c.name], digits.get(c.name) ?? 3)}
+                </td>
+              ))}
+              {data.parameters.map((p) => (
+                <td key={p.path} className="num sec">
+                  {fixed(point.parameters[p.path], decimalsFor([p.low, p.high]))}
+                </td>
+              ))}
+              <td className="num sec">{count(point.index + 1)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {rows.length < points.length && (
+        <p className="small mut">
+          {rows.length} of {count(points.length)}, spread over {criteria[0]?.title.toLowerCase()}; all of them are in the
+          data and the CSV file.
+        </p>
+      )}
+    </>
+  )
+}

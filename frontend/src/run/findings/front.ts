@@ -1,0 +1,46 @@
+// The front of a run with several criteria: what no other flight of any of its searches is worse than everywhere.
+import type { FrontCriterion, FrontPoint, SearchResult } from '../../api/results'
+
+export interface Placed extends FrontPoint {
+  method: string
+  title: string
+}
+
+/** The criteria of a run's searches, the one that decides first; empty where there is one only. */
+export function criteriaOf(searches: readonly SearchResult[]): FrontCriterion[] {
+  const found = searches.find((search) => search.front)?.criteria ?? []
+  return found.length > 1 ? found : []
+}
+
+/** The points that no other one is as bad as everywhere and worse somewhere, worst by the first criterion first. */
+export function frontOf(searches: readonly SearchResult[], criteria: readonly FrontCriterion[]): Placed[] {
+  const all = searches.flatMap(({ method, title, front }) =>
+    (front ?? []).map((point) => ({ point: { ...point, method, title }, costs: costsOf(point, criteria) })),
+  )
+  // Sorted, none is bettered by one behind it: the first of what is left belongs to the front.
+  let left = all.sort((a, b) => compared(a.costs, b.costs))
+  const found: Placed[] = []
+  for (let first = left[0]; first; first = left[0]) {
+    const { point, costs } = first
+    found.push(point)
+    left = left.filter((other) => other.costs.some((cost, k) => cost < (costs[k] as number)))
+  }
+  return found
+}
+
+/** So many of them, evenly spread, the first and the last among them. */
+export function someOf<T>(points: readonly T[], most: number): T[] {
+  if (points.length <= most) return [...points]
+  const at = Array.from({ length: most }, (_, i) => Math.round((i * (points.length - 1)) / (most - 1)))
+  return at.map((i) => points[i] as T)
+}
+
+/** Lower is worse. */
+function costsOf(point: FrontPoint, criteria: readonly FrontCriterion[]): number[] {
+  return criteria.map(({ name, worse }) => (worse === 'high' ? -1 : 1) * (point.values[name] ?? Number.NaN))
+}
+
+function compared(a: readonly number[], b: readonly number[]): number {
+  const at = a.findIndex((cost, k) => cost !== b[k])
+  return at < 0 ? 0 : (a[at] as number) - (b[at] as number)
+}

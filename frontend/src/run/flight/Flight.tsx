@@ -1,0 +1,102 @@
+// The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
+import { useSearch } from '@tanstack/react-router'
+import { useEffect, useLayoutEffect, useRef, useSyncExternalStore } from 'react'
+import { useTheme } from '../../theme/useTheme'
+import { Card } from '../../ui/Card'
+import { useCalm } from '../../ui/useCalm'
+import { useNear } from '../../ui/useNear'
+import { calledOf, NOMINAL } from '../data/chosen'
+import type { RunData } from '../data/data'
+import { FlightHead } from './FlightHead'
+import { noiseOf } from './flown'
+import { FlightNotice } from './FlightNotice'
+import { PlayBar } from './PlayBar'
+import { useInstant } from './useInstant'
+import type { View } from './view'
+
+interface FlightProps {
+  data: RunData
+  view: View
+  className: string
+}
+
+export function Flight({ data, view, className }: FlightProps) {
+  const theme = useTheme()
+  // A viewer costs the service a scene: it is opened when it comes near the window.
+  const [holder, near] = useNear<HTMLDivElement>()
+  const ready = useCalm() && near
+  const { t, cam } = useSearch({ from: '/runs/$id' })
+  const place = useRef({ time: t, camera: cam })
+  const known = useSyncExternalStore(view.subscribe, () => view.known)
+
+  useLayoutEffect(() => view.want({ flight: data.chosen, theme }), [view, data.chosen, theme])
+  useLayoutEffect(() => {
+    place.current = { time: t, camera: cam }
+  }, [t, cam])
+  // Opened once: what is chosen later goes there by its key.
+  // Let go before its frame is taken out of the page: the service would answer that the view is gone.
+  useLayoutEffect(() => (ready ? view.open(place.current) : undefined), [view, ready])
+  useEffect(() => keysOf(holder.current?.closest('section'), view), [view, holder])
+  useInstant(view, data.run.id)
+
+  return (
+    <Card
+      title="Flight"
+      note={<span title="Drag to turn, wheel to zoom. Vehicles not to scale">{flights(data)}</span>}
+      className={className}
+      id="flight"
+      flush
+      right={
+        <FlightHead
+          data={data}
+          view={view}
+          shown={known.shown}
+          theme={theme}
+          onFull={() => void holder.current?.requestFullscreen().catch(() => undefined)}
+        />
+      }
+    >
+      <div className="flightbox" ref={holder}>
+        <div className="flight" role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
+          {known.address && (
+            <iframe
+              key={`${view.key}.${known.frame}`}
+              src={known.address}
+              title="Flight in 3D"
+              allow="fullscreen"
+              inert={known.phase !== 'open'}
+            />
+          )}
+          <FlightNotice known={known} onRetry={() => view.retry()} />
+        </div>
+        <PlayBar data={data} view={view} shown={known.shown} />
+      </div>
+    </Card>
+  )
+}
+
+/** Space plays, arrows step, Home goes to the closest approach, while the focus is in the card. */
+function keysOf(card: Element | null | undefined, view: View): (() => void) | undefined {
+  if (!(card instanceof HTMLElement)) return undefined
+  const pressed = (event: KeyboardEvent) => {
+    if (event.altKey || event.ctrlKey || event.metaKey || event.defaultPrevented) return
+    const far = event.shiftKey ? 1 : 0.1
+    const on = event.target as HTMLElement
+    if (event.key === ' ' && !on.closest('button, a, select, input:not([type=range])')) view.toggle()
+    else if (event.key === 'ArrowLeft') view.steer({ step: -far })
+    else if (event.key === 'ArrowRight') view.steer({ step: far })
+    else if (event.key === 'Home') view.steer({ closest: true })
+    else return
+    event.preventDefault()
+  }
+  card.addEventListener('keydown', pressed)
+  return () => card.removeEventListener('keydown', pressed)
+}
+
+/** Which flights are shown, and with which noise the chosen one was simulated. */
+function flights({ chosen, nominalTrace, findingTrace }: RunData): string {
+  const noise = noiseOf(chosen === NOMINAL ? nominalTrace : findingTrace)
+  const which =
+    chosen === NOMINAL ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
+  return noise ? `${which}, ${noise}` : which
+}

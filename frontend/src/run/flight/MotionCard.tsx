@@ -1,0 +1,215 @@
+// Speeds and commands over time, a small chart for each: nominal and chosen flight, under one crosshair with the
+// separation. Which of many are shown stands in the address.
+import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
+import { useMemo } from 'react'
+import { ChartCard } from '../../charts/ChartCard'
+import { Legend, useHidden } from '../../charts/Legend'
+import { Plot, type Standing } from '../../charts/Plot'
+import { linesOn, union } from '../../charts/series'
+import type { PlotSpec } from '../../charts/spec'
+import { padded } from '../../charts/ticks'
+import type { TraceColumn } from '../../client'
+import { decimalsFor, fixed } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { Menu, Pick, Picks } from '../../ui/Menu'
+import { Sign, symbolText } from '../../ui/Sign'
+import { useWidth } from '../../ui/useWidth'
+import type { RunData } from '../data/data'
+import {
+  acrossOf,
+  closestOf,
+  curveOf,
+  extentOf,
+  MOST_COLUMNS,
+  overTime,
+  shownColumns,
+  spanOf,
+  TIME,
+  valueAt,
+  wordsOf,
+} from './flown'
+import { type Flown, flownOf, useShown } from './SeparationCard'
+import { useAddress } from '../data/useAddress'
+
+/** A small chart is at least so wide [px]. */
+const LEAST = 200
+
+interface MotionProps {
+  data: RunData
+  className: string
+  /** Called with the time under the pointer [s]: the flight is shown at it. */
+  onCross: (time: number) => void
+  /** The time that the flight is shown at: the crosshair stands there while no pointer is on a chart. */
+  standing: Standing
+}
+
+export function MotionCard({ data, className, onCross, standing }: MotionProps) {
+  const { run, nominalTrace, findingTrace, chosen } = data
+  const [address, change] = useAddress(run.id)
+  const [shown] = useShown(run.id)
+  const [hidden, toggle] = useHidden()
+  const [holder, width] = useWidth(540)
+  const flights = useMemo(
+    () => flownOf({ nominalTrace, findingTrace, chosen }),
+    [nominalTrace, findingTrace, chosen],
+  )
+  const all = useMemo(() => overTime(flights[0]?.trace), [flights])
+  const columns = useMemo(() => shownColumns(all, address.columns), [all, address.columns])
+  const span = useMemo(
+    () =>
+      spanOf(
+        flights.map(({ trace }) => trace),
+        run.threshold,
+        shown,
+      ),
+    [flights, run.threshold, shown],
+  )
+  if (all.length === 0) return null
+  const across = acrossOf(columns.length, Math.max(1, Math.floor((width + 16) / (LEAST + 16))))
+  return (
+    <ChartCard
+      title="Speeds and commands"
+      note={columns.length < all.length ? `${columns.length} of ${all.length}` : undefined}
+      className={className}
+      run={run.id}
+      data={() => tableOf(columns, flights)}
+      footer="Dotted: the closest approaches. Values stand beside each name under the crosshair, which the separation shares."
+      right={
+        <>
+          <Legend keys={flights} hidden={hidden} onToggle={toggle} />
+          {all.length > MOST_COLUMNS && (
+            <Choice all={all} shown={columns} chosen={address.columns !== undefined} onChange={(columns) => change({ columns })} />
+          )}
+        </>
+      }
+    >
+      <div ref={holder}>
+        <div className="motion" style={{ gridTemplateColumns: `repeat(${across}, minmax(0, 1fr))` }}>
+          {columns.map((column, i) => (
+            <Small
+              key={column.name}
+              column={column}
+              flights={flights}
+              span={span}
+              hidden={hidden}
+              onCross={onCross}
+              standing={standing}
+              last={i + across >= columns.length}
+            />
+          ))}
+        </div>
+      </div>
+    </ChartCard>
+  )
+}
+
+interface SmallProps extends Pick<MotionProps, 'onCross' | 'standing'> {
+  column: TraceColumn
+  flights: readonly Flown[]
+  span: [number, number]
+  hidden: ReadonlySet<string>
+  /** Whether it stands in the last row, which names the axis. */
+  last: boolean
+}
+
+function Small({ column, flights, span, hidden, onCross, standing, last }: SmallProps) {
+  const spec = useMemo((): PlotSpec => {
+    const { name, symbol } = column
+    const said = wordsOf(column)
+    const unit = unitText(column.unit)
+    const drawn = flights.map((flown) => ({ ...flown, curve: curveOf(flown.trace, name) }))
+    const xs = union(drawn.map(({ curve }) => curve))
+    const extent = extentOf(
+      drawn.map(({ curve }) => curve),
+      span,
+    )
+    const decimals = decimalsFor(extent ?? [1], 3)
+    const near = drawn.flatMap(({ key, colour, trace, curve }) => {
+      const time = closestOf(trace)?.time
+      const value = time === undefined ? null : valueAt(curve, time)
+      return time === undefined ? [] : [{ key, colour, time, value }]
+    })
+    return {
+      label: `${said || symbolText(symbol)} over time, ${flights.map(({ label }) => label.toLowerCase()).join(' and ')} flight`,
+      x: xs,
+      lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.5 })),
+      points: near.flatMap(({ key, colour, time, value }) => (value === null ? [] : [{ x: time, y: value, colour, line: key }])),
+      rules: near.map(({ time, colour }) => ({ x: time, colour })),
+      yTitle: (
+        <>
+          <b>
+            <Sign text={symbol} />
+          </b>
+          <span className="mut">
+            {said && ` ${said}`}
+            {unit && `, ${unit}`}
+          </span>
+        </>
+      ),
+      xTitle: last ? 'Time since start, s' : undefined,
+      xRange: span,
+      yRange: padded(extent ?? [0, 1], false, 0.08),
+      yTicks: 3,
+      left: 46,
+      height: 96,
+      sync: TIME,
+      readout: true,
+      xText: (x) => `${fixed(x, 2)} s`,
+      yText: (y) => fixed(y, decimals),
+    }
+  }, [column, flights, span, last])
+  return <Plot spec={spec} hidden={hidden} onCross={onCross} standing={standing} />
+}
+
+interface ChoiceProps {
+  all: readonly TraceColumn[]
+  shown: readonly TraceColumn[]
+  chosen: boolean
+  onChange: (columns: string | undefined) => void
+}
+
+function Choice({ all, shown, chosen, onChange }: ChoiceProps) {
+  const names = shown.map(({ name }) => name)
+  const toggle = (name: string, on: boolean) =>
+    onChange(all.map((column) => column.name).filter((each) => (each === name ? on : names.includes(each))).join(',') || undefined)
+  return (
+    <Menu name="Columns" said={null} on={chosen} icon={<IconAdjustmentsHorizontal className="i" aria-hidden />}>
+      <Picks label="Columns over time">
+        {all.map((column) => (
+          <Pick key={column.name} on={names.includes(column.name)} onChange={(on) => toggle(column.name, on)}>
+            <span className="grow">
+              <Sign text={column.symbol} /> <span className="mut">{wordsOf(column)}</span>
+            </span>
+            <span className="mut">{unitText(column.unit)}</span>
+          </Pick>
+        ))}
+      </Picks>
+      <span className="row">
+        <button type="button" className="btn s" onClick={() => onChange(all.map(({ name }) => name).join(','))}>
+          All
+        </button>
+        {chosen && (
+          <button type="button" className="btn s" onClick={() => onChange(undefined)}>
+            The usual ones
+          </button>
+        )}
+      </span>
+    </Menu>
+  )
+}
+
+function tableOf(columns: readonly TraceColumn[], flights: readonly Flown[]) {
+  const curves = columns.flatMap((column) =>
+    flights.map(({ label, trace }) => ({
+      head: `${symbolText(column.symbol)} ${label.toLowerCase()}${column.unit && `, ${unitText(column.unit)}`}`,
+      curve: curveOf(trace, column.name),
+    })),
+  )
+  const xs = union(curves.map(({ curve }) => curve))
+  const values = curves.map(({ curve }) => linesOn(xs, curve))
+  return {
+    name: 'speeds-and-commands',
+    columns: ['time since start, s', ...curves.map(({ head }) => head)],
+    rows: xs.map((x, i) => [x, ...values.map((column) => column[i] ?? null)]),
+  }
+}

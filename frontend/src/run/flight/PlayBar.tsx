@@ -1,0 +1,180 @@
+// Below the 3D view: play, the instant that it shows, how fast, and what is drawn, all of it by the page's own controls.
+// Start reading at `PlayBar`.
+import {
+  IconFocusCentered,
+  IconLayoutSidebarRightCollapse,
+  IconLayoutSidebarRightExpand,
+  IconPlayerPause,
+  IconPlayerPlay,
+  IconStack2,
+} from '@tabler/icons-react'
+import { type CSSProperties, useEffect, useState } from 'react'
+import type { LayersChange, ViewState } from '../../client'
+import { fixed, plain } from '../../format/numbers'
+import { IconButton } from '../../ui/IconButton'
+import { Menu, Pick, Picks } from '../../ui/Menu'
+import { calledOf, NOMINAL } from '../data/chosen'
+import type { RunData } from '../data/data'
+import { closestOf } from './flown'
+import type { View } from './view'
+
+const SPEEDS = [0.25, 0.5, 1, 2, 5]
+
+interface Props {
+  data: RunData
+  view: View
+  /** What is shown; null while the view is not open. */
+  shown: ViewState | null
+}
+
+export function PlayBar({ data, view, shown }: Props) {
+  const { playing = false, speed = 1, panel = false } = shown ?? {}
+  return (
+    <div className="playbar" role="group" aria-label="Time of the flight">
+      <IconButton
+        label={playing ? 'Pause' : 'Play'}
+        title={`${playing ? 'Pause' : 'Play'} (space)`}
+        icon={playing ? IconPlayerPause : IconPlayerPlay}
+        off={shown === null}
+        act={() => view.toggle()}
+      />
+      <Scrubber data={data} view={view} shown={shown} />
+      <IconButton
+        label="Closest approach"
+        title="To the closest approach (Home)"
+        icon={IconFocusCentered}
+        off={shown === null}
+        act={() => view.steer({ closest: true })}
+      />
+      <select
+        aria-label="Speed of play"
+        value={speed}
+        disabled={shown === null}
+        onChange={(event) => view.steer({ speed: Number(event.target.value) })}
+      >
+        {SPEEDS.map((pace) => (
+          <option key={pace} value={pace}>
+            {plain(pace)}×
+          </option>
+        ))}
+      </select>
+      {shown && <LayersMenu data={data} view={view} shown={shown} />}
+      <IconButton
+        label={panel ? 'Close the panel' : 'Open the panel'}
+        title={`${panel ? 'Close' : 'Open'} the panel: what-if, parameter space, search`}
+        icon={panel ? IconLayoutSidebarRightCollapse : IconLayoutSidebarRightExpand}
+        off={shown === null}
+        act={() => view.steer({ panel: !panel })}
+      />
+    </div>
+  )
+}
+
+function Scrubber({ data, view, shown }: Props) {
+  const horizon = Number(data.campaign.scenario.horizon)
+  /** Where it was dragged to, until the view has come there. */
+  const [asked, setAsked] = useState<number | null>(null)
+  const time = shown?.time ?? 0
+  if (asked !== null && (shown === null || shown.playing || Math.abs(time - asked) < 0.006)) setAsked(null)
+  const at = asked ?? time
+  return (
+    <>
+      <output className="instant num">{shown ? `${fixed(at, 2)} s` : '—'}</output>
+      <span className="scrub">
+        <input
+          type="range"
+          aria-label="Time"
+          aria-valuetext={`${fixed(at, 2)} seconds`}
+          min={0}
+          max={horizon}
+          step={0.01}
+          value={at}
+          disabled={shown === null}
+          style={{ '--done': `${(100 * at) / horizon}%` } as CSSProperties}
+          onChange={(event) => {
+            setAsked(Number(event.target.value))
+            view.steer({ time: Number(event.target.value) })
+          }}
+        />
+        {nearest(data).map(({ name, time: when, colour }) => (
+          <i
+            key={name}
+            title={`${name}: closest at ${fixed(when, 2)} s`}
+            style={{ '--at': when / horizon, background: colour } as CSSProperties}
+          />
+        ))}
+      </span>
+      <span className="small mut num">{plain(horizon)} s</span>
+    </>
+  )
+}
+
+/** When the flights that are shown come closest. */
+function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
+  const flights = [
+    { name: 'Nominal', trace: nominalTrace, colour: 'var(--c-nom)' },
+    { name: calledOf(chosen), trace: chosen === NOMINAL ? undefined : findingTrace, colour: 'var(--c-worst)' },
+  ]
+  return flights.flatMap(({ name, trace, colour }) => {
+    const time = closestOf(trace)?.time
+    return time === undefined ? [] : [{ name, time, colour }]
+  })
+}
+
+/** What may be drawn, and how it is called. */
+type Layer = Exclude<keyof LayersChange, 'trail' | 'axes'>
+
+function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
+  const names: [Layer, string][] = [
+    ['nominal', 'Nominal flight'],
+    ...(shown.flight === NOMINAL ? [] : ([['finding', `${calledOf(data.chosen)} flight`]] as [Layer, string][])),
+    ...(shown.what_if ? ([['what_if', 'What-if flight']] as [Layer, string][]) : []),
+    ['velocity', 'Velocity'],
+    ['relative', 'Relative velocity'],
+    ['sampled', 'Sampled flights'],
+    ['field', 'Field of the avoider'],
+    ['space', 'Parameter space instead'],
+  ]
+  return (
+    <Menu name="Shown" said={null} on={false} icon={<IconStack2 className="i mut" aria-hidden />} above>
+      <Picks label="What is drawn">
+        {names.map(([layer, name]) => (
+          <Asked
+            key={layer}
+            name={name}
+            on={shown.layers[layer]}
+            ask={(on) => view.steer({ layers: { [layer]: on } })}
+          />
+        ))}
+        <Asked
+          name="Paths only as far as flown"
+          on={shown.layers.trail === 'so_far'}
+          ask={(on) => view.steer({ layers: { trail: on ? 'so_far' : 'whole' } })}
+        />
+      </Picks>
+    </Menu>
+  )
+}
+
+/** How long a tick stands as it was asked for while the view has not said so [ms]. */
+const WAIT = 3000
+
+/** A tick that is seen at once, and that the view has the last word on. */
+function Asked({ name, on, ask }: { name: string; on: boolean; ask: (on: boolean) => void }) {
+  const [asked, setAsked] = useState<boolean | null>(null)
+  if (asked === on) setAsked(null)
+  useEffect(() => {
+    if (asked === null) return
+    const timer = setTimeout(() => setAsked(null), WAIT)
+    return () => clearTimeout(timer)
+  }, [asked])
+  const change = (wanted: boolean) => {
+    setAsked(wanted)
+    ask(wanted)
+  }
+  return (
+    <Pick on={asked ?? on} onChange={change}>
+      <span className="grow">{name}</span>
+    </Pick>
+  )
+}

@@ -1,0 +1,144 @@
+// Separation over time: nominal and worst flight, the criterion with its forbidden side, the closest approaches.
+import { useMemo } from 'react'
+import { ChartCard } from '../../charts/ChartCard'
+import { type Key, Legend, useHidden } from '../../charts/Legend'
+import { Plot, type Standing } from '../../charts/Plot'
+import { linesOn, union } from '../../charts/series'
+import type { PlotSpec } from '../../charts/spec'
+import type { TraceData } from '../../client'
+import { decimalsFor, fixed, plain } from '../../format/numbers'
+import { type Shown, WindowSeg } from '../../ui/WindowSeg'
+import { calledOf } from '../data/chosen'
+import type { RunData } from '../data/data'
+import { closestOf, curveOf, extentOf, firstOf, noiseOf, spanOf, TIME } from './flown'
+import { useAddress } from '../data/useAddress'
+
+export interface Flown {
+  key: string
+  label: string
+  colour: string
+  trace: TraceData
+}
+
+/** The nominal flight and the chosen one, as far as they are there. */
+export function flownOf({
+  nominalTrace,
+  findingTrace,
+  chosen,
+}: Pick<RunData, 'nominalTrace' | 'findingTrace' | 'chosen'>): Flown[] {
+  const pair = [
+    { key: 'nominal', label: 'Nominal', colour: '--c-nom', trace: nominalTrace },
+    { key: 'worst', label: calledOf(chosen), colour: '--c-worst', trace: findingTrace },
+  ]
+  return pair.flatMap(({ trace, ...rest }) => (trace ? [{ ...rest, trace }] : []))
+}
+
+/** How much of the flights the charts over time show, one for all of them. */
+export function useShown(id: string): [Shown, (shown: Shown) => void] {
+  const [{ time }, change] = useAddress(id)
+  return [time ?? 'encounter', (shown) => change({ time: shown === 'all' ? 'all' : undefined })]
+}
+
+interface SeparationProps {
+  data: RunData
+  className: string
+  height: number
+  /** Called with the time under the pointer [s]: the flight is shown at it. */
+  onCross: (time: number) => void
+  /** The time that the flight is shown at: the crosshair stands there while no pointer is on a chart. */
+  standing: Standing
+}
+
+export function SeparationCard({ data, className, height, onCross, standing }: SeparationProps) {
+  const { run } = data
+  const [shown, setShown] = useShown(run.id)
+  const [hidden, toggle] = useHidden()
+  const { nominalTrace, findingTrace, chosen } = data
+  const { threshold, unit } = run
+  const measured = run.criteria[0]?.measured_to ?? ''
+  const spec = useMemo(
+    () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), { threshold, unit, measured }, shown, height),
+    [nominalTrace, findingTrace, chosen, threshold, unit, measured, shown, height],
+  )
+  const noises = flownOf(data).flatMap(({ label, trace }) => (noiseOf(trace) ? [`${label}: ${noiseOf(trace)}`] : []))
+  const keys: Key[] = [
+    ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),
+    { key: 'criterion', label: 'Criterion', colour: '--c-crit', dashed: true, fixed: true },
+  ]
+  const table = () => ({
+    name: 'separation',
+    columns: ['time since start, s', ...spec.lines.map((line) => `${line.label.toLowerCase()}, ${run.unit}`)],
+    rows: spec.x.map((x, i) => [x, ...spec.lines.map((line) => line.y[i] ?? null)]),
+  })
+  return (
+    <ChartCard
+      title="Separation over time"
+      note={[...noises, `${ENDS[measured].note}The flight in 3D goes with the pointer`].join('. ')}
+      className={className}
+      id="separation"
+      run={run.id}
+      data={table}
+      right={
+        <>
+          <Legend keys={keys} hidden={hidden} onToggle={toggle} />
+          <WindowSeg label="Time shown" value={shown} onChange={setShown} />
+        </>
+      }
+    >
+      <Plot spec={spec} hidden={hidden} onCross={onCross} standing={standing} />
+    </ChartCard>
+  )
+}
+
+/** What the criterion's distances are, by the point of an obstacle that they end at. */
+const ENDS = {
+  '': { note: '', axis: 'Value of the criterion' },
+  centre: { note: "Distance to the nearest obstacle's centre. ", axis: 'Separation from centres' },
+  surface: { note: "Distance to the nearest obstacle's surface, negative inside. ", axis: 'Separation from surfaces' },
+}
+
+interface Judged {
+  threshold: number | null
+  unit: string
+  measured: keyof typeof ENDS
+}
+
+function specOf(all: Flown[], { threshold, unit, measured }: Judged, shown: Shown, height: number): PlotSpec {
+  const drawn = all.map((flown) => ({ ...flown, curve: curveOf(flown.trace, firstOf(flown.trace, 'separation')) }))
+  const xs = union(drawn.map(({ curve }) => curve))
+  const decimals = decimalsFor([Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))])
+  const points = drawn.flatMap(({ key, label, colour, trace }) => {
+    const closest = closestOf(trace)
+    if (!closest) return []
+    const words = `${label} ${fixed(closest.value, decimals)} ${unit} at ${fixed(closest.time, 2)} s`
+    return [{ x: closest.time, y: closest.value, colour, label: words, line: key }]
+  })
+  const xRange = spanOf(
+    drawn.map(({ trace }) => trace),
+    threshold,
+    shown,
+  )
+  const extent = extentOf(
+    drawn.map(({ curve }) => curve),
+    xRange,
+  )
+  return {
+    label: `Separation over time, ${drawn.map(({ label }) => label.toLowerCase()).join(' and ')} flight, with the criterion`,
+    x: xs,
+    lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.8 })),
+    points,
+    yTitle: `${ENDS[measured].axis}, ${unit}`,
+    xTitle: 'Time since start, s',
+    xRange,
+    // Distances to surfaces are negative inside an obstacle.
+    yRange: [Math.min(0, (extent?.[0] ?? 0) * 1.04), (extent?.[1] ?? 0) * 1.04 || 1],
+    criterion:
+      threshold === null
+        ? undefined
+        : { value: threshold, label: `Criterion, ${plain(threshold)} ${unit}`, tint: true, right: true },
+    height,
+    sync: TIME,
+    xText: (x) => `${fixed(x, 2)} s`,
+    yText: (y) => `${fixed(y, decimals)} ${unit}`,
+  }
+}

@@ -1,0 +1,140 @@
+// Stored flights as curves over time: which columns there are, which are shown, how much of the flight.
+// Start reading at `spanOf` and `shownColumns`.
+import type { Realisation } from '../../api/results'
+import type { Curve } from '../../charts/series'
+import type { TraceColumn, TraceData, TraceInfo } from '../../client'
+import { fixed, NARROW } from '../../format/numbers'
+import { symbolText } from '../../ui/Sign'
+import type { Shown } from '../../ui/WindowSeg'
+
+/** Charts over time share their crosshair by this key. */
+export const TIME = 'time'
+/** So many columns are shown unless others are asked for. */
+export const MOST_COLUMNS = 6
+
+/** A column of a flight over its time; the first one of a group where no name is given. */
+export function curveOf(trace: TraceData, name: string): Curve {
+  return { x: (trace.data[firstOf(trace, 'time')] ?? []).map((value) => value ?? 0), y: trace.data[name] ?? [] }
+}
+
+/** The name of the first column of a group; empty where there is none. */
+export const firstOf = (trace: TraceInfo, group: TraceColumn['group']): string =>
+  trace.columns.find((column) => column.group === group)?.name ?? ''
+
+export interface Closest {
+  time: number
+  value: number
+  /** Over ground and through space [m/s]; null where it was not stored. */
+  speed: number | null
+  position: number[] | null
+  obstaclePosition: number[] | null
+}
+
+/** The closest approach as stored; null where the criterion knows none. */
+export function closestOf(trace: TraceInfo | undefined): Closest | null {
+  const stored = trace?.meta.closest as Record<string, unknown> | null | undefined
+  const { time, value, speed, position, obstacle_position } = stored ?? {}
+  if (typeof time !== 'number' || typeof value !== 'number') return null
+  return {
+    time,
+    value,
+    speed: typeof speed === 'number' ? speed : null,
+    position: Array.isArray(position) ? (position as number[]) : null,
+    obstaclePosition: Array.isArray(obstacle_position) ? (obstacle_position as number[]) : null,
+  }
+}
+
+/** What is shown of flights: all of it, or as far as separation stays within twice the larger of criterion and lowest. */
+export function spanOf(traces: readonly TraceData[], threshold: number | null, shown: Shown): [number, number] {
+  const curves = traces.map((trace) => curveOf(trace, firstOf(trace, 'separation')))
+  const times = curves.flatMap((curve) => [curve.x[0] ?? 0, curve.x[curve.x.length - 1] ?? 1])
+  const whole: [number, number] = times.length ? [Math.min(...times), Math.max(...times)] : [0, 1]
+  if (shown === 'all') return whole
+  const lowest = Math.min(...traces.flatMap((trace) => closestOf(trace)?.value ?? []))
+  const reach = 2 * Math.max(threshold ?? 0, Number.isFinite(lowest) ? lowest : 0)
+  const inside = curves.flatMap((curve) => curve.x.filter((_, i) => (curve.y[i] ?? Number.POSITIVE_INFINITY) <= reach))
+  return inside.length > 2 ? [Math.min(...inside), Math.max(...inside)] : whole
+}
+
+/** Lowest and highest value of curves between two times; null where there is none. */
+export function extentOf(curves: readonly Curve[], [from, to]: readonly [number, number]): [number, number] | null {
+  let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY]
+  for (const curve of curves)
+    curve.x.forEach((x, i) => {
+      const y = curve.y[i]
+      if (x < from || x > to || typeof y !== 'number') return
+      low = Math.min(low, y)
+      high = Math.max(high, y)
+    })
+  return low <= high ? [low, high] : null
+}
+
+const SPEEDS = ['m/s', 'rad/s']
+
+/** Every speed and every command of a flight: speeds first, then what moves the vehicle, then what was asked of it. */
+export function overTime(trace: TraceInfo | undefined): TraceColumn[] {
+  const rank = ({ group, unit, name }: TraceColumn): number =>
+    group === 'state' ? SPEEDS.indexOf(unit) : name.endsWith('_demand') ? SPEEDS.length + 1 : SPEEDS.length
+  const found = (trace?.columns ?? []).filter(
+    ({ group, unit }) => group === 'command' || (group === 'state' && SPEEDS.includes(unit)),
+  )
+  return found.map((column, at) => ({ column, at })).sort((a, b) => rank(a.column) - rank(b.column) || a.at - b.at).map(({ column }) => column)
+}
+
+/** The columns that an address asks for; without any the usual ones: of many, the first speed of each unit and what moves the vehicle. */
+export function shownColumns(all: readonly TraceColumn[], asked: string | undefined): TraceColumn[] {
+  const names = asked?.split(',') ?? []
+  const found = all.filter(({ name }) => names.includes(name))
+  if (found.length > 0) return found
+  if (all.length <= MOST_COLUMNS) return [...all]
+  const first = (column: TraceColumn) =>
+    column.group === 'state' && all.find(({ group, unit }) => group === 'state' && unit === column.unit) === column
+  const moving = all.filter((column) => first(column) || (column.group === 'command' && !column.name.endsWith('_demand')))
+  return moving.slice(0, MOST_COLUMNS)
+}
+
+/** The value of a curve at a time, by a straight line between its points; null outside them. */
+export function valueAt(curve: Curve, time: number): number | null {
+  const after = curve.x.findIndex((x) => x >= time)
+  const [y1, y0] = [curve.y[after], curve.y[after - 1]]
+  if (after < 0 || typeof y1 !== 'number') return null
+  const [x1, x0] = [curve.x[after] as number, curve.x[after - 1]]
+  if (x1 === time || x0 === undefined || typeof y0 !== 'number') return x1 === time ? y1 : null
+  return y0 + ((y1 - y0) * (time - x0)) / (x1 - x0)
+}
+
+/** What the name says beside the symbol: of `omega_demand` with the symbol ω_d, that it is a demand. */
+export function wordsOf({ name, symbol }: Pick<TraceColumn, 'name' | 'symbol'>): string {
+  const [first = '', ...rest] = name.split('_')
+  const same = symbolText(first) === symbolText(symbol).split('_')[0]
+  return (same ? rest : [first, ...rest]).join(' ').replace(/\bref\b/, 'reference')
+}
+
+
+/** How many stand side by side, so that as few places as possible stay empty. */
+export function acrossOf(count: number, most: number): number {
+  let best = 1
+  for (let across = 1; across <= Math.min(most, count); across++) {
+    const empty = (per: number) => (per - (count % per)) % per
+    if (Math.ceil(count / across) < Math.ceil(count / best) && empty(across) <= Math.max(empty(best), across / 2)) best = across
+  }
+  return best
+}
+
+/** How far above or below the obstacle a flight passes, where that is a good part of the distance. */
+export function aboveOf(trace: TraceInfo): string | null {
+  const closest = closestOf(trace)
+  const [own, other] = [closest?.position?.[2], closest?.obstaclePosition?.[2]]
+  if (!closest || own === undefined || other === undefined) return null
+  const above = (own - other) * (trace.meta.frame === 'ned' ? -1 : 1)
+  if (Math.abs(above) < 0.1 * Math.abs(closest.value) || above === 0) return null
+  const decimals = Math.abs(above) < 10 ? 1 : 0
+  return `${fixed(Math.abs(above), decimals)}${NARROW}m ${above > 0 ? 'above' : 'below'}`
+}
+
+/** Which noise realisation a stored flight shows; empty where the scenario has no noise. */
+export function noiseOf(trace: Pick<TraceInfo, 'meta'> | undefined): string {
+  const shown = trace?.meta.realisation as Realisation | undefined
+  if (!shown) return ''
+  return shown.seeds > 1 ? `noise seed ${shown.seed}, the lowest of ${shown.seeds}` : `noise seed ${shown.seed}`
+}

@@ -1,0 +1,52 @@
+// Changes that are sent together, and the addresses of views.
+import { expect, it } from 'vitest'
+import { View } from './view'
+import { addressOf, again, merged } from '../data/viewChange'
+
+it('puts changes together, the newest of each kind', () => {
+  expect(merged({ time: 1, camera: 'top' }, { time: 2 })).toEqual({ time: 2, camera: 'top' })
+  expect(merged({ time: 1 }, { step: 0.5 })).toEqual({ time: 1, step: 0.5 })
+  expect(merged({ step: -0.1 }, { step: -0.1 })).toEqual({ step: -0.2 })
+  expect(merged({ step: 1 }, { time: 3 })).toEqual({ time: 3 })
+  expect(merged({ time: 3, step: 1 }, { closest: true })).toEqual({ closest: true })
+  expect(merged({ closest: true }, { time: 3 })).toEqual({ time: 3 })
+  expect(merged({ closest: true }, { camera: 'chase' })).toEqual({ closest: true, camera: 'chase' })
+  expect(merged({ closest: true }, { step: 0.1 })).toEqual({ step: 0.1 })
+  expect(merged({ time: 0, step: 0.1 }, {})).toEqual({ time: 0, step: 0.1 })
+  expect(merged({ time: 1 }, { time: 2, passing: true })).toEqual({ time: 2, passing: true })
+  expect(merged({ time: 1, passing: true }, { time: 2 })).toEqual({ time: 2 })
+  const layers = [{ layers: { field: true } }, { layers: { sampled: true } }] as const
+  expect(merged(...layers)).toEqual({ layers: { field: true, sampled: true } })
+  expect(merged({ time: 1, passing: true }, { camera: 'top' })).toEqual({ time: 1, passing: true, camera: 'top' })
+})
+
+it('tells a view opened anew all that the last one showed', () => {
+  const layers = {
+    ...{ nominal: true, finding: true, what_if: false, velocity: false, relative: true, trail: 'so_far' as const },
+    ...{ sampled: true, field: false, space: false, axes: ['a', 'b', 'value'] as [string, string, string] },
+  }
+  const eye = { position: [1, 2, 3] as [number, number, number], target: [0, 0, 0] as [number, number, number] }
+  const last = { opened: 1, revision: 7, flight: 'F2', time: 3.5, camera: null, eye, playing: true, speed: 2, panel: true, what_if: null, what_if_seed: null }
+  const said = again({ ...last, theme: 'dark', layers })
+  expect(said).toEqual({ flight: 'F2', theme: 'dark', time: 3.5, playing: true, speed: 2, panel: true, layers, eye })
+  const noisy = again({ ...last, theme: 'dark', layers, what_if: { 'vehicle.m': 5 }, what_if_seed: 7 })
+  expect(noisy).toMatchObject({ what_if: { 'vehicle.m': 5 }, what_if_seed: 7 })
+  expect(merged(said, { camera: 'top', step: 1 })).toMatchObject({ time: 3.5, step: 1, camera: 'top' })
+  expect(merged(said, { camera: 'top' })).not.toHaveProperty('eye')
+  expect(merged(said, { closest: true })).not.toHaveProperty('time')
+})
+
+it('keeps one page for all views that a page opens', () => {
+  const wanted = { flight: 'F2', theme: 'dark' } as const
+  expect(addressOf('R-0001', wanted, { time: 2.5, camera: 'chase' }, 'k')).toBe(
+    '/view/R-0001/#F2/t/2.5/cam/chase/dark/key/k/',
+  )
+  expect(addressOf('R-0001', wanted, {})).toBe('/view/R-0001/F2/dark/')
+})
+
+it('has a key of its own', () => {
+  const uuid = /^[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}$/
+  const keys = Array.from({ length: 50 }, () => new View('R-0001').key)
+  for (const key of keys) expect(key).toMatch(uuid)
+  expect(new Set(keys).size).toBe(50)
+})

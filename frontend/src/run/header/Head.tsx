@@ -1,0 +1,118 @@
+// The head of a run's page: what it is, how it stands, what can be done with it.
+import { Modal } from '@mantine/core'
+import { IconPlayerStop, IconRefresh } from '@tabler/icons-react'
+import { useMutation, useQueryClient } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
+import { useState } from 'react'
+import { cancelRun } from '../../api/calls'
+import { putRun, useStreamStatus } from '../../api/events'
+import { isLive } from '../../api/queries'
+import type { RunDetail } from '../../client'
+import { ExportMenu } from '../../exports/ExportMenu'
+import { withoutValue } from '../../format/counts'
+import { count } from '../../format/numbers'
+import { dayAndClock, moment } from '../../format/time'
+import { Tags } from '../../ui/Card'
+import { outcomeOf, VerdictBadge } from '../../ui/VerdictBadge'
+import { Bell } from './Bell'
+import { EditRun } from './EditRun'
+import { Remove } from './Removed'
+
+export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
+  return (
+    <div className="ph">
+      <div className="t">
+        <nav className="crumb" aria-label="Breadcrumb">
+          <Link to="/runs">Runs</Link>/<span>{run.campaign_name}</span>/<span className="mono">{run.id}</span>
+        </nav>
+        <div className="titles">
+          <h1>{run.name}</h1>
+          <span data-testid="outcome" aria-live="polite">
+            <VerdictBadge outcome={outcomeOf(run)} />
+          </span>
+          <Tags tags={run.tags} />
+          {run.removed === null && <EditRun run={run} />}
+          <span className="small mut nw" title={moment(run.created)}>
+            {dayAndClock(run.created)}, {run.owner}
+          </span>
+          {run.evaluations > 0 && (
+            <span className="small mut nw" data-testid="counts">
+              {count(run.evaluations)} evaluations, {withoutValue(run)}
+            </span>
+          )}
+          {run.continues && (
+            <span className="small nw">
+              Goes on with{' '}
+              <Link to="/runs/$id" params={{ id: run.continues }} className="mono">
+                {run.continues}
+              </Link>
+            </span>
+          )}
+        </div>
+      </div>
+      <div className="acts">
+        {isLive(run) && <Freshness stale={stale} />}
+        {isLive(run) && <Bell run={run.id} />}
+        <ExportMenu run={run} />
+        <Link to="/launch" search={{ from: run.id }} className="btn">
+          <IconRefresh className="i s" aria-hidden />
+          Run again
+        </Link>
+        {isLive(run) ? <Cancel run={run} /> : run.removed === null && <Remove run={run} />}
+      </div>
+    </div>
+  )
+}
+
+function Freshness({ stale }: { stale: boolean }) {
+  const stream = useStreamStatus()
+  const words = stale ? 'The service does not answer, trying again' : stream === 'open' ? 'Live' : 'Asking every 2 s'
+  return (
+    <span className={stale ? 'small bad-t nw' : 'small mut nw'} role="status">
+      {words}
+    </span>
+  )
+}
+
+function Cancel({ run }: { run: RunDetail }) {
+  const [asking, setAsking] = useState(false)
+  const cache = useQueryClient()
+  const cancel = useMutation({
+    mutationFn: () => cancelRun(run.id),
+    onSuccess: (summary) => {
+      putRun(cache, summary)
+      setAsking(false)
+    },
+  })
+  const cancelling = run.state === 'cancelling'
+  return (
+    <>
+      <button type="button" className="btn danger" disabled={cancelling} onClick={() => setAsking(true)}>
+        <IconPlayerStop className="i s" aria-hidden />
+        {cancelling ? 'Cancelling …' : 'Cancel run'}
+      </button>
+      <Modal
+        opened={asking && !cancelling}
+        onClose={() => setAsking(false)}
+        title={`Cancel ${run.id}?`}
+        centered
+        // The library locks scrolling by a style element, which the security policy could refuse.
+        lockScroll={false}
+      >
+        <p className="sec">
+          The {count(run.evaluations)} evaluations flown so far are kept. A cancelled run has no verdict, and it cannot
+          be continued; it can be run again.
+        </p>
+        {cancel.isError && <p className="ferr">{cancel.error.message}</p>}
+        <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 16 }}>
+          <button type="button" className="btn" onClick={() => setAsking(false)}>
+            Keep running
+          </button>
+          <button type="button" className="btn danger p" disabled={cancel.isPending} onClick={() => cancel.mutate()}>
+            Cancel run
+          </button>
+        </div>
+      </Modal>
+    </>
+  )
+}

@@ -1,0 +1,98 @@
+// Notes on a run, in Markdown: why it was flown, what was seen, what was decided.
+import { IconPencil } from '@tabler/icons-react'
+import { lazy, Suspense, useState } from 'react'
+import type { RunDetail } from '../../client'
+import { count } from '../../format/numbers'
+import { Card } from '../../ui/Card'
+import { useEdit } from './useEdit'
+
+// Most runs have no notes: the parser comes with the first.
+const Parsed = lazy(() => import('../../ui/Markdown').then((module) => ({ default: module.Markdown })))
+
+const MOST = 20_000
+
+export function Notes({ run, className }: { run: RunDetail; className: string }) {
+  const [draft, setDraft] = useState<string | null>(null)
+  const [read, setRead] = useState('')
+  const edit = useEdit(run, () => setDraft(null))
+  const writing = draft !== null
+  const begin = () => {
+    setRead(run.notes)
+    setDraft(run.notes)
+  }
+  return (
+    <Card
+      title="Notes"
+      note={writing ? 'Markdown: **bold**, *italic*, - lists, [links](https://…), tables' : undefined}
+      className={className}
+      id="notes"
+      right={
+        !writing &&
+        run.removed === null && (
+          <button type="button" className="btn s" onClick={begin}>
+            <IconPencil className="i s" aria-hidden /> {run.notes ? 'Edit' : 'Write'}
+          </button>
+        )
+      }
+    >
+      {writing ? (
+        <form
+          onSubmit={(event) => {
+            event.preventDefault()
+            edit.mutate({ notes: draft, notes_before: read })
+          }}
+        >
+          <div className="writing">
+            <textarea
+              value={draft}
+              maxLength={MOST}
+              aria-label="Notes in Markdown"
+              autoFocus
+              onChange={(event) => setDraft(event.target.value)}
+              onKeyDown={(event) => {
+                if (event.key === 'Escape' && draft === run.notes) setDraft(null)
+                if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) event.currentTarget.form?.requestSubmit()
+              }}
+            />
+            <div className="preview" aria-label="Preview" role="region">
+              {draft.trim() ? <Markdown text={draft} /> : <p className="mut">What you write is shown here.</p>}
+            </div>
+          </div>
+          {edit.isError && <p className="ferr">{edit.error.message}</p>}
+          {run.notes !== read && (
+            <div className="note" role="status">
+              <b>Meanwhile somebody else wrote:</b>
+              <Markdown text={run.notes} />
+              <button type="button" className="btn s" onClick={() => setRead(run.notes)}>
+                I have read it; mine is to stand
+              </button>
+            </div>
+          )}
+          <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 10 }}>
+            <span className="small mut grow">
+              {draft.length > 0.9 * MOST && `${count(MOST - draft.length)} characters left`}
+            </span>
+            <button type="button" className="btn s" onClick={() => setDraft(null)}>
+              Discard
+            </button>
+            <button type="submit" className="btn s p" disabled={edit.isPending || draft === run.notes}>
+              Save notes
+            </button>
+          </div>
+        </form>
+      ) : run.notes.trim() ? (
+        <Markdown text={run.notes} />
+      ) : (
+        <p className="mut">Nothing written yet. Say why this run was flown, and what was decided on it.</p>
+      )}
+    </Card>
+  )
+}
+
+function Markdown({ text }: { text: string }) {
+  return (
+    <Suspense>
+      <Parsed text={text} />
+    </Suspense>
+  )
+}

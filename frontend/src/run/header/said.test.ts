@@ -1,0 +1,33 @@
+// The audit trail in words.
+import { expect, it } from 'vitest'
+import type { HistoryEntry } from '../../client'
+import { saidOf } from './said'
+
+const said = (action: string, detail: HistoryEntry['detail'] = {}) =>
+  saidOf({ at: 0, user: 'ada', via: 'link', action, detail })
+
+it('tells what an edit changed', () => {
+  expect(said('run.edited', { pinned: true })).toBe('Pinned it')
+  expect(said('run.edited', { name: 'B', tags: ['a', 'b'], notes: {} })).toBe('Named it “B”; tagged it a, b; wrote its notes')
+  expect(said('run.edited', { tags: [] })).toBe('Took its tags off')
+})
+
+it('tells who signed, and why not any more', () => {
+  expect(said('signoff.created', { name: 'Ada', role: 'Assessor' })).toBe('Signed off as Ada, Assessor')
+  expect(said('signoff.withdrawn', { reason: 'too early' })).toBe('Withdrew a sign-off: too early')
+})
+
+it('tells whether a cancel came in time', () => {
+  expect(said('run.cancelled', { state: 'cancelling' })).toBe('Cancelled')
+  expect(said('run.cancelled', { state: 'done' })).toBe('Asked to cancel, after its end')
+})
+
+it('tells what became of a run', () => {
+  expect(said('run.removed', { reason: 'a trial' })).toBe('Removed it from the lists: a trial')
+  expect(said('run.restored', { reason: 'a trial' })).toBe('Restored it')
+  expect(said('run.purged', { results_digest: '0123456789abcdef01' })).toBe('Deleted its results for good, sha256 0123456789abcdef')
+})
+
+it('hides nothing that it has no words for', () => {
+  expect(said('run.something')).toBe('run.something')
+})

@@ -1,0 +1,38 @@
+// What was done to a run, in words. Start reading at `saidOf`.
+import type { HistoryEntry } from '../../client'
+
+const text = (value: unknown): string => (typeof value === 'string' ? value : '')
+
+/** One entry of the audit trail as a sentence without its subject. */
+export function saidOf({ action, detail }: HistoryEntry): string {
+  switch (action) {
+    case 'run.submitted':
+      return 'Submitted'
+    case 'run.cancelled':
+      return detail.state === 'cancelled' || detail.state === 'cancelling' ? 'Cancelled' : 'Asked to cancel, after its end'
+    case 'run.edited':
+      return editOf(detail)
+    case 'run.removed':
+      return `Removed it from the lists: ${text(detail.reason)}`
+    case 'run.restored':
+      return 'Restored it'
+    case 'run.purged':
+      return `Deleted its results for good, sha256 ${text(detail.results_digest).slice(0, 16)}`
+    case 'signoff.created':
+      return `Signed off as ${[text(detail.name), text(detail.role)].filter(Boolean).join(', ')}`
+    case 'signoff.withdrawn':
+      return detail.reason ? `Withdrew a sign-off: ${text(detail.reason)}` : 'Withdrew a sign-off'
+    default:
+      return action
+  }
+}
+
+function editOf(detail: HistoryEntry['detail']): string {
+  const parts: string[] = []
+  if ('name' in detail) parts.push(`named it “${text(detail.name)}”`)
+  if (Array.isArray(detail.tags)) parts.push(detail.tags.length > 0 ? `tagged it ${detail.tags.join(', ')}` : 'took its tags off')
+  if ('notes' in detail) parts.push('wrote its notes')
+  if ('pinned' in detail) parts.push(detail.pinned ? 'pinned it' : 'unpinned it')
+  const said = parts.join('; ') || 'changed it'
+  return said.charAt(0).toUpperCase() + said.slice(1)
+}

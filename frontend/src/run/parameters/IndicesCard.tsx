@@ -1,0 +1,97 @@
+// Sensitivity over the whole box: Morris' elementary effects and Sobol's shares of the variance, a row per parameter.
+import type { SensitivityResult } from '../../api/results'
+import { count, NONE, percent, plain } from '../../format/numbers'
+import { Card } from '../../ui/Card'
+import { Sign } from '../../ui/Sign'
+import type { RunData } from '../data/data'
+
+interface IndicesCardProps {
+  data: RunData
+  result: SensitivityResult
+  className: string
+}
+
+interface Column {
+  name: string
+  values: Map<string, string>
+}
+
+export function IndicesCard({ data, result, className }: IndicesCardProps) {
+  const { run, parameters } = data
+  const { morris, sobol } = result
+  const effects = (name: 'mu' | 'mu_star' | 'sigma') =>
+    new Map((morris?.indices ?? []).map((row) => [row.path, plain(row[name], 3)]))
+  const shares = (name: 'first' | 'total') =>
+    new Map((sobol?.indices ?? []).map((row) => [row.path, spread(row[name], row[`${name}_confidence`])]))
+  const columns: Column[] = [
+    ...(morris?.indices
+      ? [
+          { name: 'μ', values: effects('mu') },
+          { name: 'μ*', values: effects('mu_star') },
+          { name: 'σ', values: effects('sigma') },
+        ]
+      : []),
+    ...(sobol?.indices
+      ? [
+          { name: 'First order', values: shares('first') },
+          { name: 'Total', values: shares('total') },
+        ]
+      : []),
+  ]
+  return (
+    <Card
+      title="Sensitivity indices"
+      note={[
+        morris && `Morris, ${count(morris.evaluations)} flights`,
+        sobol && `Sobol, ${count(sobol.evaluations)} flights`,
+      ]
+        .filter(Boolean)
+        .join('; ')}
+      className={className}
+      flush={columns.length > 0}
+      footer={
+        <>
+          {morris && (morris.indices ? `μ, μ* and σ are per whole range, in ${run.unit}. ` : `Morris: ${morris.text}. `)}
+          {sobol &&
+            (sobol.indices
+              ? `The shares are of the variance, ± the half width of their ${percent(sobol.confidence)} interval.`
+              : `Sobol: ${sobol.text}.`)}
+        </>
+      }
+    >
+      {columns.length > 0 ? (
+        <table className="tight">
+          <thead>
+            <tr>
+              <th>Parameter</th>
+              {columns.map((column) => (
+                <th key={column.name} className="num">
+                  {column.name}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {parameters.map((parameter) => (
+              <tr key={parameter.path} title={parameter.text}>
+                <td>
+                  <Sign text={parameter.symbol} path={parameter.path} />
+                </td>
+                {columns.map((column) => (
+                  <td key={column.name} className="num">
+                    {column.values.get(parameter.path) ?? NONE}
+                  </td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      ) : (
+        <p className="sec">No index was computed.</p>
+      )}
+    </Card>
+  )
+}
+
+const spread = (value: number | null, half: number | null): string =>
+  value === null ? NONE : `${plain(value, 3)} ± ${half === null ? NONE : plain(half, 2)}`

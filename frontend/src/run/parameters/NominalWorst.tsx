@@ -1,0 +1,197 @@
+// Nominal against worst: every uncertain parameter, where it lies within its bounds, and what comes of it.
+import { decimalsFor, fixed, NARROW, NONE, plain } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { WithinBounds } from '../../ui/bars'
+import { Card } from '../../ui/Card'
+import { CopyButton } from '../../ui/files'
+import { MethodName } from '../../ui/MethodMark'
+import { Sign } from '../../ui/Sign'
+import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
+import { closestOf, noiseOf } from '../flight/flown'
+
+interface Worst {
+  cost: number
+  parameters: Record<string, number>
+  method: string | null
+  /** Of every criterion, by its name. */
+  values: Record<string, number | null>
+  atBounds?: Record<string, string>
+}
+
+interface NominalWorstProps {
+  data: RunData
+  className: string
+  title: string
+  note?: string
+  /** Head of the column of the other flight; null for the nominal one alone. */
+  column: string | null
+  worst: Worst | null
+  id?: string
+}
+
+export function NominalWorst({ data, className, title, note, column, worst, id }: NominalWorstProps) {
+  const { run, parameters, nominalTrace, findingTrace } = data
+  const decimals = decimalsFor([run.nominal_cost, worst?.cost])
+  const near = [closestOf(nominalTrace), column === null || !findingTrace ? null : closestOf(findingTrace)] as const
+  const both = column !== null
+  return (
+    <Card
+      title={title}
+      note={note}
+      className={className}
+      id={id}
+      flush
+      right={worst?.method ? <MethodName method={worst.method} short /> : undefined}
+      footer={
+        worst && (
+          <span className="row" style={{ justifyContent: 'space-between' }}>
+            Shown rounded; stored at full precision.
+            <CopyButton text={() => JSON.stringify(worst.parameters, null, 2)}>Copy values</CopyButton>
+          </span>
+        )
+      }
+    >
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Parameter</th>
+            <th className="num">Nominal</th>
+            {column !== null && <th className="num">{column}</th>}
+            <th>Within bounds</th>
+          </tr>
+        </thead>
+        <tbody>
+          {parameters.map((parameter) => (
+            <Row key={parameter.path} parameter={parameter} worst={worst} alone={column === null} />
+          ))}
+          <Told name="Speed at closest approach" unit="m/s" both={both} values={near.map((at) => at?.speed ?? null)} />
+          <Told name="Time of closest approach" unit="s" both={both} values={near.map((at) => at?.time ?? null)} />
+          <Noise both={both} noises={[noiseOf(nominalTrace), noiseOf(both ? findingTrace : undefined)]} />
+          {run.criteria.slice(1).map((criterion) => (
+            <Told
+              key={criterion.name}
+              name={criterion.title}
+              sign={criterion.quantity}
+              unit={criterion.unit}
+              both={both}
+              note={criterion.worse === 'high' ? 'more is worse' : 'less is worse'}
+              values={[valuesOf(nominalTrace)[criterion.name] ?? null, worst?.values[criterion.name] ?? null]}
+            />
+          ))}
+          <tr>
+            <td className="m">
+              <Sign text={run.quantity || 'value'} /> <span className="mut small">{run.unit}</span>
+            </td>
+            <td className="num sec">{fixed(run.nominal_cost, decimals)}</td>
+            {column !== null && (
+              <td className="num b" data-testid="worst-cost">
+                {fixed(worst?.cost, decimals)}
+              </td>
+            )}
+            <td className="small mut">
+              {run.threshold !== null && `criterion ${plain(run.threshold)}${NARROW}${run.unit}`}
+            </td>
+          </tr>
+        </tbody>
+      </table>
+    </Card>
+  )
+}
+
+/** With which noise the two were simulated; nothing where the scenario has none. */
+function Noise({ both, noises }: { both: boolean; noises: readonly string[] }) {
+  const [nominal, other] = noises.map((noise) => noise.replace('noise seed ', ''))
+  if (!nominal && !other) return null
+  return (
+    <tr>
+      <td className="sec">Noise seed</td>
+      <td className="num sec">{nominal || NONE}</td>
+      {both && <td className="num">{other || NONE}</td>}
+      <td />
+    </tr>
+  )
+}
+
+interface ToldProps {
+  name: string
+  sign?: string
+  unit: string
+  both: boolean
+  note?: string
+  /** In the nominal flight and in the other one. */
+  values: (number | null)[]
+}
+
+/** What else is told of the two flights; nothing where neither tells it. */
+function Told({ name, sign, unit, both, note, values }: ToldProps) {
+  const [nominal, other] = values
+  if (nominal === null && (other === null || !both)) return null
+  const decimals = sign ? decimalsFor(values) : 2
+  return (
+    <tr>
+      <td className="sec">
+        {sign ? (
+          <span className="rn">
+            <span className="m">
+              <Sign text={sign} /> <span className="mut small">{unitText(unit)}</span>
+            </span>
+            <small>{name}</small>
+          </span>
+        ) : (
+          <>
+            {name} <span className="mut small">{unit}</span>
+          </>
+        )}
+      </td>
+      <td className="num sec">{fixed(nominal, decimals)}</td>
+      {both && <td className="num">{fixed(other, decimals)}</td>}
+      <td className="small mut">{note}</td>
+    </tr>
+  )
+}
+
+function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst: Worst | null; alone: boolean }) {
+  const { path, symbol, unit, text, nominal, low, high } = parameter
+  const value = worst?.parameters[path] ?? null
+  const span = decimalsFor([low, high, nominal])
+  const at = worst?.atBounds?.[path] ?? (value === null ? undefined : edge(value, low, high))
+  return (
+    <tr>
+      <td style={{ paddingRight: 4 }}>
+        <span className="rn" title={path}>
+          <span className="m">
+            <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
+          </span>
+          <small className="two" title={text}>
+            {text}
+          </small>
+        </span>
+      </td>
+      <td className="num sec">{fixed(nominal, span)}</td>
+      {!alone && (
+        <td className="num b">
+          <span className="rn">
+            {value === null ? NONE : fixed(value, span)}
+            {at && <span className="atbound">at {at} bound</span>}
+          </span>
+        </td>
+      )}
+      <td style={{ width: 118 }}>
+        <span className="rn">
+          <WithinBounds low={low} high={high} nominal={nominal} value={value} />
+          <span className="bounds">
+            <span>{plain(low)}</span>
+            <span>{plain(high)}</span>
+          </span>
+        </span>
+      </td>
+    </tr>
+  )
+}
+
+/** Which bound a value lies on, within a hundred-thousandth of the range. */
+function edge(value: number, low: number, high: number): string | undefined {
+  const reach = 1e-5 * (high - low)
+  if (value <= low + reach) return 'low'
+  return value >= high - reach ? 'high' : undefined
+}

@@ -1,0 +1,201 @@
+// Sensitivity: each parameter over its bounds, the others nominal, and the others as in the chosen finding; all curves
+// share the vertical axis.
+import { useMemo } from 'react'
+import type { SensitivityCurve, SensitivityResult, Slices, ValidateResult } from '../../api/results'
+import { ChartCard } from '../../charts/ChartCard'
+import { type Key, Legend, useHidden } from '../../charts/Legend'
+import { Plot } from '../../charts/Plot'
+import { useReach } from '../../charts/reach'
+import { linesOn, union } from '../../charts/series'
+import type { PlotSpec } from '../../charts/spec'
+import { padded } from '../../charts/ticks'
+import { decimalsFor, fixed } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { Sign, symbolText } from '../../ui/Sign'
+import { calledOf, NOMINAL } from '../data/chosen'
+import type { RunData, UncertainParameter } from '../data/data'
+
+interface SensitivityCardProps {
+  data: RunData
+  result: SensitivityResult
+  /** Whose slices are drawn beside the curves. */
+  validation: ValidateResult | null
+  className: string
+  /** Of each plot [px]. */
+  height: number
+}
+
+export function SensitivityCard({ data, result, validation, className, height }: SensitivityCardProps) {
+  const { run, parameters, chosen } = data
+  const [hidden, toggle] = useHidden()
+  const slices = validation?.after?.[chosen]?.slices
+  const called = calledOf(chosen).replace('Worst', 'worst')
+  const drawn = [...result.curves, ...(slices?.curves ?? [])]
+  const costs = drawn.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
+  const { criterion, choice, note } = useReach(costs, run.threshold, run.unit, 'these axes')
+  const yRange = padded(criterion === null ? costs : [...costs, criterion], false, 0.1)
+  const keys: Key[] = [
+    { key: 'nominal', label: 'Others at nominal', colour: '--c-nom' },
+    ...(slices ? [{ key: 'worst', label: `Others at ${called}`, colour: '--c-worst' }] : []),
+    ...(criterion === null ? [] : [{ key: 'criterion', label: 'Criterion', colour: '--c-crit', dashed: true, fixed: true }]),
+  ]
+  return (
+    <ChartCard
+      title={
+        <>
+          Sensitivity of <Sign text={run.quantity || 'value'} />
+        </>
+      }
+      note={`${run.unit}, ${result.points} points per curve`}
+      className={className}
+      id="sensitivity"
+      run={run.id}
+      data={() => tableOf(data, result, slices, called)}
+      right={
+        <>
+          <Legend keys={keys} hidden={hidden} onToggle={toggle} />
+          {choice}
+        </>
+      }
+      footer={footerOf(drawn, missing(validation, chosen, slices))}
+    >
+      <div className="smalls">
+        {result.curves.map((curve) => {
+          const parameter = parameters.find((p) => p.path === curve.path)
+          return parameter ? (
+            <Small
+              key={curve.path}
+              data={data}
+              curve={curve}
+              slices={slices}
+              called={called}
+              parameter={parameter}
+              yRange={yRange}
+              criterion={criterion}
+              hidden={hidden}
+              height={height}
+            />
+          ) : null
+        })}
+      </div>
+      {note}
+    </ChartCard>
+  )
+}
+
+/** The slice of one parameter through the finding, and the finding's own value of it. */
+function throughOf(slices: Slices | undefined, path: string): Through | null {
+  const curve = slices?.curves.find((each) => each.path === path)
+  return curve && slices ? { curve, at: slices.at[path] ?? null } : null
+}
+
+interface Through {
+  curve: SensitivityCurve
+  at: number | null
+}
+
+/** Why a finding has no slices, where validation ended before it flew them. */
+function missing(validation: ValidateResult | null, chosen: string, slices: Slices | undefined): string {
+  if (slices || chosen === NOMINAL || !validation?.findings || validation.findings.complete) return ''
+  return `No slices were flown through ${chosen}: validation ended before it came to them. `
+}
+
+function footerOf(curves: readonly SensitivityCurve[], absent: string) {
+  const failed = curves.reduce((sum, curve) => sum + curve.status.filter((status) => status !== 'ok').length, 0)
+  const gaps = failed > 0 ? `${failed} of these flights gave no value; the curves have gaps there.` : ''
+  return absent || gaps ? absent + gaps : undefined
+}
+
+function tableOf({ run }: RunData, result: SensitivityResult, slices: Slices | undefined, called: string) {
+  const rows = (curves: readonly SensitivityCurve[], others: string) =>
+    curves.flatMap((curve) =>
+      curve.values.map((value, i) => [curve.path, others, value, curve.costs[i] ?? null, curve.status[i] ?? '']),
+    )
+  return {
+    name: 'sensitivity',
+    columns: ['parameter', 'others at', 'value', `${run.quantity}, ${run.unit}`, 'status'],
+    rows: [...rows(result.curves, 'nominal'), ...rows(slices?.curves ?? [], called)],
+  }
+}
+
+interface SmallProps {
+  data: RunData
+  curve: SensitivityCurve
+  slices: Slices | undefined
+  called: string
+  parameter: UncertainParameter
+  yRange: [number, number]
+  criterion: number | null
+  hidden: ReadonlySet<string>
+  height: number
+}
+
+function Small({ data, curve, slices, called, parameter, yRange, criterion, hidden, height }: SmallProps) {
+  const { run, finding } = data
+  const { path, symbol, unit, text, nominal, low, high } = parameter
+  const [y0, y1] = yRange
+  const cost = finding?.cost ?? null
+  const spec = useMemo((): PlotSpec => {
+    const through = throughOf(slices, curve.path)
+    const nominals = { x: curve.values, y: curve.costs }
+    const others = through && { x: through.curve.values, y: through.curve.costs }
+    const xs = others ? union([nominals, others]) : curve.values
+    const decimals = decimalsFor([...curve.costs, ...(others?.y ?? [])], 5)
+    const digits = decimalsFor([low, high, nominal])
+    const point = through && through.at !== null && cost !== null ? { x: through.at, y: cost } : null
+    return {
+      label: `${symbolText(run.quantity)} over ${text}`,
+      x: xs,
+      lines: [
+        { key: 'nominal', label: 'Others at nominal', colour: '--c-nom', y: linesOn(xs, nominals), width: 1.8 },
+        ...(others
+          ? [{ key: 'worst', label: `Others at ${called}`, colour: '--c-worst', y: linesOn(xs, others), width: 1.8 }]
+          : []),
+      ],
+      points: [
+        ...(run.nominal_cost === null ? [] : [{ x: nominal, y: run.nominal_cost, colour: '--c-nom', line: 'nominal' }]),
+        ...(point ? [{ ...point, colour: '--c-worst', line: 'worst' }] : []),
+      ],
+      xTitle: (
+        <>
+          <Sign text={symbol} path={path} />
+          {unit && `, ${unitText(unit)}`}
+        </>
+      ),
+      yTitle: (
+        <>
+          <Sign text={symbol} path={path} /> <span className="mut">{text}</span>
+        </>
+      ),
+      xTicks: [low, nominal, high],
+      xRange: [low, high],
+      yRange: [y0, y1],
+      yTicks: 4,
+      left: 52,
+      criterion: criterion === null ? undefined : { value: criterion, tint: true },
+      height,
+      xText: (x) => `${symbolText(symbol)} = ${fixed(x, digits)} ${unitText(unit)}`,
+      yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
+    }
+  }, [
+    curve,
+    path,
+    slices,
+    called,
+    cost,
+    run.quantity,
+    run.unit,
+    run.nominal_cost,
+    symbol,
+    unit,
+    text,
+    nominal,
+    low,
+    high,
+    y0,
+    y1,
+    criterion,
+    height,
+  ])
+  return <Plot spec={spec} hidden={hidden} />
+}

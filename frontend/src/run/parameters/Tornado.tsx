@@ -1,0 +1,159 @@
+// The tornado: how far each parameter alone moves the value from nominal, at its low and at its high bound.
+
+import type { SensitivityResult } from '../../api/results'
+import { ChartCard } from '../../charts/ChartCard'
+import { linearTicks, tickDecimals } from '../../charts/ticks'
+import { decimalsFor, fixed, signed } from '../../format/numbers'
+import { isPath, Sign, SvgSign } from '../../ui/Sign'
+import { useWidth } from '../../ui/useWidth'
+import type { RunData } from '../data/data'
+
+interface Bar {
+  path: string
+  symbol: string
+  low: number
+  high: number
+}
+
+interface TornadoProps {
+  data: RunData
+  result: SensitivityResult
+  className: string
+  /** Rows farther apart: beside much that is higher. */
+  tall?: boolean
+}
+
+export function Tornado({ data, result, className, tall }: TornadoProps) {
+  const { run } = data
+  const bars = barsOf(data, result)
+  const decimals = decimalsFor([run.nominal_cost], 4)
+  const table = () => ({
+    name: 'tornado',
+    columns: ['parameter', `change at low bound, ${run.unit}`, `change at high bound, ${run.unit}`],
+    rows: bars.map((bar) => [bar.path, bar.low, bar.high]),
+  })
+  const most = bars[0]
+  return (
+    <ChartCard
+      title="Tornado"
+      note={`From nominal ${fixed(run.nominal_cost, decimals)} ${run.unit}`}
+      className={className}
+      run={run.id}
+      data={table}
+      footer={
+        most && (
+          <>
+            {bars.length < result.curves.length && 'Parameters without a value at one of their bounds are left out. '}
+            <Sign text={most.symbol} path={most.path} /> moves it most:{' '}
+            {signed(Math.min(most.low, most.high), decimalsFor([most.low, most.high], 2))} {run.unit} on its worse side.
+          </>
+        )
+      }
+    >
+      {bars.length > 0 ? (
+        <Bars bars={bars} quantity={run.quantity} unit={run.unit} row={tall ? 52 : 36} />
+      ) : (
+        <p className="sec">No parameter has a value at both of its bounds.</p>
+      )}
+    </ChartCard>
+  )
+}
+
+function barsOf({ run, parameters }: RunData, result: SensitivityResult): Bar[] {
+  const nominal = run.nominal_cost
+  if (nominal === null) return []
+  return result.curves
+    .flatMap((curve) => {
+      const low = curve.costs[0]
+      const high = curve.costs[curve.costs.length - 1]
+      if (typeof low !== 'number' || typeof high !== 'number') return []
+      const symbol = parameters.find((p) => p.path === curve.path)?.symbol ?? curve.path
+      return [{ path: curve.path, symbol, low: low - nominal, high: high - nominal }]
+    })
+    .sort((a, b) => reach(b) - reach(a))
+}
+
+const reach = (bar: Bar): number => Math.max(Math.abs(bar.low), Math.abs(bar.high))
+const [BAR, SIGN, SIDE] = [16, 46, 34]
+/** Room for the labels: symbols are short, paths are not. */
+const leftOf = (bars: Bar[]): number => Math.max(SIGN, ...bars.map((bar) => (isPath(bar.symbol) ? 12 + 6.4 * bar.symbol.length : 0)))
+
+function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; unit: string; row: number }) {
+  const left = leftOf(bars)
+  const [holder, width] = useWidth(340)
+  const most = Math.max(...bars.map(reach), 1e-12)
+  const plot = width - left - 2 * SIDE
+  const x = (change: number) => left + SIDE + plot / 2 + (change / most) * (plot / 2)
+  const right = linearTicks(0, most, 2).filter((tick) => tick > 0)
+  const ticks = [...right.map((tick) => -tick).reverse(), 0, ...right]
+  const decimals = tickDecimals(ticks)
+  const bottom = bars.length * row + 6
+  return (
+    <div ref={holder}>
+      <svg
+        className="ch"
+        height={bottom + 40}
+        role="img"
+        aria-label={`Change of ${quantity} at the bounds of each parameter`}
+      >
+        {ticks.map((tick) => (
+          <g key={tick}>
+            <path className="g" d={`M${x(tick)} 0V${bottom}`} />
+            <text x={x(tick)} y={bottom + 16} textAnchor="middle">
+              {signed(tick, decimals)}
+            </text>
+          </g>
+        ))}
+        {bars.map((bar, i) => {
+          const y = i * row + (row - 20) / 2
+          return (
+            <g key={bar.path}>
+              <text x={4} y={y + 12} className="lab">
+                <SvgSign text={bar.symbol} />
+              </text>
+              <Half bar={bar} side="low" x={x} y={y} />
+              <Half bar={bar} side="high" x={x} y={y} />
+            </g>
+          )
+        })}
+        <path className="a" d={`M${x(0)} 0V${bottom}`} style={{ stroke: 'var(--ink)' }} strokeWidth={1.5} />
+        <text x={left + SIDE + plot / 2} y={bottom + 34} textAnchor="middle">
+          Change of <SvgSign text={quantity || 'value'} />, {unit}
+        </text>
+      </svg>
+    </div>
+  )
+}
+
+interface HalfProps {
+  bar: Bar
+  side: 'low' | 'high'
+  x: (change: number) => number
+  y: number
+}
+
+/** The bar of one bound, with the bound's name at its end; when both go the same way, the second is drawn inside. */
+function Half({ bar, side, x, y }: HalfProps) {
+  const change = bar[side]
+  const same = Math.sign(bar.low) === Math.sign(bar.high)
+  const inner = same && Math.abs(change) < reach(bar)
+  const down = change < 0
+  return (
+    <>
+      <rect
+        x={Math.min(x(0), x(change))}
+        y={inner ? y + BAR * 0.25 : y}
+        width={Math.max(1, Math.abs(x(change) - x(0)))}
+        height={inner ? BAR * 0.5 : BAR}
+        fill={down ? 'var(--c-worst)' : 'var(--c-nom)'}
+        fillOpacity={down ? 1 : 0.55}
+        stroke={inner ? 'var(--surface)' : 'none'}
+      />
+      {!inner && (
+        <text x={x(change) + (down ? -5 : 5)} y={y + 12} textAnchor={down ? 'end' : 'start'}>
+          {side}
+        </text>
+      )}
+    </>
+  )
+}

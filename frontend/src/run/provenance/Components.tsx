@@ -1,0 +1,116 @@
+// What the components and methods of a run meant when it began, folded; what is installed otherwise now, at once.
+import { useQuery } from '@tanstack/react-query'
+import { lazy, Suspense, useState } from 'react'
+import { componentsQuery } from '../../api/queries'
+import type { RunComponents, RunDetail } from '../../client'
+import { Card } from '../../ui/Card'
+
+const Described = lazy(() => import('./Described').then((module) => ({ default: module.Described })))
+
+export function Components({ run, className }: { run: RunDetail; className: string }) {
+  const [open, setOpen] = useState(false)
+  const { data } = useQuery(componentsQuery(run.id))
+  if (!data) return null
+  return (
+    <Card
+      title="Components"
+      note={data.digest ? 'What they meant when the run began' : 'As installed now'}
+      className={className}
+      id="components"
+      right={
+        <button type="button" className="btn s" aria-expanded={open} onClick={() => setOpen(!open)}>
+          {open ? 'Hide' : 'Show'}
+        </button>
+      }
+    >
+      <div className="stack">
+        <Origin told={data} />
+        <Code told={data} />
+        {open && (
+          <Suspense>
+            <Described catalogue={data.catalogue} />
+          </Suspense>
+        )}
+      </div>
+    </Card>
+  )
+}
+
+/** Texts alone do not say what flies: only the same code does. */
+const sameCode = ({ code, code_installed }: RunComponents) => code !== null && code === code_installed
+
+function Code({ told }: { told: RunComponents }) {
+  const { code, code_installed: installed, code_changes: modules } = told
+  if (!code)
+    return <p className="sec">No code digest is stored with this run, so its code cannot be compared with the installed one.</p>
+  if (!installed)
+    return (
+      <p className="sec">
+        Flown by code <Digest of={code} />. No worker has published the code that is installed now.
+      </p>
+    )
+  if (sameCode(told))
+    return (
+      <p className="sec">
+        Flown by code <Digest of={code} />, which is what is installed now.
+      </p>
+    )
+  return (
+    <div className="note warn">
+      <div>
+        <p className="m">
+          The code differs: <Digest of={code} /> flew this run, <Digest of={installed} /> is installed now. The same
+          campaign may give other results.
+        </p>
+        {modules.length > 0 && (
+          <p className="small">
+            Modules that differ: {modules.slice(0, MOST).join(', ')}
+            {modules.length > MOST && ` and ${modules.length - MOST} more`}.
+          </p>
+        )}
+      </div>
+    </div>
+  )
+}
+
+const MOST = 8
+
+const Digest = ({ of }: { of: string }) => (
+  <span className="mono" title={of}>
+    {of.slice(0, 12)}
+  </span>
+)
+
+function Origin({ told }: { told: RunComponents }) {
+  const { digest, catalogue, changes } = told
+  if (!digest)
+    return (
+      <p className="sec">
+        This run kept nothing of what its components meant. Texts, units, limits and default values on this page are those
+        installed now (Clearance {catalogue.version}); they may not be those that flew.
+      </p>
+    )
+  return (
+    <>
+      <p className="sec">
+        Kept with the run, from Clearance {catalogue.version}: sha256{' '}
+        <span className="mono" title={digest}>
+          {digest.slice(0, 16)}
+        </span>
+        .{changes.length === 0 && (sameCode(told) ? ' What is installed now says the same.' : ' The texts are the same now.')}
+      </p>
+      {changes.length > 0 && (
+        <div className="note warn">
+          <div>
+            <p className="m">This installation describes them otherwise now. The page shows what the run kept.</p>
+            <ul className="listed">
+              {changes.map((change) => (
+                <li key={change}>{change}</li>
+              ))}
+            </ul>
+          </div>
+        </div>
+      )}
+    </>
+  )
+}

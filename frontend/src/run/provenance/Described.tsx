@@ -1,0 +1,32 @@
+// The entries of a catalogue that a run used, each folded: loaded only when they are asked for.
+import type { Catalogue } from '../../client'
+import { ComponentText } from '../../help/ComponentText'
+import { MethodText } from '../../help/MethodText'
+
+export function Described({ catalogue }: { catalogue: Catalogue }) {
+  return (
+    <div className="stack">
+      {catalogue.components.map((component) => (
+        <details key={`${component.role} ${component.name}`}>
+          <summary>
+            {component.role.charAt(0).toUpperCase() + component.role.slice(1)}: {component.title}{' '}
+            <span className="mono mut small">{component.name}</span>
+          </summary>
+          <div className="stack">
+            <ComponentText component={component} open />
+          </div>
+        </details>
+      ))}
+      {catalogue.methods.map((method) => (
+        <details key={method.name}>
+          <summary>
+            Method: {method.title} <span className="mono mut small">{method.name}</span>
+          </summary>
+          <div className="stack">
+            <MethodText method={method} />
+          </div>
+        </details>
+      ))}
+    </div>
+  )
+}

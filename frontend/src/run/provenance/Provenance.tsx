@@ -1,0 +1,131 @@
+// Provenance: all that is needed to get the same numbers again, and the campaign itself to take along.
+import { IconDownload } from '@tabler/icons-react'
+import { useMutation } from '@tanstack/react-query'
+import { Link } from '@tanstack/react-router'
+import type { ReactNode } from 'react'
+import { getRunText } from '../../api/calls'
+import { type Provenance as Origin, summaryOf } from '../../api/results'
+import { plain } from '../../format/numbers'
+import { moment } from '../../format/time'
+import { idOfComponent } from '../../help/links'
+import { Card } from '../../ui/Card'
+import { CopyButton, save } from '../../ui/files'
+import type { RunData } from '../data/data'
+
+export function Provenance({ data, className }: { data: RunData; className: string }) {
+  const { run } = data
+  const origin: Origin = { ...(run.flown as Origin | null), ...summaryOf(run).provenance }
+  const download = useMutation({
+    mutationFn: () => getRunText(run.id),
+    onSuccess: (text) => save(`${run.id}-campaign.yaml`, text, 'application/yaml'),
+  })
+  const all = {
+    run: run.id,
+    campaign_digest: run.campaign_digest,
+    ...origin,
+    worker: run.worker,
+    started: run.started,
+    finished: run.finished,
+  }
+  return (
+    <Card
+      title="Provenance"
+      note="What it takes to get the same numbers again"
+      className={className}
+      id="provenance"
+      right={
+        <>
+          <CopyButton text={() => JSON.stringify(all, null, 2)}>Copy as JSON</CopyButton>
+          <button type="button" className="btn s" onClick={() => download.mutate()} disabled={download.isPending}>
+            <IconDownload className="i s" aria-hidden /> Campaign file
+          </button>
+        </>
+      }
+    >
+      <div className="prov">
+        <List rows={flightRows(data, origin)} />
+        <List rows={machineRows(data, origin)} />
+      </div>
+    </Card>
+  )
+}
+
+type Rows = [string, ReactNode][]
+
+function List({ rows }: { rows: Rows }) {
+  return (
+    <dl className="kv">
+      {rows.map(([name, value]) => (
+        <div key={name} style={{ display: 'contents' }}>
+          <dt>{name}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
+    </dl>
+  )
+}
+
+const hash = (text: string | undefined) => (
+  <span className="mono" title={text}>
+    {text ? text.slice(0, 16) : 'not recorded'}
+  </span>
+)
+
+function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
+  const period = Number(campaign.scenario.guidance?.period ?? 0)
+  return [
+    ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
+    ['Code', <span key="o">sha256 {hash(run.flown?.code ?? undefined)}</span>],
+    ['Simulation kernel', <span key="k">{hash(origin.loop)}</span>],
+    ['Seed', String(origin.seed ?? campaign.seed ?? '')],
+    [
+      'Integrator',
+      `${origin.integrator ?? 'RK4'}, step ${plain((origin.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
+    ],
+    ['Horizon, guidance', `${campaign.scenario.horizon} s, ${period > 0 ? `every ${plain(period)} s` : 'continuous'}`],
+    ...(['vehicle', 'controller', 'avoider'] as const).map((role): Rows[number] => {
+      const { component } = campaign.scenario[role]
+      return [
+        role.charAt(0).toUpperCase() + role.slice(1),
+        <Link key={role} to="/help/components" hash={idOfComponent(role, component)}>
+          {component.replaceAll('_', ' ')}
+        </Link>,
+      ]
+    }),
+    ['Started by', `${run.owner}, ${moment(run.created)}`],
+    ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
+  ]
+}
+
+function machineRows({ run }: RunData, origin: Origin): Rows {
+  const cpu = typeof origin.cpu === 'object' ? origin.cpu : { model: origin.cpu }
+  const packages = Object.entries(origin.packages ?? {})
+  return [
+    [
+      'Clearance',
+      <span key="v" className="mono">
+        {origin.clearance ?? 'not recorded'}
+      </span>,
+    ],
+    [
+      'Python',
+      <span key="p" className="mono">
+        {origin.python ?? 'not recorded'}
+      </span>,
+    ],
+    ...packages.map(([name, version]): Rows[number] => [
+      name,
+      <span key={name} className="mono">
+        {version}
+      </span>,
+    ]),
+    [
+      'Processor',
+      <span key="m" title={cpu.features}>
+        {[cpu.model, cpu.target].filter(Boolean).join(', ') || 'not recorded'}
+      </span>,
+    ],
+    ['Lanes', origin.lanes === undefined ? 'not recorded' : String(origin.lanes)],
+    ['Worker, attempts', `${run.worker ?? 'none'}, ${run.attempts}`],
+  ]
+}

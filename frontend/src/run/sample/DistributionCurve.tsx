@@ -1,0 +1,49 @@
+// The distribution function of the independent sample with the band that holds the true one, and the bound on a quantile.
+import { useMemo } from 'react'
+import type { Sample } from '../../api/results'
+import { Plot } from '../../charts/Plot'
+import type { PlotSpec } from '../../charts/spec'
+import { decimalsFor, fixed, percent } from '../../format/numbers'
+import { Sign, symbolText } from '../../ui/Sign'
+import type { RunData } from '../data/data'
+
+interface DistributionCurveProps {
+  data: RunData
+  sample: Sample & { distribution: NonNullable<Sample['distribution']> }
+  height: number
+}
+
+export function DistributionCurve({ data, sample, height }: DistributionCurveProps) {
+  const { run } = data
+  const spec = useMemo((): PlotSpec => {
+    const { values, shares, band } = sample.distribution
+    const decimals = decimalsFor([sample.mean, sample.lowest], 5)
+    const bound = sample.quantile?.bound
+    const within = (share: number) => 100 * Math.min(1, Math.max(0, share))
+    return {
+      label: `Share of the sample at or below each ${symbolText(run.quantity || 'value')}`,
+      x: values,
+      lines: [
+        { key: 'sample', label: 'Sample', colour: '--c-nom', y: shares.map(within), width: 1.8 },
+        { key: 'low', label: 'Lower band', colour: '--c-obs', y: shares.map((s) => within(s - band)), width: 1 },
+        { key: 'high', label: 'Upper band', colour: '--c-obs', y: shares.map((s) => within(s + band)), width: 1 },
+      ],
+      points:
+        typeof bound === 'number' && sample.quantile
+          ? [{ x: bound, y: 100 * sample.quantile.share, colour: '--c-worst' }]
+          : [],
+      xTitle: (
+        <>
+          <Sign text={run.quantity || 'value'} />, {run.unit}
+        </>
+      ),
+      yTitle: 'Share of the sample, %',
+      yRange: [0, 100],
+      left: 48,
+      height,
+      xText: (x) => `${symbolText(run.quantity || 'value')} = ${fixed(x, decimals)} ${run.unit}`,
+      yText: (y) => percent(y / 100, 3),
+    }
+  }, [sample, run.quantity, run.unit, height])
+  return <Plot spec={spec} />
+}

@@ -1,0 +1,206 @@
+// The independent sample: its histogram with criterion, nominal and worst, its distribution function where the certify
+// stage drew it, and the statements it allows.
+
+import { useState } from 'react'
+import type { GridResult, Sample } from '../../api/results'
+import { ChartCard } from '../../charts/ChartCard'
+import { linearTicks, tickDecimals } from '../../charts/ticks'
+import { lostOf } from '../../format/counts'
+import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { Seg } from '../../ui/Card'
+import { SvgSign, symbolText } from '../../ui/Sign'
+import { useWidth } from '../../ui/useWidth'
+import { DistributionCurve } from './DistributionCurve'
+import type { RunData } from '../data/data'
+import { Said } from '../data/Said'
+
+interface SampleCardProps {
+  data: RunData
+  sample: Sample
+  /** Flown by the certify stage beside the sample. */
+  grid?: GridResult | null
+  className: string
+}
+
+export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
+  const { run } = data
+  const [shape, setShape] = useState<'bars' | 'curve'>('bars')
+  const { distribution, quantile } = sample
+  const drawn = distribution && distribution.values.length > 1 ? distribution : null
+  const decimals = decimalsFor([sample.mean, sample.lowest], 5)
+  const edges = sample.histogram?.edges ?? []
+  const table = () => ({
+    name: 'sample',
+    columns: [`from, ${run.unit}`, `to, ${run.unit}`, 'samples'],
+    rows: (sample.histogram?.counts ?? []).map((n, i) => [edges[i] ?? null, edges[i + 1] ?? null, n]),
+  })
+  return (
+    <ChartCard
+      title={sample.upper_bound === null ? 'Random sample' : 'Independent sample'}
+      note={`${count(sample.samples)} flights from the stated distributions${lostOf(sample)}`}
+      className={className}
+      id="sample"
+      run={run.id}
+      data={table}
+      right={
+        drawn && (
+          <Seg
+            label="Shape"
+            options={[
+              { value: 'bars', label: 'Histogram' },
+              { value: 'curve', label: 'Distribution' },
+            ]}
+            value={shape}
+            onChange={setShape}
+          />
+        )
+      }
+      footer={
+        <>
+          Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
+          lowest {fixed(sample.lowest, decimals)} {run.unit}. <Said data={data} text={`${sample.text}.`} />
+          {quantile && <Said data={data} text={` ${sentence(quantile.text)}`} />}
+          {grid && <Said data={data} text={` ${sentence(grid.text)}`} />}
+        </>
+      }
+    >
+      {drawn && shape === 'curve' ? (
+        <DistributionCurve data={data} sample={{ ...sample, distribution: drawn }} height={HEIGHT} />
+      ) : sample.histogram && sample.histogram.counts.length > 0 ? (
+        <Histogram data={data} edges={edges} counts={sample.histogram.counts} />
+      ) : (
+        <p className="sec">No flight of the sample gave a value.</p>
+      )}
+    </ChartCard>
+  )
+}
+
+const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`
+
+const [HEIGHT, TOP, LEFT, BOTTOM, RIGHT] = [250, 56, 40, 36, 12]
+
+function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; counts: number[] }) {
+  const { run } = data
+  const [holder, width] = useWidth(420)
+  const [first, last] = [edges[0] ?? 0, edges[edges.length - 1] ?? 1]
+  const spread = last - first || 1
+  // The criterion belongs on the axis unless the bars would shrink to a line beside it.
+  const threshold = run.threshold
+  const off = threshold === null || threshold < first - 2 * spread || threshold > last + 2 * spread
+  const low = Math.min(first, run.worst_cost ?? first, off ? first : threshold) - 0.04 * spread
+  const high = Math.max(last, run.nominal_cost ?? last, off ? last : threshold) + 0.04 * spread
+  const most = Math.max(...counts)
+  const x = (v: number) => LEFT + ((width - LEFT - RIGHT) * (v - low)) / (high - low)
+  const y = (n: number) => HEIGHT - BOTTOM - ((HEIGHT - BOTTOM - TOP) * n) / most
+  const xs = linearTicks(low, high, Math.max(3, width / 100))
+  const ys = linearTicks(0, most, 4)
+  const decimals = tickDecimals(xs)
+  return (
+    <div ref={holder}>
+      <div className="ytitle">
+        Samples per {plain(spread / counts.length, 2)} {run.unit} bin
+      </div>
+      <svg
+        className="ch"
+        height={HEIGHT}
+        role="img"
+        aria-label={`Histogram of ${symbolText(run.quantity)} over the independent sample`}
+      >
+        {ys.map((tick) => (
+          <g key={tick}>
+            <path className="g" d={`M${LEFT} ${y(tick)}H${width - RIGHT}`} />
+            <text x={LEFT - 6} y={y(tick) + 4} textAnchor="end">
+              {count(tick)}
+            </text>
+          </g>
+        ))}
+        {counts.map((n, i) => {
+          const [from, to] = [edges[i] ?? 0, edges[i + 1] ?? 0]
+          const violates = threshold !== null && to <= threshold
+          return (
+            <rect
+              key={from}
+              x={x(from) + 0.5}
+              y={y(n)}
+              width={Math.max(1, x(to) - x(from) - 1)}
+              height={Math.max(0, HEIGHT - BOTTOM - y(n))}
+              fill={violates ? 'var(--c-worst)' : 'var(--c-nom)'}
+              fillOpacity={violates ? 1 : 0.7}
+            >
+              <title>{`${fixed(from, decimals + 2)} to ${fixed(to, decimals + 2)} ${run.unit}: ${count(n)}`}</title>
+            </rect>
+          )
+        })}
+        <path className="a" d={`M${LEFT} ${HEIGHT - BOTTOM}H${width - RIGHT}`} />
+        {xs.map((tick) => (
+          <text key={tick} x={x(tick)} y={HEIGHT - BOTTOM + 15} textAnchor="middle">
+            {fixed(tick, decimals)}
+          </text>
+        ))}
+        <text x={(LEFT + width - RIGHT) / 2} y={HEIGHT - 3} textAnchor="middle">
+          <SvgSign text={run.quantity || 'value'} />, {run.unit}
+        </text>
+        {!off && (
+          <Marker
+            at={x(threshold)}
+            row={0}
+            text={`Criterion ${plain(threshold)} ${run.unit}`}
+            colour="var(--c-crit)"
+            dashed
+            width={width}
+          />
+        )}
+        {run.worst_cost !== null && (
+          <Marker
+            at={x(run.worst_cost)}
+            row={1}
+            text={`Worst ${fixed(run.worst_cost, decimalsFor([run.worst_cost]))} ${run.unit}`}
+            colour="var(--c-worst)"
+            width={width}
+          />
+        )}
+        {run.nominal_cost !== null && (
+          <Marker
+            at={x(run.nominal_cost)}
+            row={2}
+            text={`Nominal ${fixed(run.nominal_cost, decimalsFor([run.nominal_cost]))} ${run.unit}`}
+            colour="var(--ink-2)"
+            width={width}
+          />
+        )}
+      </svg>
+      {off && threshold !== null && (
+        <p className="fig">
+          The criterion, {plain(threshold)} {run.unit}, lies off this axis.
+        </p>
+      )}
+    </div>
+  )
+}
+
+interface MarkerProps {
+  at: number
+  row: number
+  text: string
+  colour: string
+  dashed?: boolean
+  width: number
+}
+
+/** A named vertical line; names stand in rows, so that near lines do not write over each other. */
+function Marker({ at, row, text, colour, dashed, width }: MarkerProps) {
+  const right = at > width * 0.6
+  return (
+    <>
+      <path
+        d={`M${at} ${row * 16 + 4}V${HEIGHT - BOTTOM}`}
+        stroke={colour}
+        strokeWidth={1.5}
+        strokeDasharray={dashed ? '5 4' : undefined}
+      />
+      <text className="lab halo" x={at + (right ? -5 : 5)} y={row * 16 + 13} textAnchor={right ? 'end' : 'start'}>
+        {text}
+      </text>
+    </>
+  )
+}

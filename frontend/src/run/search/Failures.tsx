@@ -1,0 +1,95 @@
+// Evaluations that gave no value: how many of which kind, why, and with which parameters, to be taken away as YAML.
+import { useState } from 'react'
+import type { EvaluationFailure } from '../../client'
+import { count, decimalsFor, fixed } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { Card, NumHead } from '../../ui/Card'
+import { CopyButton } from '../../ui/files'
+import { Sign } from '../../ui/Sign'
+import type { RunData } from '../data/data'
+import { countsOf, MEANING, startsYaml } from './failed'
+
+const FIRST = 12
+
+export function Failures({ data, className }: { data: RunData; className: string }) {
+  const { run, evaluations } = data
+  const [all, setAll] = useState(false)
+  const failures = evaluations?.failures ?? []
+  const shown = all ? failures : failures.slice(0, FIRST)
+  const counts = countsOf(run.stages, evaluations)
+  const total = counts.reduce((sum, { count }) => sum + count, 0)
+  return (
+    <Card
+      title="Evaluations without a value"
+      note={`${count(total)} of ${count(run.evaluations)}`}
+      className={className}
+      id="failures"
+      flush
+      footer={
+        failures.length > FIRST && (
+          <span className="row" style={{ justifyContent: 'space-between' }}>
+            {count(shown.length)} of {count(total)} shown
+            {failures.length < total && `; the first ${failures.length} are kept here, all of them are in the CSV file`}
+            <button type="button" className="btn s" onClick={() => setAll(!all)}>
+              {all ? `Show the first ${FIRST}` : `Show ${count(failures.length)}`}
+            </button>
+          </span>
+        )
+      }
+    >
+      <ul className="fates">
+        {counts.map(({ status, count: number }) => (
+          <li key={status}>
+            <b>{count(number)}</b> {MEANING[status].name}
+            <span className="mut">: {MEANING[status].text}</span>
+          </li>
+        ))}
+      </ul>
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Stage</th>
+            <th className="num">Evaluation</th>
+            <th>Status</th>
+            <th>Reason</th>
+            {data.parameters.map((p) => (
+              <NumHead key={p.path} unit={unitText(p.unit)} title={p.text}>
+                <Sign text={p.symbol} path={p.path} />
+              </NumHead>
+            ))}
+            <th>
+              <span className="sr">Take away</span>
+            </th>
+          </tr>
+        </thead>
+        <tbody>
+          {shown.map((failure) => (
+            <Row key={`${failure.position}-${failure.index}`} data={data} failure={failure} />
+          ))}
+        </tbody>
+      </table>
+    </Card>
+  )
+}
+
+function Row({ data, failure }: { data: RunData; failure: EvaluationFailure }) {
+  const { run, parameters, catalogue } = data
+  const stage = run.stages.find((s) => s.position === failure.position)
+  const title = catalogue?.methods.find((method) => method.name === stage?.method)?.title ?? stage?.method
+  return (
+    <tr>
+      <td className="nw">{title ?? stage?.kind}</td>
+      <td className="num sec">{count(failure.index + 1)}</td>
+      <td className="nw">{MEANING[failure.status].word}</td>
+      <td className="sec">{failure.reason}</td>
+      {parameters.map((p) => (
+        <td key={p.path} className="num">
+          {fixed(failure.parameters[p.path], decimalsFor([p.low, p.high], 5))}
+        </td>
+      ))}
+      <td className="num">
+        <CopyButton text={() => startsYaml(failure.parameters)}>Copy as YAML</CopyButton>
+      </td>
+    </tr>
+  )
+}

@@ -1,0 +1,122 @@
+// The methods side by side: what each found, with how much work, and how it ended.
+import { type Compared, type Member, resultOf } from '../../api/results'
+import { count, decimalsApart, duration, fixed, NONE, signed } from '../../format/numbers'
+import { HelpLink } from '../../help/links'
+import { Card, NumHead, Progress } from '../../ui/Card'
+import { MethodName } from '../../ui/MethodMark'
+import { methodLook } from '../../ui/methods'
+import { Sign } from '../../ui/Sign'
+import { type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
+import { Said } from '../data/Said'
+
+export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
+  const { run } = data
+  const searches = searchesOf(data)
+  const bests = searches.map(({ stage }) => stage.best)
+  const decimals = decimalsApart(bests, 4, 6)
+  const best = Math.min(...bests.filter((value): value is number => value !== null))
+  const over = searches.every(({ stage }) => stage.state === 'done')
+  const failed = !over || searches.some(({ stage }) => stage.failed > 0)
+  const excluded = searches.some(({ stage }) => stage.excluded > 0)
+  const compared = resultOf(stageOf(data, 'validate'), 'validate')?.comparison
+  // Once the findings are known they need the room: the margin follows from the best.
+  const whole = !compared && !(over && (failed || excluded))
+  return (
+    <Card
+      title="Methods"
+      note={over ? 'What each found on its own' : 'One after another'}
+      className={className}
+      id={id}
+      flush
+      right={<HelpLink to="/help/methods">What each method does</HelpLink>}
+      footer={over ? <Ends data={data} searches={searches} /> : undefined}
+    >
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Method</th>
+            {!over && <th>Budget used</th>}
+            <th className="num">Evaluations</th>
+            <NumHead unit={run.unit}>Best <Sign text={run.quantity || 'value'} /></NumHead>
+            <NumHead unit={run.unit}>Above best</NumHead>
+            {whole && <NumHead unit={run.unit} className="hide-n">Margin</NumHead>}
+            <NumHead unit="evaluation">Best at</NumHead>
+            {compared && (
+              <>
+                <NumHead unit="at evaluation">Within 1 %</NumHead>
+                <NumHead unit={`of ${data.findings.length}`}>Findings</NumHead>
+                <th title="The finding whose basin holds the method's best evaluation">Best is in</th>
+              </>
+            )}
+            {failed && <th className="num">Failed</th>}
+            {excluded && <th className="num">Excluded</th>}
+            <th className="num">Time</th>
+          </tr>
+        </thead>
+        <tbody>
+          {searches.map(({ stage, title }) => (
+            <tr key={stage.position} data-method={stage.method}>
+              <td>
+                <MethodName method={stage.method} title={title} />
+              </td>
+              {!over && (
+                <td style={{ width: 110 }}>
+                  <Progress
+                    share={stage.evaluations / Math.max(1, stage.planned)}
+                    colour={`var(${methodLook(stage.method).colour})`}
+                    label={`${title}, share of its budget`}
+                  />
+                </td>
+              )}
+              <td className="num sec">{count(stage.evaluations)}</td>
+              <td className={stage.best === best ? 'num b' : 'num'}>{fixed(stage.best, decimals)}</td>
+              <td className="num sec">
+                {stage.best === null ? NONE : stage.best === best ? 'best' : signed(stage.best - best, decimals)}
+              </td>
+              {whole && (
+                <td className="num sec hide-n">
+                  {stage.best === null || run.threshold === null ? NONE : signed(stage.best - run.threshold, decimals)}
+                </td>
+              )}
+              <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
+              {compared && <Reached row={compared.find((c) => c.position === stage.position)} />}
+              {failed && <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>}
+              {excluded && <td className={stage.excluded > 0 ? 'num b' : 'num sec'}>{count(stage.excluded)}</td>}
+              <td className="num sec">{stage.state === 'waiting' ? NONE : duration(stage.seconds)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </Card>
+  )
+}
+
+/** How soon a method was near the best known, and how many of the findings it came to by itself. */
+function Reached({ row }: { row: Compared | undefined }) {
+  return (
+    <>
+      <td className="num sec">{row?.to_near_best == null ? 'not reached' : count(row.to_near_best)}</td>
+      <td className="num sec" title={row?.findings.join(', ')}>
+        {count(row?.findings.length)}
+      </td>
+      <td className={row?.basin ? 'sec' : 'unk-t'}>{row?.basin === undefined ? NONE : (row.basin ?? 'no finding')}</td>
+    </>
+  )
+}
+
+/** Who of a portfolio flew how many. */
+const membersText = (members: Member[]): string =>
+  members.map((member) => `${member.title} ${count(member.evaluations)}`).join(', ')
+
+/** How each search ended, in its own words. */
+function Ends({ data, searches }: { data: RunData; searches: SearchStage[] }) {
+  return searches.map(({ stage, title, result }) =>
+    result?.stop ? (
+      <div key={stage.position}>
+        <span className="sec">{title}:</span> {result.stop.text}
+        {result.members && result.members.length > 0 && `; ${membersText(result.members)}`}
+        {result.gap && <Said data={data} text={`; ${result.gap.text}`} />}
+      </div>
+    ) : null,
+  )
+}

@@ -1,0 +1,154 @@
+// The stages of a run in a row: nominal, sensitivity, the searches together, validation, verdict.
+import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoader } from '@tabler/icons-react'
+import { asCampaign } from '../../api/campaign'
+import { isLive } from '../../api/queries'
+import type { RunDetail, StageProgress } from '../../client'
+import { lossesOf } from '../../format/counts'
+import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { Progress } from '../../ui/Card'
+import { methodLook } from '../../ui/methods'
+
+type State = 'done' | 'act' | 'todo' | 'fail'
+
+interface Step {
+  name: string
+  state: State
+  figures: string
+  /** Evaluations without a value. */
+  losses: string
+  text: string
+  share: number
+}
+
+const NAME: Record<StageProgress['kind'], string> = {
+  nominal: 'Nominal',
+  sensitivity: 'Sensitivity',
+  search: 'Search',
+  certify: 'Certify',
+  validate: 'Validate',
+}
+
+export function StageStrip({ run }: { run: RunDetail }) {
+  return (
+    <div className="stages" role="list" aria-label="Stages">
+      {stepsOf(run).map((step) => (
+        <div key={step.name} className={`stg ${step.state}`} role="listitem">
+          <div className="nm">
+            <StepIcon state={step.state} cancelled={run.state === 'cancelled'} />
+            {step.name}
+            <span className="micro mut">
+              {step.figures}
+              {step.losses && (
+                <>
+                  , <span className="unk-t">{step.losses}</span>
+                </>
+              )}
+            </span>
+          </div>
+          <div className="dt" title={step.text}>
+            {step.text}
+          </div>
+          <Progress
+            share={step.share}
+            colour={step.state === 'done' ? 'var(--ok-solid)' : undefined}
+            label={`${step.name}, progress`}
+          />
+        </div>
+      ))}
+    </div>
+  )
+}
+
+function StepIcon({ state, cancelled }: { state: State; cancelled: boolean }) {
+  if (state === 'done') return <IconCircleCheck className="i" aria-label="done" />
+  if (state === 'act') return <IconLoader className="i spin" aria-label="running" />
+  if (state === 'fail')
+    return cancelled ? (
+      <IconBan className="i" aria-label="cancelled" />
+    ) : (
+      <IconAlertTriangle className="i" aria-label="failed" />
+    )
+  return <IconCircleDashed className="i" aria-label="waiting" />
+}
+
+function stepsOf(run: RunDetail): Step[] {
+  const kinds = run.stages.length > 0 ? [...new Set(run.stages.map((stage) => stage.kind))] : asked(run)
+  const steps = kinds.map((kind) =>
+    step(
+      run,
+      kind,
+      run.stages.filter((stage) => stage.kind === kind),
+    ),
+  )
+  const verdict = run.verdict !== null
+  steps.push({
+    name: 'Verdict',
+    state: verdict ? 'done' : 'todo',
+    losses: '',
+    figures: verdict ? '' : isLive(run) ? 'waiting' : 'none',
+    text: run.verdict ?? (isLive(run) ? 'cleared, violated or inconclusive' : 'no verdict'),
+    share: verdict ? 1 : 0,
+  })
+  return steps
+}
+
+/** What the campaign asks for, in its order: no worker has planned the run yet. */
+function asked(run: RunDetail): StageProgress['kind'][] {
+  const { sensitivity, certify } = asCampaign(run.campaign).stages
+  const left = new Set<StageProgress['kind']>()
+  if (sensitivity === null) left.add('sensitivity')
+  if (!certify) left.add('certify')
+  return (Object.keys(NAME) as StageProgress['kind'][]).filter((kind) => !left.has(kind))
+}
+
+function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): Step {
+  const flown = stages.reduce((sum, stage) => sum + stage.evaluations, 0)
+  const planned = stages.reduce((sum, stage) => sum + stage.planned, 0)
+  const ended = stages.length > 0 && stages.every((stage) => stage.state === 'done')
+  const begun = stages.some((stage) => stage.state !== 'waiting')
+  const state: State = ended ? 'done' : begun ? (isLive(run) ? 'act' : 'fail') : 'todo'
+  const share = ended ? 1 : stages.reduce((sum, stage) => sum + shareOf(stage), 0) / Math.max(1, stages.length)
+  return {
+    name: NAME[kind],
+    state,
+    figures: ended
+      ? `${count(flown)} flown`
+      : begun
+        ? `${count(flown)} of ${count(planned)}`
+        : isLive(run)
+          ? 'waiting'
+          : 'not started',
+    losses: lossesOf(stages),
+    text: textOf(run, kind, stages),
+    share,
+  }
+}
+
+/** A stage that ended by its own rule has come all the way, whatever was left of its budget. */
+const shareOf = (stage: StageProgress): number =>
+  stage.state === 'done' ? 1 : Math.min(1, stage.evaluations / Math.max(1, stage.planned))
+
+function textOf(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): string {
+  const working = stages.find((stage) => stage.state === 'running')
+  if (kind === 'nominal') return nominalText(run)
+  if (kind === 'sensitivity') {
+    const number = Object.keys(asCampaign(run.campaign).uncertain).length
+    return `${number} ${number === 1 ? 'parameter' : 'parameters'}, one at a time`
+  }
+  if (kind === 'search') {
+    const number = stages.length || asCampaign(run.campaign).stages.search.length
+    const methods = `${number} ${number === 1 ? 'method' : 'methods'}`
+    if (!working?.method) return methods
+    const { title } = methodLook(working.method)
+    return number > 1 ? `${title}, ${stages.indexOf(working) + 1} of ${methods}` : title
+  }
+  if (kind === 'certify') return 'independent sample'
+  if (kind === 'validate') return 'half step, reference integrator'
+  return ''
+}
+
+function nominalText({ nominal_cost: cost, threshold, unit }: RunDetail): string {
+  if (cost === null) return 'every parameter nominal'
+  const value = `${fixed(cost, decimalsFor([cost]))} ${unit}`
+  return threshold === null ? value : `${value}, ${cost > threshold ? 'clear of' : 'not above'} ${plain(threshold)} ${unit}`
+}

@@ -1,0 +1,59 @@
+// Evaluations without a value: how many of which kind, and one of them as text for a campaign. Start reading at `countsOf`.
+import type { EvaluationFailure, Evaluations, StageProgress } from '../../client'
+
+export type Fate = EvaluationFailure['status']
+
+interface Meaning {
+  /** In a row of a table. */
+  word: string
+  name: string
+  text: string
+}
+
+export const MEANING: Record<Fate, Meaning> = {
+  failed: {
+    word: 'Failed',
+    name: 'failed',
+    text: 'the flight left the model’s envelope or the simulation broke off; how it would have ended is not known, which bars “cleared”',
+  },
+  timeout: {
+    word: 'Timed out',
+    name: 'timed out',
+    text: 'the simulation took longer than it may; counted among the failed',
+  },
+  excluded: {
+    word: 'Excluded',
+    name: 'excluded',
+    text: 'the scenario’s precondition does not hold there; such a flight is no evidence either way',
+  },
+}
+
+/** How many there are of each kind, those that there are none of left out. */
+export function countsOf(
+  stages: readonly Pick<StageProgress, 'failed' | 'excluded'>[],
+  evaluations: Pick<Evaluations, 'stages'> | undefined,
+): { status: Fate; count: number }[] {
+  const timeouts = (evaluations?.stages ?? []).reduce((sum, series) => sum + series.timeouts, 0)
+  const failed = stages.reduce((sum, stage) => sum + stage.failed, 0)
+  const excluded = stages.reduce((sum, stage) => sum + stage.excluded, 0)
+  const all = [
+    { status: 'failed' as const, count: Math.max(0, failed - timeouts) },
+    { status: 'timeout' as const, count: timeouts },
+    { status: 'excluded' as const, count: excluded },
+  ]
+  return all.filter(({ count }) => count > 0)
+}
+
+/** Parameters as a start of a search, as a campaign file has it: every digit, so that the same flight is flown. */
+export function startsYaml(parameters: Readonly<Record<string, number>>): string {
+  const pairs = Object.entries(parameters).map(([path, value]) => `${path}: ${numberYaml(value)}`)
+  return `starts:\n  - {${pairs.join(', ')}}\n`
+}
+
+/** YAML 1.1 reads 1e-07 as text: a number needs a dot before its exponent, and a sign behind it. */
+function numberYaml(value: number): string {
+  const text = String(value)
+  const [mantissa = '', exponent] = text.split('e')
+  if (exponent === undefined) return text
+  return `${mantissa.includes('.') ? mantissa : `${mantissa}.0`}e${/^[+-]/.test(exponent) ? exponent : `+${exponent}`}`
+}

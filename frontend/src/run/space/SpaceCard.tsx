@@ -1,0 +1,255 @@
+// The parameter space: every stage's evaluations with their value as colour, in parallel coordinates and over pairs of
+// parameters. A range on an axis keeps what lies within it, in every view. Start reading at `SpaceCard`.
+import { IconX } from '@tabler/icons-react'
+import { useEffect, useMemo, useState } from 'react'
+import type { EvaluationSeries } from '../../client'
+import { ChartCard } from '../../charts/ChartCard'
+import { useHidden } from '../../charts/Legend'
+import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import type { RunData } from '../data/data'
+import { useTheme } from '../../theme/useTheme'
+import { Seg } from '../../ui/Card'
+import { useAddress } from '../data/useAddress'
+import { Sign, symbolText } from '../../ui/Sign'
+import { ColourBar } from './ColourBar'
+import type { Ink } from './paint'
+import { Parallel, type ViewProps } from './Parallel'
+import { Scatter } from './Scatter'
+import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, FATES, keptOf, parametersOf, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
+import { Toggles } from './Toggles'
+import './space.css'
+
+/** More evaluations than this are not drawn: lines of more would only cover each other. */
+const MOST = 4000
+/** Parameters beyond which the cells of all pairs would be too small. */
+const FEW = 4
+
+export function SpaceCard({ data, className }: { data: RunData; className: string }) {
+  const { run, catalogue, evaluations, parameters } = data
+  const theme = useTheme()
+  const [address, change] = useAddress(run.id)
+  const further = useMemo(() => run.criteria.slice(1), [run.criteria])
+  const space = useMemo(() => {
+    const value = valueAxis(evaluations, run.quantity || 'value', run.unit, run.threshold)
+    const titleOf = ({ method, kind }: EvaluationSeries) =>
+      catalogue?.methods.find((m) => m.name === method)?.title ?? method ?? kind.charAt(0).toUpperCase() + kind.slice(1)
+    // Not all stages of a run may have them: what was flown by an older version knows only the one that decides.
+    const told = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
+    const axes = [value, ...told.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
+    return spaceOf({ evaluations, axes, titleOf, most: MOST })
+  }, [evaluations, parameters, catalogue, further, run.quantity, run.unit, run.threshold])
+  const [brush, setBrush] = useAddressedBrush(run.id, space.axes)
+  const [hidden, toggle] = useHidden()
+  const [over, setOver] = useState<number | null>(null)
+  const [first = 1, second = 2] = parametersOf(space.axes)
+  const [asked, setPair] = useState<readonly [number, number] | null>(null)
+  const pair = asked ?? ([first, second] as const)
+  const by = Math.max(0, space.axes.findIndex(({ key }) => key === address.by))
+  const kept = useMemo(() => keptOf(space, brush, hidden), [space, brush, hidden])
+  const worst = useMemo(() => worstOf(space, kept), [space, kept])
+  const ink = useMemo((): Ink => {
+    const values = (space.columns[by] ?? new Float64Array()).filter((value) => !Number.isNaN(value))
+    const [low, high] = [values.reduce((a, b) => Math.min(a, b), Infinity), values.reduce((a, b) => Math.max(a, b), -Infinity)]
+    return { theme, low, high, axis: by, turned: space.axes[by]?.worse === 'high' }
+  }, [space, theme, by])
+  if (space.count === 0 || parameters.length === 0) return null
+  const view: ViewProps = {
+    space,
+    kept,
+    brush,
+    onBrush: (axis, range) => setBrush((before) => brushed(before, axis, range)),
+    ink,
+    worst,
+    // What is left out while the pointer rests on it is not pointed at any more.
+    over: over !== null && kept.includes(over) ? over : null,
+    onOver: setOver,
+    threshold: run.threshold,
+  }
+  const some = space.fates.some((fate) => fate > 0)
+  const many = parameters.length > FEW
+  const height = many ? 340 : [0, 300, 320, 400, 480][parameters.length]
+  return (
+    <ChartCard
+      title="Parameter space"
+      note={
+        space.count < space.total
+          ? `${count(space.count)} of ${count(space.total)} evaluations drawn: the lowest of each stage and an even choice`
+          : `All ${count(space.total)} evaluations of all stages`
+      }
+      className={className}
+      run={run.id}
+      data={() => tableOf(space, kept)}
+      footer="Drag along an axis or in a cell to keep a range; drag its ends to change it, click to clear it. The data and the CSV file hold what is kept."
+    >
+      <div className="space" onKeyDown={(event) => event.key === 'Escape' && setBrush({})}>
+        <div className="head">
+          <div>
+            <Toggles space={space} hidden={hidden} onToggle={toggle} />
+            <Ranges {...view} onClear={() => setBrush({})} />
+          </div>
+          <div className="by">
+            {further.length > 0 && (
+              <Seg
+                label="Colours by"
+                options={run.criteria
+                  .filter((_, k) => k === 0 || space.axes[k]?.worse)
+                  .map((c, k) => ({ value: k === 0 ? VALUE : c.name, label: c.title }))}
+                value={space.axes[by]?.key ?? VALUE}
+                onChange={(name) => change({ by: name === VALUE ? undefined : name })}
+              />
+            )}
+            {ink.low <= ink.high && (
+              <ColourBar
+                ink={ink}
+                symbol={space.axes[by]?.symbol ?? 'value'}
+                unit={space.axes[by]?.unit ?? ''}
+                threshold={by === 0 ? run.threshold : null}
+              />
+            )}
+          </div>
+        </div>
+        <div className="views">
+          <Parallel {...view} height={height ?? 340} none={some} />
+          <div>
+            {many && <Pair axes={space.axes} pair={pair} onPair={setPair} />}
+            <Scatter {...view} height={(height ?? 340) - (many ? 34 : 0)} pair={many ? pair : null} />
+          </div>
+        </div>
+        <Reading space={space} at={view.over ?? worst} lowest={view.over === null || view.over === worst} />
+      </div>
+    </ChartCard>
+  )
+}
+
+/** The ranges, which stand in the address too: its copy shows the same. */
+function useAddressedBrush(id: string, axes: readonly Axis[]) {
+  const [{ brush: asked }, change] = useAddress(id)
+  const [brush, setBrush] = useState<Brush>(() => brushOf(asked ?? [], axes))
+  const texts = brushTexts(brush).join(' ')
+  const there = asked?.join(' ') ?? ''
+  useEffect(() => {
+    if (texts === there) return
+    // The address follows once the range rests.
+    const timer = setTimeout(() => change({ brush: texts ? texts.split(' ') : undefined }), 300)
+    return () => clearTimeout(timer)
+  }, [texts, there, change])
+  return [brush, setBrush] as const
+}
+
+interface RangesProps extends ViewProps {
+  onClear: () => void
+}
+
+/** How many are left, the lowest value of them, and each range with a button that takes it away. */
+function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
+  const value = space.axes[0] as Axis
+  const lowest = worst === null ? null : space.columns[0]?.[worst]
+  const ranged = space.axes.filter((axis) => brush[axis.key])
+  return (
+    <div className="ranges">
+      <span className="small" aria-live="polite" data-testid="kept">
+        <b>{count(kept.length)}</b> of {count(space.count)} {space.count < space.total ? 'drawn evaluations' : 'evaluations'} kept
+        {lowest === null ? (
+          ', none with a value'
+        ) : (
+          <>
+            , lowest <Sign text={value.symbol} />{' '}
+            <b>
+              {plain(lowest, 5)} {unitText(value.unit)}
+            </b>
+          </>
+        )}
+      </span>
+      {ranged.map((axis) => {
+        const [from, to] = brush[axis.key] as readonly [number, number]
+        const decimals = decimalsFor([axis.low, axis.high], 4)
+        return (
+          <button
+            key={axis.key}
+            type="button"
+            className="chip on"
+            onClick={() => onBrush(axis, null)}
+          >
+            <span>
+              <span className="sr">Clear range of </span>
+              <Sign text={axis.symbol} path={axis.key} /> {fixed(from, decimals)} to {fixed(to, decimals)} {unitText(axis.unit)}
+            </span>
+            <IconX className="i" aria-hidden />
+          </button>
+        )
+      })}
+      {ranged.length > 0 && (
+        <button type="button" className="btn s" onClick={onClear}>
+          Clear brush
+        </button>
+      )}
+    </div>
+  )
+}
+
+function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, number]; onPair: (pair: readonly [number, number]) => void }) {
+  const choice = (name: string, end: 0 | 1) => (
+    <label className="row small mut">
+      {name}
+      <select
+        value={pair[end]}
+        onChange={(event) => onPair(end === 0 ? [Number(event.target.value), pair[1]] : [pair[0], Number(event.target.value)])}
+      >
+        {axes.map((axis, k) => (
+          <option key={axis.key} value={k} disabled={k === pair[end === 0 ? 1 : 0]}>
+            {symbolText(axis.symbol)}
+            {axis.unit && `, ${unitText(axis.unit)}`}
+          </option>
+        ))}
+      </select>
+    </label>
+  )
+  return (
+    <div className="pair">
+      {choice('Vertical', 1)}
+      {choice('Horizontal', 0)}
+    </div>
+  )
+}
+
+/** One evaluation in words: the one under the pointer, otherwise the lowest that is kept. */
+function Reading({ space, at, lowest }: { space: Space; at: number | null; lowest: boolean }) {
+  if (at === null) return <p className="small mut read">Nothing is kept.</p>
+  const group = space.groups[space.of[at] as number]
+  const fate = FATES[space.fates[at] as number]
+  return (
+    <p className="small sec read">
+      <b className={lowest ? 'bad-t' : undefined}>{lowest ? 'Lowest kept' : 'Pointed at'}</b>: {group?.title}, evaluation{' '}
+      {count((space.index[at] as number) + 1)}
+      {fate !== 'ok' && `, ${fate}`}:{' '}
+      {space.axes.map((axis, k) => {
+        const value = space.columns[k]?.[at] as number
+        return Number.isNaN(value) ? null : (
+          <span key={axis.key} className="nw">
+            {k > 0 && '; '}
+            <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
+            {axis.unit && ` ${unitText(axis.unit)}`}
+          </span>
+        )
+      })}
+    </p>
+  )
+}
+
+function tableOf(space: Space, kept: Uint32Array) {
+  const headed = (axis: Axis) => {
+    const name = axis === space.axes[0] || axis.worse ? symbolText(axis.symbol) : axis.key
+    return axis.unit ? `${name}, ${axis.unit}` : name
+  }
+  return {
+    name: 'parameter-space',
+    columns: ['stage', 'evaluation', 'status', ...space.axes.map(headed)],
+    rows: [...kept].map((i) => [
+      space.groups[space.of[i] as number]?.title ?? '',
+      (space.index[i] as number) + 1,
+      FATES[space.fates[i] as number] ?? '',
+      ...space.columns.map((column) => (Number.isNaN(column[i]) ? null : (column[i] as number))),
+    ]),
+  }
+}

@@ -1,0 +1,50 @@
+// Switches for the stages and for what gave no value, with how many of each are drawn.
+import { count } from '../../format/numbers'
+import { Mark } from '../../ui/MethodMark'
+import { FATES, type Space } from './space'
+
+interface TogglesProps {
+  space: Space
+  hidden: ReadonlySet<string>
+  onToggle: (key: string) => void
+}
+
+const OUTLINES = { failed: 'M1.8 1.8l6.4 6.4M8.2 1.8l-6.4 6.4', excluded: 'M1.7 1.7h6.6v6.6H1.7z' } as const
+
+export function Toggles({ space, hidden, onToggle }: TogglesProps) {
+  const numbers = FATES.map((_, fate) => space.fates.reduce((sum, of) => sum + (of === fate ? 1 : 0), 0))
+  return (
+    <div className="lg" role="group" aria-label="Shown evaluations">
+      {space.groups.map((group) => (
+        <button
+          key={group.key}
+          type="button"
+          className="k"
+          aria-pressed={!hidden.has(group.key)}
+          title={`${count(group.shown)} of ${count(group.total)} evaluations drawn`}
+          onClick={() => onToggle(group.key)}
+        >
+          <Mark method={group.method} />
+          {group.title} <span className="mut">{count(group.shown)}</span>
+        </button>
+      ))}
+      {(['failed', 'excluded'] as const).map((fate) =>
+        numbers[FATES.indexOf(fate)] ? (
+          <button
+            key={fate}
+            type="button"
+            className="k"
+            aria-pressed={!hidden.has(fate)}
+            title={`Without a value: ${fate === 'failed' ? 'a cross and a dashed line' : 'a square and a dotted line'}`}
+            onClick={() => onToggle(fate)}
+          >
+            <svg className="mk" viewBox="0 0 10 10" aria-hidden="true">
+              <path d={OUTLINES[fate]} fill="none" stroke="var(--ink-3)" strokeWidth={1.6} />
+            </svg>
+            {fate === 'failed' ? 'Failed' : 'Excluded'} <span className="mut">{count(numbers[FATES.indexOf(fate)])}</span>
+          </button>
+        ) : null,
+      )}
+    </div>
+  )
+}

@@ -1,0 +1,229 @@
+// The evaluations of all stages as columns for charts, and which of them ranges on the axes keep.
+// Start reading at `spaceOf` and `keptOf`.
+import type { CriterionOut, Evaluations, EvaluationSeries } from '../../client'
+import { padded } from '../../charts/ticks'
+
+export interface Axis {
+  /** A parameter's path, `VALUE`, or the name of a further criterion. */
+  key: string
+  /** Of a further criterion: which end is worse. */
+  worse?: 'low' | 'high'
+  symbol: string
+  unit: string
+  text: string
+  low: number
+  high: number
+}
+
+/** The key of the axis of the criterion's value. */
+export const VALUE = 'value'
+
+/** The evaluations of one stage. */
+export interface Group {
+  key: string
+  title: string
+  method: string | null
+  /** How many there are, and how many of them are drawn. */
+  total: number
+  shown: number
+}
+
+export const FATES = ['ok', 'failed', 'excluded'] as const
+export type Fate = (typeof FATES)[number]
+
+export interface Space {
+  /** The value first, then the further criteria, then the parameters. */
+  axes: Axis[]
+  groups: Group[]
+  /** By axis; the value of a failed or excluded evaluation is NaN. */
+  columns: Float64Array[]
+  /** Position in `FATES`; a flight that took too long has failed. */
+  fates: Uint8Array
+  /** Position in `groups`. */
+  of: Uint16Array
+  /** Counted from 0 within the stage. */
+  index: Uint32Array
+  count: number
+  total: number
+}
+
+/** From and to on an axis, by its key. */
+export type Brush = Readonly<Record<string, readonly [number, number]>>
+
+interface Source {
+  evaluations: Evaluations | undefined
+  axes: readonly Axis[]
+  titleOf: (series: EvaluationSeries) => string
+  most: number
+}
+
+/** At most about `most` evaluations, each stage by its share, with the lowest of each. */
+export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
+  const stages = (evaluations?.stages ?? []).filter((series) => axes.every(({ key }) => key === VALUE || columnOf(series, key)))
+  const there = stages.reduce((sum, series) => sum + series.index.length, 0)
+  const rows = stages.map((series) => thinned(series.cost, Math.ceil((series.index.length * most) / Math.max(there, most))))
+  const count = rows.reduce((sum, chosen) => sum + chosen.length, 0)
+  const space: Space = {
+    axes: [...axes],
+    groups: stages.map((series, i) => ({
+      key: String(series.position),
+      title: titleOf(series),
+      method: series.method,
+      total: series.total,
+      shown: rows[i]?.length ?? 0,
+    })),
+    columns: axes.map(() => new Float64Array(count)),
+    fates: new Uint8Array(count),
+    of: new Uint16Array(count),
+    index: new Uint32Array(count),
+    count,
+    total: stages.reduce((sum, series) => sum + series.total, 0),
+  }
+  let at = 0
+  stages.forEach((series, group) => {
+    for (const row of rows[group] ?? []) {
+      const cost = series.cost[row] ?? Number.NaN
+      axes.forEach(({ key }, k) => {
+        const column = space.columns[k] as Float64Array
+        column[at] = key === VALUE ? cost : (columnOf(series, key)?.[row] ?? Number.NaN)
+      })
+      space.fates[at] = series.status[row] === 'ok' ? 0 : series.status[row] === 'excluded' ? 2 : 1
+      space.of[at] = group
+      space.index[at] = series.index[row] ?? 0
+      at++
+    }
+  })
+  return space
+}
+
+/** What a stage tells of a parameter or of a further criterion; their keys differ, paths have dots. */
+const columnOf = (series: EvaluationSeries, key: string): readonly (number | null)[] | undefined =>
+  series.parameters[key] ?? series.further?.[key]
+
+/** At most `most` rows, evenly spread, the lowest among them. */
+export function thinned(costs: readonly (number | null)[], most: number): number[] {
+  if (costs.length <= most) return costs.map((_, i) => i)
+  const chosen = new Set<number>()
+  const even = Math.max(1, most - 1)
+  for (let i = 0; i < even; i++) chosen.add(Math.round((i * (costs.length - 1)) / Math.max(1, even - 1)))
+  const lowest = lowestOf(costs)
+  if (lowest >= 0) chosen.add(lowest)
+  return [...chosen].sort((a, b) => a - b)
+}
+
+function lowestOf(costs: readonly (number | null)[]): number {
+  let at = -1
+  costs.forEach((cost, i) => {
+    if (cost !== null && (at < 0 || cost < (costs[at] ?? Number.POSITIVE_INFINITY))) at = i
+  })
+  return at
+}
+
+/** What is drawn: within every range, of stages and fates that are not switched off; an open range keeps all. */
+export function keptOf(space: Space, brush: Brush, hidden: ReadonlySet<string>): Uint32Array {
+  const ranges = space.axes.flatMap(({ key }, k) => {
+    const range = brush[key]
+    return range ? [{ column: space.columns[k] as Float64Array, low: range[0], high: range[1] }] : []
+  })
+  const groups = space.groups.map(({ key }) => !hidden.has(key))
+  const fates = FATES.map((fate) => !hidden.has(fate))
+  const kept = new Uint32Array(space.count)
+  let n = 0
+  for (let i = 0; i < space.count; i++) {
+    if (!groups[space.of[i] as number] || !fates[space.fates[i] as number]) continue
+    // What has no value lies in no range of it.
+    if (ranges.every(({ column, low, high }) => (column[i] as number) >= low && (column[i] as number) <= high)) kept[n++] = i
+  }
+  return kept.slice(0, n)
+}
+
+/** The one with the lowest value; null where none has a value. */
+export function worstOf(space: Space, kept: Uint32Array): number | null {
+  const values = space.columns[0] as Float64Array
+  let worst: number | null = null
+  for (const i of kept) {
+    const value = values[i] as number
+    if (!Number.isNaN(value) && (worst === null || value < (values[worst] as number))) worst = i
+  }
+  return worst
+}
+
+/** The range between two values on an axis, within the axis; null where that is the whole axis. Its ends are round. */
+export function rangeOn(axis: Axis, a: number, b: number): readonly [number, number] | null {
+  const step = 10 ** Math.floor(Math.log10((axis.high - axis.low) / 300))
+  const round = (value: number) => Number((Math.round(value / step) * step).toPrecision(12))
+  const low = Math.max(axis.low, round(Math.min(a, b)))
+  const high = Math.min(axis.high, round(Math.max(a, b)))
+  return low <= axis.low && high >= axis.high ? null : [low, high]
+}
+
+/** A brush as it stands in the address: `path:from:to` for each axis. */
+export const brushTexts = (brush: Brush): string[] =>
+  Object.entries(brush).map(([key, [from, to]]) => `${key}:${from}:${to}`)
+
+/** The brush that an address means; what is no range of these axes is left out. */
+export function brushOf(texts: readonly string[], axes: readonly Axis[]): Brush {
+  const found: Record<string, readonly [number, number]> = {}
+  for (const text of texts) {
+    const [key, from, to] = text.split(':')
+    const axis = axes.find((each) => each.key === key)
+    const [low, high] = [Number(from || Number.NaN), Number(to || Number.NaN)]
+    if (axis && low <= high && high >= axis.low && low <= axis.high) found[axis.key] = [low, high]
+  }
+  return found
+}
+
+/** A brush with another range on one axis, or without one. */
+export function brushed(brush: Brush, axis: Axis, range: readonly [number, number] | null): Brush {
+  const { [axis.key]: before, ...rest } = brush
+  if (range) return { ...rest, [axis.key]: range }
+  return before ? rest : brush
+}
+
+/** Moves one end of a range by a hundredth (or ten) of the axis, or to its bound; ends do not cross. */
+export function nudged(axis: Axis, range: readonly [number, number], end: 0 | 1, key: string): [number, number] | null {
+  const step = (axis.high - axis.low) / 100
+  const steps: Record<string, number> = {
+    ArrowUp: 1,
+    ArrowRight: 1,
+    ArrowDown: -1,
+    ArrowLeft: -1,
+    PageUp: 10,
+    PageDown: -10,
+    Home: Number.NEGATIVE_INFINITY,
+    End: Number.POSITIVE_INFINITY,
+  }
+  const by = steps[key]
+  if (by === undefined) return null
+  const [from, to] = range
+  return end === 0
+    ? [Math.min(Math.max(from + by * step, axis.low), to), to]
+    : [from, Math.max(Math.min(to + by * step, axis.high), from)]
+}
+
+/** Where a value lies on its axis: 0 at the low end, 1 at the high end. */
+export const shareOf = (axis: Axis, value: number): number => (value - axis.low) / (axis.high - axis.low || 1)
+
+export const valueAt = (axis: Axis, share: number): number =>
+  axis.low + Math.min(1, Math.max(0, share)) * (axis.high - axis.low)
+
+/** The value's axis: all values, and the criterion unless it is so far away that they would shrink to a line. */
+export function valueAxis(evaluations: Evaluations | undefined, symbol: string, unit: string, threshold: number | null): Axis {
+  const costs = (evaluations?.stages ?? []).flatMap((series) => series.cost.filter((cost) => cost !== null))
+  const [low, high] = padded(costs, false, 0.02)
+  const near = threshold !== null && threshold > low - (high - low) && threshold < high + (high - low)
+  const range = near ? padded([...costs, threshold], false, 0.02) : [low, high]
+  return { key: VALUE, symbol, unit, text: '', low: range[0] as number, high: range[1] as number }
+}
+
+/** The axis of a criterion that does not decide: all its values. */
+export function criterionAxis(evaluations: Evaluations | undefined, criterion: CriterionOut): Axis {
+  const { name, title, quantity, unit, worse } = criterion
+  const values = (evaluations?.stages ?? []).flatMap((series) => (series.further[name] ?? []).filter((value) => value !== null))
+  const [low, high] = padded(values, false, 0.02)
+  return { key: name, symbol: quantity || title, unit, text: title, low, high, worse }
+}
+
+/** Positions of the parameters among the axes: behind the value and the further criteria. */
+export const parametersOf = (axes: readonly Axis[]): number[] =>
+  axes.flatMap((axis, k) => (k === 0 || axis.worse ? [] : [k]))

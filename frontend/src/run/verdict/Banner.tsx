@@ -1,0 +1,74 @@
+// What came of a run: icon, word, sentence and scope, and the checks the verdict rests on. A failure is no verdict.
+import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-react'
+import { type Check, summaryOf } from '../../api/results'
+import type { RunDetail } from '../../client'
+import { withoutValue } from '../../format/counts'
+import { count } from '../../format/numbers'
+import { HelpLink } from '../../help/links'
+import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../../ui/VerdictBadge'
+import type { RunData } from '../data/data'
+import { Said } from '../data/Said'
+
+export function Banner({ data }: { data: RunData }) {
+  const { run } = data
+  const outcome = outcomeOf(run)
+  const { sentence, scope, checks } = summaryOf(run)
+  const { tone, word } = lookOf(outcome)
+  return (
+    <section className={`banner ${tone}`} aria-label="Verdict" role={run.verdict ? undefined : 'alert'}>
+      <OutcomeIcon outcome={outcome} />
+      <div>
+        <div className="w" data-testid="verdict">
+          {run.verdict ? word : `${word}: no verdict`}
+        </div>
+        <span className="banner-help">
+          <HelpLink to="/help" at={outcome}>
+            What this means
+          </HelpLink>
+          <HelpLink to="/help/evidence">What a verdict rests on</HelpLink>
+        </span>
+        <p>
+          <Said data={data} text={(run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''} />
+        </p>
+        {run.verdict && scope && (
+          <p className="scope">
+            Scope: <Said data={data} text={lower(scope)} />
+          </p>
+        )}
+        {run.verdict && checks && checks.length > 0 && (
+          <ul className="checks" aria-label="Checks">
+            {checks.map((check) => (
+              <li key={check.name} data-check={check.name} data-standing={check.standing}>
+                <Standing check={check} />
+                <span>
+                  <span className="m">{check.title}</span>:{' '}
+                  <Said data={data} text={check.but ? `${check.text}; ${check.but}` : check.text} />
+                </span>
+              </li>
+            ))}
+          </ul>
+        )}
+      </div>
+    </section>
+  )
+}
+
+/** Green only where nothing is left open: evaluations that failed have no value to hold for. */
+export function Standing({ check }: { check: Check }) {
+  if (check.standing === 'holds') return <IconCircleCheck className="i s ok-t" aria-label="holds" />
+  if (check.standing === 'open')
+    return <IconHelpCircle className="i s unk-t" aria-label="holds for the evaluations that have a value" />
+  return <IconCircleX className="i s bad-t" aria-label="does not hold" />
+}
+
+const lower = (text: string): string => text.replace(/^scope:\s*/i, '')
+
+/** As a sentence, however it was stored. */
+const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1).replace(/[.\s]+$/, '')}.`
+
+function reasonOf(run: RunDetail, outcome: Outcome): string {
+  if (outcome === 'cancelled')
+    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations, ${withoutValue(run)}. What was flown is kept below; it says nothing about the avoidance system.`
+  const attempts = run.attempts > 1 ? ` It was tried ${run.attempts} times.` : ''
+  return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This says nothing about the avoidance system.`
+}

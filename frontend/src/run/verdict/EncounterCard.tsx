@@ -1,0 +1,90 @@
+// What shows that the avoidance was put to the test: closest approaches, motion, the flight that sees nothing, influence.
+import type { Encounter } from '../../api/results'
+import { count, decimalsFor, fixed, NONE, plain } from '../../format/numbers'
+import { HelpLink } from '../../help/links'
+import { Card } from '../../ui/Card'
+import { Sign } from '../../ui/Sign'
+import type { RunData } from '../data/data'
+
+const AT: Record<Encounter['closest'][number]['at'], string> = {
+  start: 'at the start of the horizon',
+  end: 'at the end of the horizon',
+  inside: 'inside the horizon',
+  none: 'not known',
+}
+
+interface EncounterProps {
+  data: RunData
+  encounter: Encounter
+  className: string
+}
+
+export function EncounterCard({ data, encounter, className }: EncounterProps) {
+  const { run, parameters } = data
+  const { closest, moved, unseen, spread, influence } = encounter
+  const quantity = <Sign text={run.quantity || 'value'} />
+  const largest = Math.max(...Object.values(influence), 0)
+  return (
+    <Card
+      title="Encounter"
+      note="Was the avoidance put to the test?"
+      className={className}
+      id="encounter"
+      right={<HelpLink to="/help/evidence" at="vacuous">Why this is asked</HelpLink>}
+    >
+      <dl className="kv">
+        {closest.map(({ name, time, at, obstacle }) => (
+          <Closest key={name} name={name} time={time} where={AT[at]} inside={at === 'inside'} obstacle={obstacle} />
+        ))}
+        <dt>Path of the nominal case</dt>
+        <dd>{moved === null ? NONE : `${plain(moved, 4)} m`}</dd>
+        <dt>Nominal {quantity} with every obstacle unseen</dt>
+        <dd data-testid="unseen">
+          {unseen.cost === null ? `no value: ${unseen.reason}` : `${plain(unseen.cost)} ${run.unit}`}
+          {run.nominal_cost !== null && (
+            <span className="mut">
+              , with the avoider {plain(run.nominal_cost)} {run.unit}
+            </span>
+          )}
+        </dd>
+        <dt>Range of {quantity}</dt>
+        <dd>
+          {spread.lowest === null || spread.highest === null
+            ? NONE
+            : `${plain(spread.lowest)} to ${plain(spread.highest)} ${run.unit} over ${count(spread.evaluations)} evaluations`}
+        </dd>
+        <dt>Largest change on a slice</dt>
+        <dd>
+          {Object.entries(influence).map(([path, by], i) => (
+            <span key={path}>
+              {i > 0 && '; '}
+              <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} path={path} />{' '}
+              {fixed(by, decimalsFor([largest], 3))} {run.unit}
+            </span>
+          ))}
+        </dd>
+      </dl>
+    </Card>
+  )
+}
+
+interface ClosestProps {
+  name: string
+  time: number | null
+  where: string
+  inside: boolean
+  obstacle: number | undefined
+}
+
+function Closest({ name, time, where, inside, obstacle }: ClosestProps) {
+  return (
+    <>
+      <dt>Closest approach, {name}</dt>
+      <dd>
+        {time !== null && `${fixed(time, 2)} s, `}
+        <span className={inside ? undefined : 'unk-t'}>{where}</span>
+        {obstacle !== undefined && <span className="mut">, obstacles.{obstacle}</span>}
+      </dd>
+    </>
+  )
+}

@@ -1,0 +1,80 @@
+// The five figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
+import { summaryOf } from '../../api/results'
+import { lostOf, unknownOf, withoutValue } from '../../format/counts'
+import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
+import { numberOf } from '../../launch/campaign/parameters'
+import { Stat } from '../../ui/Card'
+import { methodLook } from '../../ui/methods'
+import { Sign } from '../../ui/Sign'
+import type { RunData } from '../data/data'
+
+export function FiveFigures({ data }: { data: RunData }) {
+  const { run, campaign } = data
+  const { statistics } = summaryOf(run)
+  const decimals = decimalsFor([run.worst_cost, run.nominal_cost, run.threshold])
+  const share = run.margin !== null && run.threshold ? run.margin / Math.abs(run.threshold) : null
+  const lower = run.nominal_cost !== null && run.worst_cost !== null ? run.nominal_cost - run.worst_cost : null
+  const at = run.stages.find((stage) => stage.kind === 'search' && stage.method === run.worst_method)
+  const target = numberOf(campaign.target_probability)
+  const compute = run.stages.reduce((sum, stage) => sum + stage.seconds, 0)
+  const percentOf = percent(statistics?.upper_bound, 3).split('\u202f')
+  return (
+    <div className="card" style={{ marginTop: 'var(--gap)' }}>
+      <div className="stats">
+        <Stat
+          name={
+            <>
+              Worst <Sign text={run.quantity || 'value'} />
+            </>
+          }
+          value={fixed(run.worst_cost, decimals)}
+          unit={run.unit}
+          testId="worst"
+          note={
+            run.worst_method
+              ? `${methodLook(run.worst_method).title}${at?.best_index == null ? '' : `, evaluation ${count(at.best_index + 1)}`}`
+              : 'none found'
+          }
+        />
+        <Stat
+          name="Margin to criterion"
+          value={signed(run.margin, decimals)}
+          unit={run.unit}
+          bad={run.margin !== null && run.margin <= 0}
+          testId="margin"
+          note={
+            <>
+              {`${share === null ? '' : `${signed(share * 100, Math.abs(share) < 1 ? 1 : 0)} % of `}${plain(run.threshold)} ${run.unit}`}
+              {unknownOf(run) && <span className="unk-t">; {unknownOf(run)}</span>}
+            </>
+          }
+        />
+        <Stat
+          name={
+            <>
+              Nominal <Sign text={run.quantity || 'value'} />
+            </>
+          }
+          value={fixed(run.nominal_cost, decimals)}
+          unit={run.unit}
+          note={lower === null ? '' : `worst is ${fixed(lower, decimalsFor([lower], 3))} ${run.unit} lower`}
+        />
+        <Stat
+          name={statistics ? `P(violation), ${percent(statistics.confidence)} upper bound` : 'P(violation)'}
+          value={statistics ? percentOf[0] : NONE}
+          unit={statistics ? '%' : undefined}
+          note={
+            statistics
+              ? `${count(statistics.violations)} of ${count(statistics.samples)} samples${lostOf(statistics)}${target === null ? '' : `; target ${percent(target)}`}`
+              : 'no random sample in this campaign'
+          }
+        />
+        <Stat
+          name="Evaluations"
+          value={count(run.evaluations)}
+          note={`${withoutValue(run)}, ${duration(compute)} compute`}
+        />
+      </div>
+    </div>
+  )
+}

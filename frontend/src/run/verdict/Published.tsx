@@ -1,0 +1,131 @@
+// Published values beside ours, where the campaign repeats a study. Ours is flown at the published point where one is given.
+import { IconAlertTriangle } from '@tabler/icons-react'
+import { useQuery } from '@tanstack/react-query'
+import { Fragment } from 'react'
+import { asCampaign, type Campaign, type Published as PublishedValue } from '../../api/campaign'
+import { libraryQuery } from '../../api/queries'
+import type { Minimum } from '../../api/results'
+import { decimalsFor, fixed, NONE, signed } from '../../format/numbers'
+import { Card, NumHead } from '../../ui/Card'
+import { Sign } from '../../ui/Sign'
+import { type RunData, searchesOf } from '../data/data'
+
+/** Whether this campaign still asks what the shipped one asks: budgets may differ, scenario and bounds may not. */
+function useChanged(campaign: Campaign): boolean {
+  const { data } = useQuery(libraryQuery)
+  const part = ({ scenario, uncertain }: Campaign) => JSON.stringify([scenario, uncertain])
+  const shipped = data?.map((item) => asCampaign(item.document)).find((item) => item.name === campaign.name)
+  return shipped !== undefined && part(shipped) !== part(campaign)
+}
+
+export function Published({ data, className }: { data: RunData; className: string }) {
+  const { run, campaign } = data
+  const rows = campaign.published ?? []
+  const changed = useChanged(campaign)
+  if (rows.length === 0) return null
+  const decimals = decimalsFor(
+    rows.map((row) => row.value),
+    4,
+  )
+  return (
+    <Card
+      title="Published values"
+      note="Of the study this campaign repeats"
+      className={className}
+      flush
+      footer={campaign.notes ? <Notes text={campaign.notes} /> : undefined}
+    >
+      {changed && (
+        <p className="note warn" style={{ margin: '4px 16px 8px' }}>
+          <IconAlertTriangle className="i" aria-hidden />
+          Scenario or bounds of this run differ from the study: the values need not agree.
+        </p>
+      )}
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Value</th>
+            <NumHead unit={run.unit}>Published</NumHead>
+            <NumHead unit={run.unit}>Ours</NumHead>
+            <NumHead unit={run.unit}>Difference</NumHead>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((row) => {
+            const ours = oursFor(data, row)
+            return (
+              <tr key={row.label}>
+                <td>
+                  <span className="rn">
+                    <span>{row.label}</span>
+                    <small>
+                      {[row.source, where(data, row)].filter(Boolean).map((part, i) => (
+                        <span key={i}>
+                          {i > 0 && ', '}
+                          {part}
+                        </span>
+                      ))}
+                    </small>
+                  </span>
+                </td>
+                <td className="num">{fixed(row.value, decimals)}</td>
+                <td className={ours === null ? 'num mut' : 'num b'}>
+                  {ours === null ? 'not run' : fixed(ours, decimals + 1)}
+                </td>
+                <td className="num sec">{ours === null ? NONE : signed(ours - row.value, decimals + 1)}</td>
+              </tr>
+            )
+          })}
+        </tbody>
+      </table>
+    </Card>
+  )
+}
+
+function Notes({ text }: { text: string }) {
+  return (
+    <details>
+      <summary>How this campaign was made</summary>
+      <p className="about">{text}</p>
+    </details>
+  )
+}
+
+function where({ parameters }: RunData, row: PublishedValue) {
+  const points = Object.entries(row.at ?? {})
+  if (points.length === 0) return null
+  return points.map(([path, value], i) => (
+    <Fragment key={path}>
+      {i > 0 && ', '}
+      <span className="nw">
+        <Sign text={parameters.find((p) => p.path === path)?.symbol ?? path} path={path} /> = {value}
+      </span>
+    </Fragment>
+  ))
+}
+
+/** Our value for a published one: from the start its label names, or by the method it begins with. */
+function oursFor(data: RunData, row: PublishedValue): number | null {
+  const label = row.label.toLowerCase()
+  if (label.startsWith('nominal')) return data.run.nominal_cost
+  const searches = searchesOf(data)
+  if (label.includes(' from ')) {
+    const minima = searches.flatMap((search) => search.result?.minima ?? [])
+    return minimumFrom(minima, row.label)?.cost ?? null
+  }
+  const search = searches.find(({ title, stage }) => {
+    const words = [title, stage.method?.replaceAll('_', ' ') ?? ''].map((word) => word.toLowerCase())
+    return words.some((word) => word && label.startsWith(word.split(' ')[0] ?? word))
+  })
+  return search?.stage.best ?? null
+}
+
+/** The minimum reached from the start whose numbers the label names. */
+function minimumFrom(minima: Minimum[], label: string): Minimum | undefined {
+  const numbers = [...label.matchAll(/=\s*([\d.]+)/g)].map((match) => Number(match[1]))
+  const near = (a: number, b: number) => Math.abs(a - b) < 1e-6 * Math.max(1, Math.abs(b))
+  return minima.find(({ start }) => {
+    const values = Object.values(start ?? {})
+    return numbers.length > 0 && numbers.every((n) => values.some((v) => near(v, n)))
+  })
+}

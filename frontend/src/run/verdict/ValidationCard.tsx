@@ -1,0 +1,161 @@
+// Validation: nominal and findings at half the step and with the reference integrator, and what of all other evaluations
+// was simulated again. Start reading at `ValidationCard`.
+import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
+import type { SpotChecks, ValidateResult, ValidationCase } from '../../api/results'
+import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
+import { Card, NumHead } from '../../ui/Card'
+import { methodLook } from '../../ui/methods'
+import { Sign } from '../../ui/Sign'
+import type { RunData } from '../data/data'
+import { Said } from '../data/Said'
+import { validatedWord } from '../data/validated'
+
+export function ValidationCard({
+  data,
+  result,
+  className,
+}: {
+  data: RunData
+  result: ValidateResult
+  className: string
+}) {
+  const { run } = data
+  const neighbours = result.cases.find((c) => c.neighbours)?.neighbours
+  const decimals = decimalsFor(
+    result.cases.map((c) => c.cost),
+    7,
+  )
+  const other = result.cases[0]?.integrator.name ?? 'Other'
+  return (
+    <Card
+      title="Validation"
+      note="The same cases by other means"
+      className={className}
+      id="validation"
+      flush
+      right={
+        <span className={`vd ${result.ok ? 'ok' : 'unk'}`}>
+          {result.ok ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
+          {result.ok ? 'Passed' : 'Not passed'}
+        </span>
+      }
+      footer={
+        <>
+          <Said data={data} text={sentence(result.text)} />{' '}
+          {[result.violations, result.spot_checks].map(
+            (told, i) => told && <Said key={i} data={data} text={`${sentence(told.text)} `} />,
+          )}
+          Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
+          {neighbours && (
+            <>
+              {count(neighbours.flown)} neighbours of the worst case were simulated
+              {neighbours.failed > 0 && `, ${count(neighbours.failed)} of them failed`}:{' '}
+              {neighbours.lower_by
+                ? `the lowest is ${plain(neighbours.lower_by, 3)} ${run.unit} lower and became the worst case.`
+                : 'none is lower.'}
+            </>
+          )}
+        </>
+      }
+    >
+      <table className="tight">
+        <thead>
+          <tr>
+            <th>Flight</th>
+            <th>Integration</th>
+            <NumHead unit="ms">Step</NumHead>
+            <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
+            <NumHead unit={run.unit}>Change</NumHead>
+            <NumHead unit={run.unit}>Allowed</NumHead>
+          </tr>
+        </thead>
+        <tbody>
+          {result.cases.map((c) => (
+            <Rows key={c.name} item={c} decimals={decimals} other={other} />
+          ))}
+        </tbody>
+      </table>
+      {result.violations && result.spot_checks && (
+        <Again data={data} violations={result.violations} spots={result.spot_checks} />
+      )}
+    </Card>
+  )
+}
+
+interface AgainProps {
+  data: RunData
+  violations: NonNullable<ValidateResult['violations']>
+  spots: SpotChecks
+}
+
+/** What was simulated again besides nominal and findings, in figures. */
+function Again({ data: { run, stages }, violations, spots }: AgainProps) {
+  const unit = run.unit
+  const apart = (value: number | null) => (value === null ? NONE : `${plain(value, 3)} ${unit}`)
+  const { at } = spots
+  const stage = at && stages.find((s) => s.position === at.position)
+  return (
+    <dl className="kv again" aria-label="Simulated again">
+      <dt>Stored violations</dt>
+      <dd data-testid="violations">
+        {count(violations.stored)} stored, {count(violations.checked)} checked, {count(violations.confirmed)} confirmed
+      </dd>
+      <dt>Random evaluations, reference integrator</dt>
+      <dd data-testid="spot-checks">
+        {count(spots.compared)} of {count(spots.checked)} compared
+        {spots.violating > 0 && <span className="bad-t">, {count(spots.violating)} violate there only</span>}
+      </dd>
+      <dt>Distance to the stored value</dt>
+      <dd title={at ? Object.entries(at.parameters).map(([path, v]) => `${path} = ${plain(v, 9)}`).join('\n') : undefined}>
+        median {apart(spots.median)}, largest {apart(spots.largest)}
+        {at && `, ${stage?.method ? methodLook(stage.method).title : (stage?.kind ?? 'stage')} evaluation ${count(at.index + 1)}`}
+        {at && typeof at.realisation === 'number' && `, noise seed ${at.realisation}`}
+      </dd>
+    </dl>
+  )
+}
+
+const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`
+
+function Rows({ item, decimals, other }: { item: ValidationCase; decimals: number; other: string }) {
+  const name = item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
+  const rows = [
+    { key: 'run', text: 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
+    {
+      key: 'half',
+      text: 'Half step, RK4',
+      step: item.half_step.step,
+      cost: item.half_step.cost,
+      change: item.half_step.difference,
+    },
+    { key: 'other', text: other, step: null, cost: item.integrator.cost, change: item.integrator.difference },
+  ]
+  return rows.map((row, i) => {
+    const over = typeof row.change === 'number' && item.allowed !== null && Math.abs(row.change) > item.allowed
+    return (
+      <tr key={row.key}>
+        <td className="m">
+          {i === 0 && name}
+          {i === 1 && <span className={item.ok ? 'small sec' : 'small unk-t'}>{validatedWord(item)}</span>}
+          {i === 2 && typeof item.realisation === 'number' && (
+            <span className="small mut">noise seed {item.realisation}</span>
+          )}
+        </td>
+        <td className="sec">{row.text}</td>
+        <td className="num sec">{row.step === null ? 'adaptive' : plain(row.step * 1000)}</td>
+        <td className="num">{fixed(row.cost, decimals)}</td>
+        <td className={over ? 'num b bad-t' : 'num sec'}>
+          {row.change === undefined ? NONE : row.change === null ? 'no value' : signedSmall(row.change)}
+          {over && ' too large'}
+        </td>
+        <td className="num mut">{row.change === undefined ? '' : plain(item.allowed, 2)}</td>
+      </tr>
+    )
+  })
+}
+
+/** A difference, however small, with two digits and its sign. */
+function signedSmall(value: number): string {
+  if (value === 0) return '0'
+  return Math.abs(value) < 1e-4 ? `${value > 0 ? '+' : ''}${plain(value, 2)}` : signed(value, decimalsFor([value], 2))
+}

@@ -1,0 +1,27 @@
+// What can be done about a run that failed.
+import { Link } from '@tanstack/react-router'
+import type { RunDetail } from '../../client'
+import { Card } from '../../ui/Card'
+import { methodLook } from '../../ui/methods'
+
+export function WhatToDo({ run, className }: { run: RunDetail; className: string }) {
+  const stage = run.stages.find(({ state }) => state === 'running')
+  return (
+    <Card title="What to do" className={className}>
+      <ol className="todo-list">
+        <li>
+          <b>Run it again</b> with the button above, as it is or changed. If it ended by the same reason
+          {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step, or leave
+          that stage out, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
+        </li>
+        <li>
+          <b>Look into the log</b> of the worker{run.worker ? ` (${run.worker})` : ''}, in the folder <code>logs</code> of the
+          service’s data: it has what the simulation said before it ended.
+        </li>
+        <li>
+          <b>Draw no conclusion.</b> A run that failed has no verdict, whatever it had flown until then.
+        </li>
+      </ol>
+    </Card>
+  )
+}

@@ -1,0 +1,61 @@
+// Evaluations without a value are said wherever a count, a margin or a check is shown, with the same numbers.
+import { renderToStaticMarkup } from 'react-dom/server'
+import { expect, it } from 'vitest'
+import type { Check } from '../api/results'
+import type { RunDetail, StageProgress } from '../client'
+import { withoutValue } from '../format/counts'
+import { COLUMNS } from './columns'
+import { Standing } from '../run/verdict/Banner'
+import type { RunData } from '../run/data/data'
+import { countsOf } from '../run/search/failed'
+import { FiveFigures } from '../run/verdict/FiveFigures'
+import { StageStrip } from '../run/search/StageStrip'
+
+const stage = (kind: string, evaluations: number, failed: number, excluded: number, position: number) =>
+  ({ position, kind, method: kind === 'search' ? 'direct' : null, state: 'done', planned: evaluations, evaluations, failed, excluded, best: 1, best_index: 0, seconds: 1 }) as StageProgress
+const STAGES = [stage('nominal', 1, 0, 0, 0), stage('search', 1000, 7, 5, 1), stage('certify', 320, 4, 20, 2), stage('validate', 50, 1, 0, 3)]
+const RUN = {
+  id: 'R-0001', state: 'done', verdict: 'inconclusive', quantity: 'd_min', unit: 'm', threshold: 0.5, nominal_cost: 0.94,
+  worst_cost: 0.84, margin: 0.34, worst_method: 'direct', evaluations: 1371, planned: 1371, failed_evaluations: 12,
+  excluded_evaluations: 25, stages: STAGES, upper_bound: 0.01,
+  campaign: { uncertain: {}, stages: { search: [] } },
+  summary: { statistics: { samples: 300, violations: 4, failed: 4, excluded: 20, confidence: 0.95, upper_bound: 0.03, text: '' } },
+} as unknown as RunDetail
+
+const text = (html: string) => html.replace(/<[^>]+>/g, '').replaceAll('\u202f', ' ')
+const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: run.campaign } as unknown as RunData} />)
+const cell = (key: string, run: RunDetail) => {
+  const column = COLUMNS.find((c) => c.key === key)
+  return renderToStaticMarkup(<>{column?.cell(run, { units: false, now: 0, onTag: () => undefined })}</>)
+}
+
+it('counts the same in figures, strip, list and table', () => {
+  expect(withoutValue(RUN)).toBe('12 failed, 25 excluded')
+  expect(text(figures(RUN))).toContain('1 37112 failed, 25 excluded')
+  expect(text(figures(RUN))).toContain('4 of 300 samples, 4 of them failed; 20 draws excluded')
+  const strip = text(renderToStaticMarkup(<StageStrip run={RUN} />))
+  for (const said of ['1 000 flown, 7 failed, 5 excluded', '320 flown, 4 failed, 20 excluded', '50 flown, 1 failed'])
+    expect(strip).toContain(said)
+  expect([cell('evaluations', RUN), cell('failed', RUN), cell('excluded', RUN)].map(text)).toEqual(['1 371', '12', '25'])
+  expect(countsOf(STAGES, undefined)).toEqual([
+    { status: 'failed', count: 12 },
+    { status: 'excluded', count: 25 },
+  ])
+})
+
+it('shows no margin without the evaluations that have none', () => {
+  const whole = { ...RUN, failed_evaluations: 0 }
+  const said = '12 of 1 371 evaluations failed and have no margin'
+  expect(text(figures(RUN))).toContain(said)
+  expect(cell('margin', RUN).replaceAll('\u202f', ' ')).toContain(said)
+  expect(cell('margin', RUN)).not.toContain('--ok-solid')
+  expect(text(figures(whole))).not.toContain('no margin')
+  expect(cell('margin', whole)).toContain('--ok-solid')
+})
+
+it('marks a check green only where nothing is open', () => {
+  const look = (standing: Check['standing']) => renderToStaticMarkup(<Standing check={{ standing } as Check} />)
+  expect(look('holds')).toContain('ok-t')
+  expect(look('open')).not.toContain('ok-t')
+  expect(look('fails')).toContain('bad-t')
+})

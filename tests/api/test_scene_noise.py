@@ -1,0 +1,67 @@
+"""A flight that drew its own noise is simulated again under that noise, wherever a 3D view does so."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from backend.db.engine import read
+from backend.db.records import Columns, Finding, StagePlan
+from backend.runs.service import number
+from backend.scenes.base.flight import from_live
+from backend.scenes.base.noise import STATED, WHOLE, Noise, draws
+from backend.scenes.base.setting import Progress, load
+from backend.scenes.cloud.evaluations import load as cloud_of
+from backend.scenes.panel.sampled import _sample
+from campaigns import library, load_file
+from tests.api.finished import Work
+from tests.api.server import Service
+from tests.api.test_view_flights import shipped
+from worker.stages.parts.seeds import of_draws
+from worker.systems.problem import Problem
+
+PLAN = [StagePlan("nominal", None, 1), StagePlan("certify", None, 3)]
+POINTS = np.array([[0.1, 0.2, 0.4], [0.5, 0.5, 0.5], [0.9, 0.3, 0.7]])
+DRAWN = 2
+"""The third evaluation is of a grid, under the realisations that the campaign states."""
+
+
+def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(bare: Service) -> None:
+    bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
+    problem = Problem(load_file(library()["unicycle_noise"]))
+    seeds = of_draws(problem.campaign.seed, 0, DRAWN)
+    own, _ = problem.fly(POINTS[:DRAWN], seeds=seeds)
+    grid, _ = problem.fly(POINTS[DRAWN:])
+    costs = np.concatenate([own.costs, grid.costs])
+    with bare.signed_in() as client:
+        run = number(shipped(bare, client, "unicycle_noise"))
+        work = Work(bare, PLAN)
+        work.nominal()
+        work.store.begin(1)
+        work.store.append(1, 0, Columns(POINTS, costs, np.zeros(3, np.uint8), np.ones(3), {}))
+        with read(bare.engine) as reader:
+            assert draws(reader, run, problem.campaign.document()) == {1: WHOLE}, "while the stage runs"
+        asked = {"stages": {"certify": {"samples": 1, "grid": {"points": 2}}}}
+        with read(bare.engine) as reader:
+            assert draws(reader, run, asked) == {1: 1}, "what was asked for is drawn before the grid"
+        worst = problem.named(POINTS[0])
+        finding = Finding(
+            "F1", float(costs[0, 0]), 0.1, worst, POINTS[0].tolist(), [], {}, {"realisation": int(seeds[0])}, []
+        )
+        work.store.finish(1, {"drawn_realisations": DRAWN}, 1.0, findings=[finding])
+        with read(bare.engine) as reader:
+            setting = load(reader, run)
+            cloud = cloud_of(reader, run, setting, None)
+            progress = Progress(setting, run)
+            progress.look(reader)
+            _, sampled = _sample(reader, run, setting)
+    noise = [one.noise for one in sorted(cloud.drawn, key=lambda one: one.index)]
+    assert noise == [noise for _, noise in sampled] == [Noise(draw=0), Noise(draw=1), STATED]
+    assert progress.seeds == {"F1": int(seeds[0])}
+    for one in cloud.drawn:
+        again = bare.app.state.live.fly(setting.document, setting.digest, one.parameters, 100, one.noise)
+        assert again["cost"] == one.cost, f"evaluation {one.index}, bit by bit"
+        flight = from_live(again)
+        assert flight is not None
+        assert flight.seed == (seeds[one.index] if one.index < DRAWN else again["meta"]["realisation"]["seed"])
+    stated = bare.app.state.live.fly(setting.document, setting.digest, worst, 100)
+    assert stated["cost"] != costs[0, 0], "under the stated noise it is another flight"

@@ -12,6 +12,7 @@ from backend.db.engine import read
 from backend.db.store import plain
 from campaigns import Campaign
 from campaigns.asked.snapshot import snapshot
+from campaigns.results import Verdict
 from worker.audit.judge import Item, audit, closing
 from worker.audit.record import Record, of_database, of_folder
 from worker.catalogue.installed import catalogue
@@ -19,7 +20,6 @@ from worker.cli._results import evidence
 from worker.cli.run import summary
 from worker.runs.store import MemoryStore
 from worker.stages.parts import offered
-from worker.stages.parts.store import Conclusion
 
 
 def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> list[Item]:
@@ -32,10 +32,10 @@ def audited(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = Non
     return items
 
 
-def audited_summary(campaign: Campaign, store: MemoryStore, conclusion: Conclusion) -> dict[str, Any]:
+def audited_summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[str, Any]:
     """What `clearance run` prints of a run, which is audited first."""
     audited(store, campaign)
-    return summary(campaign, store, conclusion)
+    return summary(campaign, store, verdict)
 
 
 def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = None, run_id: int = 1) -> Record:
@@ -46,9 +46,9 @@ def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = No
         with read(run) as connection:
             return of_database(connection, run_id)
     assert campaign is not None
-    assert run.conclusion is not None
+    assert run.verdict is not None
     held = {k: columns for k in range(len(run.stages)) if (columns := run.evaluations(k)) is not None}
-    claims = plain(summary(campaign, run, run.conclusion) | evidence(campaign, run, run.conclusion))
+    claims = plain(summary(campaign, run, run.verdict) | evidence(campaign, run))
     claims |= {"components": snapshot(campaign, catalogue())}
     stage = np.repeat(list(held), [len(c.status) for c in held.values()])
     columns = (np.concatenate([getattr(c, name) for c in held.values()]) for name in ("points", "costs", "status"))

@@ -7,7 +7,7 @@ audit of older folders; new code has no business here. Start reading at `upgrade
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 Document = dict[str, Any]
@@ -29,6 +29,16 @@ def upgraded(kind: str, result: Mapping[str, Any]) -> Document:
         for key in ("minima", "members", "criteria"):
             found[key] = found.get(key) or []
     return found
+
+
+def brought_up(kinds: Sequence[str], results: list[Any], findings: list[Document]) -> tuple[list[Any], list[Document]]:
+    """The results of all stages, by their kinds, and the findings with their own evidence."""
+    last = results[-1] if results else None
+    if not last or last.get("stage"):
+        return results, findings
+    evidence = [{**of_finding(finding["label"], last), **finding} for finding in findings]
+    kinds_of = zip(kinds, results, strict=False)
+    return [None if result is None else upgraded(kind, result) for kind, result in kinds_of], evidence
 
 
 def of_finding(label: str, validate: Mapping[str, Any]) -> Document:

@@ -197,7 +197,7 @@ def say(old: str, new: str) -> Callable[[Folder], None]:
     return lambda folder: folder.reword(old, new)
 
 
-CASES, SAMPLE_ = "evidence/results/5/cases", "evidence/results/4/sample"
+NOMINAL, SAMPLE_ = "evidence/results/5/nominal", "evidence/results/4/sample"
 DEVIATION = "campaign/uncertain/vehicle.m/distribution/deviation"
 ENCOUNTER = "evidence/results/5/encounter"
 FINDING, STATISTICS = "result/findings/0", "result/statistics"
@@ -244,19 +244,19 @@ CORRUPTIONS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
     ("a sample without noise", "noisy", edit("evidence/results/4/drawn_realisations", 0), "checks.noise"),
     ("a changed cost of a finding", "cleared", edit(f"{FINDING}/cost", 0.95), "findings.0.cost"),
     ("a finding that was not evaluated", "cleared", edit(f"{FINDING}/point/0", 0.123), "findings.0.cost"),
-    ("a finding removed", "violated", lambda f: f.result["findings"].pop(), "results.5.cases.count"),
+    ("a finding removed", "violated", lambda f: f.result["findings"].pop(), "comparison.0.findings.count"),
     ("a finding at no bound", "cleared", edit(f"{FINDING}/at_bounds", {}), "findings.0.at_bounds"),
     ("another parameter", "cleared", edit(f"{FINDING}/parameters/vehicle.m", 5.9), "findings.0.parameters.vehicle.m"),
     ("another worst cost", "cleared", edit("result/worst/cost", 0.95), "worst.cost"),
-    ("a changed case", "cleared", edit(f"{CASES}/0/integrator/cost", 0.2), "results.5.cases.0.ok"),
+    ("a changed case", "cleared", edit(f"{NOMINAL}/integrator/cost", 0.2), "results.5.nominal.ok"),
     ("a changed case of a finding", "violated", edit(f"{FINDING}/validation/half_step/cost", 0.95), "verdict"),
-    ("a case of no finding", "cleared", edit(f"{CASES}/1/cost", 0.95), "results.5.cases.1.cost"),
-    ("a wider tolerance", "cleared", edit(f"{CASES}/0/allowed", 0.5), "results.5.cases.0.allowed"),
+    ("a case of no finding", "cleared", edit("result/findings/0/validation/cost", 0.95), "findings.0.validation.cost"),
+    ("a wider tolerance", "cleared", edit(f"{NOMINAL}/allowed", 0.5), "results.5.nominal.allowed"),
     ("a spot check violates", "cleared", edit("evidence/results/5/spot_checks/violating", 1), "checks.validation"),
     ("few spot checks", "cleared", edit("evidence/results/5/spot_checks/checked", 1), "results.5.spot_checks.checked"),
     ("unseen violations", "violated", edit("evidence/results/5/violations/checked", 0), "results.5.violations.checked"),
     ("unfinished findings", "cleared", edit("evidence/results/5/findings/complete", False), "checks.minimum"),
-    ("an encounter at the end", "cleared", edit(f"{ENCOUNTER}/closest/1/at", "end"), "checks.closest approach"),
+    ("an encounter at the end", "cleared", edit("result/findings/0/closest/at", "end"), "checks.closest approach"),
     ("a vehicle that stands still", "cleared", edit(f"{ENCOUNTER}/moved", 0.0), "checks.motion"),
     ("an avoidance without effect", "cleared", edit(f"{ENCOUNTER}/unseen/cost", 0.95), "checks.avoidance"),
     ("a best in no basin", "cleared", edit("result/comparison/0/basin", None), "checks.agreement"),

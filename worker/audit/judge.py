@@ -103,19 +103,22 @@ def _stored(run: Run) -> Tree:
 
 def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     """What the record must claim by the results of the stages and the catalogue besides."""
-    cases: list[Tree] = [{"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["cases"][0])]
-    cases += [{"name": f["label"], "cost": f["cost"]} | f["validation"] for f in run.findings]
+    nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
+    agreed = nominal["ok"] and all(f["validation"]["ok"] for f in run.findings)
     below = [{"position": k, "count": n} for k, n in enumerate(run.below) if n]
     violations = {"stored": sum(run.below), "by_stage": below, "checked": min(sum(run.below), at_most)}
     spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}
-    last: Tree = {"cases": cases, "ok": all(c["ok"] for c in cases), "violations": violations}
+    last: Tree = {"nominal": nominal, "ok": agreed, "violations": violations}
     last |= {"spot_checks": {"checked": min(spot_checks, len(run.costs))}, "encounter": {"spread": spread}}
     results: list[Tree] = [{"sample": run.samples[k]} if k in run.samples else {} for k in range(len(run.plan) - 1)]
     for k in run.searches:
         spent = run.ended[k]["evaluations"] >= run.plan[k].planned
         results[k] = run.ended[k] | {"sample": run.samples.get(k), "stop": {"kind": "budget" if spent else "rule"}}
     rows = [{"position": k, "kind": run.methods[k].kind, "best": run.best[k]} | run.ended[k] for k in run.searches]
-    checks, beside = _checks(run, last["ok"]), ("outside", "lowest", "mean")
+    known = {finding["label"] for finding in run.findings}
+    for row, given in zip(rows, run.claims["comparison"], strict=True):
+        row["findings"] = [label for label in given["findings"] if label in known]
+    checks, beside = _checks(run, agreed), ("outside", "lowest", "mean")
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in beside}
     told: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
     if not run.confirmed:
@@ -138,7 +141,8 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
         "influence": run.varies,
     }
     if criterion.of == "obstacles":
-        shown["closest approach"] = all(c["at"] == "inside" for c in encounter["closest"])
+        closest = [encounter["closest"], *(f["closest"] for f in findings)]
+        shown["closest approach"] = all(c["at"] == "inside" for c in closest)
     told = {name: holds or name.replace(" ", "_") in campaign.encounter.intended for name, holds in shown.items()}
     told |= {
         "nominal": nominal > threshold,

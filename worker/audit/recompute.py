@@ -68,8 +68,9 @@ class Run:
         cost = min(here.tolist(), key=lambda c: abs(c - given["cost"]), default=math.nan)
         ends = zip(self.campaign.uncertain, given["point"], strict=True)
         edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
-        told = {"label": f"F{number}", "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
-        return told | {"validation": self.case(given["validation"])}
+        name = f"F{number}"
+        told = {"label": name, "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
+        return told | {"validation": {"name": name, "cost": cost} | self.case(given["validation"])}
 
     def case(self, given: Tree) -> Tree:
         """What follows from the three costs of a case: the one at the campaign's step and the two others."""

@@ -16,6 +16,7 @@ import sqlalchemy as sa
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.snapshot import digest_of
+from campaigns.results import earlier
 
 MISSING: Any = "not stored by the version that made this run"
 
@@ -43,6 +44,9 @@ def of_folder(folder: Path) -> Record:
         claims, file = json.loads((folder / "result.json").read_text(encoding="utf-8")), folder / "evidence.json"
         stated, evidence = claims["digest"], json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
         claims |= {k: Catalogue.model_validate(v) if k == "components" else v for k, v in evidence.items()}
+        claims["results"], claims["findings"] = earlier.brought_up(
+            [stage["kind"] for stage in claims["stages"]], claims.get("results", []), claims["findings"]
+        )
         with np.load(folder / "evaluations.npz", allow_pickle=False) as arrays:
             held = sorted(int(name[7:]) for name in arrays.files if name.startswith("status_"))
             stage = np.repeat(held, [len(arrays[f"status_{k}"]) for k in held])
@@ -68,7 +72,9 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     campaign = load_document(rows("campaigns", "digest", digest=run["campaign_digest"])[0]["document"], name)
     stages = rows("stages", "position", run_id=run_id)
     claims = run["summary"] | {"run": run, "verdict": run["verdict"], "reason": run["reason"], "stages": stages}
-    claims |= {"results": [stage["result"] for stage in stages], "findings": rows("findings", "cost", run_id=run_id)}
+    results, found = [stage["result"] for stage in stages], rows("findings", "cost", run_id=run_id)
+    results, found = earlier.brought_up([stage["kind"] for stage in stages], results, found)
+    claims |= {"results": results, "findings": found}
     claims["comparison"] = (stages[-1]["result"] or {}).get("comparison", MISSING)
     summary = run["summary"].get("provenance", {}).get("digest", MISSING)
     twice = {f"digests.{k}": (v, campaign.digest) for k, v in (("run", run["campaign_digest"]), ("summary", summary))}

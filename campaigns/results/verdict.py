@@ -96,4 +96,4 @@ class Verdict(Result):
     @property
     def reason(self) -> str:
         """Sentence and scope."""
-        return f"{self.sentence} {self.scope}"
+        return f"{self.sentence} {self.scope}".strip()

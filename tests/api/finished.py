@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from backend.db.queue import Queue
-from backend.db.records import Columns, Conclusion, Finding, StagePlan, Trace
+from backend.db.records import Columns, StagePlan, Trace
 from backend.db.store import RunStore
+from campaigns.results.finding import FoundBy
+from tests import results
 from tests.api.server import Service
 
 COLUMNS = [
@@ -34,11 +36,11 @@ def flight(name: str, rows: int = 3001, passing: float = 0.9) -> Trace:
     closest = {"time": t[row], "value": distance[row], "position": [x[row], y[row], 0.0], "speed": 0.4}
     closest |= {"obstacle": 0, "obstacle_position": [4.0, 4.0, 0.0], "row": row}
     meta = {"frame": "enu", "closest": closest, "status": "ok", "reason": "", "cost": distance[row], "threshold": 0.5}
-    meta |= {"obstacles": [{"title": "Circle", "position": [4.0, 4.0, 0.0], "radius": 0.5, "moving": False}]}
+    meta |= {"obstacles": [{"title": "Circle", "position": [4.0, 4.0, 0.0], "radius": 0.5, "free_radius": 0.5}]}
     meta |= {"values": {"separation": distance[row], "goal_miss": 1.5 - passing}}
-    described = [{"name": n, "symbol": n, "unit": u, "group": g} for n, u, g in COLUMNS]
     speed, force = 0.4 + 0.05 * np.sin(t), 0.25 * np.cos(t) * passing
-    return Trace(name, described, np.column_stack([t, x, y, zero, zero, zero, zero, speed, force, distance]), meta)
+    data = np.column_stack([t, x, y, zero, zero, zero, zero, speed, force, distance])
+    return Trace(name, results.columns(*COLUMNS), data, results.head(**meta))
 
 
 def encounter(name: str, frame: str, intruder: Any, rows: int = 401, parameters: Any = None) -> Trace:
@@ -61,8 +63,8 @@ def encounter(name: str, frame: str, intruder: Any, rows: int = 401, parameters:
     pose = [(n, "m", "pose") for n in "xyz"] + [(n, "rad", "pose") for n in ("roll", "pitch", "yaw")]
     way = [(f"obstacle.0.{n}", "m", "pose") for n in "xyz"]
     columns = [("t", "s", "time"), *pose, *way, ("separation", "m", "separation")]
-    described = [{"name": n, "symbol": n, "unit": u, "group": g} for n, u, g in columns]
-    return Trace(name, described, np.column_stack([t, own, turned, other, distance]), meta)
+    data = np.column_stack([t, own, turned, other, distance])
+    return Trace(name, results.columns(*columns), data, results.head(**meta))
 
 
 def straight(x: float, y: float, z: float, *speed: float) -> Any:
@@ -101,36 +103,25 @@ class Work:
 
     def nominal(self, flown: Trace | None = None) -> None:
         self.store.begin(0)
-        self.store.finish(0, {"cost": 0.9, "margin": 0.4}, 0.01, traces=[flown or flight("nominal")])
+        self.store.finish(0, results.nominal(), 0.01, traces=[flown or flight("nominal")])
 
     def search(self, first: int, count: int, stage: int = 2) -> None:
         self.store.begin(stage)
         self.store.append(stage, first, search(first, count))
 
     def found(
-        self, labels: tuple[str, ...] = ("F1",), flown: Trace | None = None, by: tuple[dict[str, Any], ...] = ()
+        self, labels: tuple[str, ...] = ("F1",), flown: Trace | None = None, by: tuple[FoundBy, ...] = ()
     ) -> None:
         parameters: dict[str, float] = {"vehicle.m": 6.0, "vehicle.J": float(np.nextafter(0.06, 0))}
         findings = [
-            Finding(
-                label,
-                0.1 + 0.2,
-                0.3 - 0.5,
-                parameters,
-                [1.0, 1.0],
-                ["direct"],
-                {"vehicle.m": "high"},
-                {"ok": True},
-                list(by),
-            )
+            results.finding(label, 0.1 + 0.2, 0.3 - 0.5, parameters, by, at_bounds={"vehicle.m": "high"})
             for label in labels
         ]
         traces = [flown] if flown else [flight(label, passing=0.8) for label in labels]
-        self.store.finish(2, {"method": "direct"}, 1.0, findings=findings, traces=traces)
+        self.store.finish(2, results.searched(), 1.0, findings=findings, traces=traces)
 
     def conclude(self) -> None:
-        summary: dict[str, Any] = {"quantity": "d_min", "unit": "m"}
-        self.store.conclude(Conclusion("violated", "A violation.", 0.9, 0.3, "direct", summary))
+        self.store.conclude(results.verdict("violated", "A violation.", 0.9, 0.3))
 
 
 def finish(service: Service) -> None:

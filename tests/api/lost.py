@@ -13,9 +13,10 @@ import numpy as np
 from backend.db.records import Columns
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.search import Best
+from tests import results
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
-from tests.api.reported import searched
 from tests.api.server import Service
 from worker.search.base import OK
 from worker.systems.problem import Problem
@@ -60,9 +61,9 @@ def lose(service: Service, client: httpx.Client, publish: bool = True) -> Lost:
     work.store.append(2, 0, Columns(points, batch.costs, batch.status, seconds, reasons))
     row = int(np.nanargmin(batch.costs[:, 0]))
     lowest = float(batch.costs[row, 0])
-    best = {"cost": lowest, "margin": lowest - 0.5, "parameters": values(points[row]), "index": row}
+    best = Best(cost=lowest, margin=lowest - 0.5, parameters=values(points[row]), index=row)
     counts = {"evaluations": len(points), "failed": len(SPINNING), "excluded": len(INSIDE)}
-    work.store.finish(2, searched() | counts | {"best": best}, 1.0)
+    work.store.finish(2, results.searched().model_copy(update=counts | {"best": best}), 1.0)
     work.conclude()
     return Lost(answer.json()["id"], points, batch.costs[:, 0], reasons)
 

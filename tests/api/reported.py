@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from backend.db.queue import Queue
-from backend.db.records import Conclusion, Finding, StagePlan
+from backend.db.records import StagePlan
 from backend.db.store import RunStore
+from campaigns.flown import Processor
+from campaigns.results import CertifyResult, Finding, SensitivityResult, ValidateResult
+from campaigns.results.finding import FoundBy
+from campaigns.results.sample import Histogram, QuantileBound, Sample
+from campaigns.results.sensitivity import Curve, Slices
+from campaigns.results.validate import Compared
+from campaigns.results.verdict import Check, Provenance, Statistics
+from tests import results
 from tests.api.finished import flight, search
 from tests.api.flown import CODE, FLOWN
 from tests.api.server import Service
@@ -37,95 +44,69 @@ def finish_fully(
     for position in range(len(PLAN)):
         store.begin(position)
     store.append(2, 0, search(0, 1000, criteria))
-    store.finish(0, {"cost": 1.4, "margin": 0.9, "status": "ok"}, 0.01, traces=[flight("nominal", 301)])
+    store.finish(0, results.nominal(1.4), 0.01, traces=[flight("nominal", 301)])
     store.finish(1, sensitivity(), 0.1)
-    store.finish(2, searched(), 1.0)
-    store.finish(3, {"sample": sample(), "grid": None, "stop": ENDED, "text": ""}, 2.0)
-    found = [finding(), replace(finding(), label="F2", cost=1.32, margin=0.82)]
+    store.finish(2, results.searched(1.3, PARAMETERS), 1.0)
+    store.finish(3, CertifyResult(sample=sample(), grid=None, stop=results.ENDED, text=""), 2.0)
+    found = [finding(), finding().model_copy(update={"label": "F2", "cost": 1.32, "margin": 0.82})]
     store.finish(4, validated(), 0.5, findings=found, traces=[flight("F1", 301, 0.8), flight("F2", 301, 0.85)])
-    summary = {
-        "verdict": verdict,
-        "sentence": text,
-        "scope": "Scope: one obstacle; horizon 15 s.",
-        "checks": [
-            {"name": "nominal", "ok": True, "text": "margin +0.9 m"},
-            {"name": "x", "ok": False, "text": checked},
-        ],
-        "statistics": {k: v for k, v in sample().items() if k != "histogram"},
-        "quantity": "d_min",
-        "unit": "m",
-        "provenance": {"seed": 1, "clearance": "0.1.0", "packages": {"numpy": "2.4.6"}, "cpu": {"model": "A CPU"}},
-    }
-    store.conclude(Conclusion(verdict, text, 1.4, 1.3, "direct", summary))
+    stated = Statistics.model_validate(sample().model_dump())
+    checks = [
+        Check(name="nominal", ok=True, text="margin +0.9 m"),
+        Check(name="x", ok=False, text=checked),
+    ]
+    origin = Provenance(seed=1, clearance="0.1.0", packages={"numpy": "2.4.6"}, cpu=Processor(model="A CPU"))
+    scope = "Scope: one obstacle; horizon 15 s."
+    known = {"scope": scope, "checks": checks, "statistics": stated, "provenance": origin}
+    store.conclude(results.verdict(verdict, text, 1.4, 1.3, **known))
 
 
-ENDED = {"kind": "rule", "text": "did the 100 iterations asked for"}
-COUNTS = {"evaluations": 1000, "failed": 100, "excluded": 0, "seconds": 1.0, "stop": ENDED}
-
-
-def searched() -> dict[str, Any]:
-    """DIRECT, which ended by its own rule."""
-    best = {"cost": 1.3, "margin": 0.8, "parameters": PARAMETERS, "index": 4}
-    named = {"method": "direct", "title": "DIRECT", "kind": "global"}
-    return {**named, **COUNTS, "best": best, "minima": [], "sample": None, "gap": None}
-
-
-def sensitivity() -> dict[str, Any]:
+def sensitivity() -> SensitivityResult:
     """Two curves; one value of the second is not known."""
-    return {"points": 21, "morris": None, "sobol": None, "curves": curves(1.4)}
+    return SensitivityResult(points=21, curves=curves(1.4))
 
 
-def curves(middle: float) -> list[dict[str, Any]]:
+def curves(middle: float) -> list[Curve]:
     """One for each parameter, through `middle`; the last value of the second is not known."""
     mass, inertia = np.linspace(4, 6, 21), np.linspace(0.04, 0.06, 21)
     costs: list[float | None] = (middle - 0.05 * (mass - 5)).tolist()
     missing = [*costs[:-1], None]
     drawn = [("vehicle.m", mass.tolist(), costs), ("vehicle.J", inertia.tolist(), missing)]
-    return [{"path": p, "values": v, "costs": c, "status": ["ok"] * 21} for p, v, c in drawn]
+    return [Curve(path=p, values=v, costs=c, status=["ok"] * 21) for p, v, c in drawn]
 
 
-def sample() -> dict[str, Any]:
+def sample() -> Sample:
     """A sample without a violation, and its claims."""
-    return {
-        "samples": 3000,
-        "violations": 0,
-        "failed": 0,
-        "excluded": 0,
-        "confidence": 0.95,
-        "upper_bound": 0.0009980790119965865,
-        "lowest": 1.31,
-        "mean": 1.4,
-        "deviation": 0.02,
-        "histogram": {"edges": [1.3, 1.35, 1.4, 1.45], "counts": [400, 2000, 600]},
-        "text": "0 of 3\u202f000 flights drawn violate the criterion: P(violation) is at most 0.0998 %",
-        "outside": 0.0,
-        "quantile": {
-            "share": 0.05,
-            "order": 131,
-            "bound": 1.33,
-            "text": "at most 5 % of the flights have d_min below 1.33 m",
-        },
-    }
+    at_most = "at most 5 % of the flights have d_min below 1.33 m"
+    return Sample(
+        samples=3000,
+        violations=0,
+        confidence=0.95,
+        upper_bound=0.0009980790119965865,
+        noise="none",
+        lowest=1.31,
+        mean=1.4,
+        deviation=0.02,
+        histogram=Histogram(edges=[1.3, 1.35, 1.4, 1.45], counts=[400, 2000, 600]),
+        text="0 of 3\u202f000 flights drawn violate the criterion: P(violation) is at most 0.0998 %",
+        quantile=QuantileBound(share=0.05, order=131, bound=1.33, text=at_most),
+    )
 
 
 def finding() -> Finding:
     """The worst case."""
-    by = [{"position": 2, "method": "direct", "evaluations": 417}]
-    at = {"vehicle.m": "high", "vehicle.J": "high"}
-    return Finding("F1", 1.3, 0.8, PARAMETERS, [1.0, 1.0], ["direct"], at, {"ok": True}, by)
+    by = (FoundBy(position=2, method="direct", evaluations=417),)
+    through = Slices(curves=curves(1.31), at=PARAMETERS)
+    return results.finding("F1", 1.3, 0.8, PARAMETERS, by, slices=through)
 
 
-def validated() -> dict[str, Any]:
+def validated() -> ValidateResult:
     """Validation that agrees for both cases."""
-    half = {"step": 0.0025, "cost": 1.3001, "difference": 1e-4}
-    other = {"name": "DOP853", "cost": 1.3002, "difference": 2e-4, "reason": ""}
-    cases = [
-        {"name": name, "step": 0.005, "cost": 1.3, "half_step": half, "integrator": other, "allowed": 1e-3, "ok": True}
-        for name in ("nominal", "F1")
-    ]
-    named = {"position": 2, "method": "direct", "title": "DIRECT", "kind": "global", "best": 1.3}
-    beside = {**named, **COUNTS, "to_near_best": 55, "findings": ["F1"]}
+    search = results.searched(1.3)
+    row = Compared(
+        position=2, method=search.method, title=search.title, kind=search.kind, best=1.3, evaluations=1000, failed=100,
+        seconds=1.0, stop=search.stop, to_near_best=55, findings=["F1"],
+    )  # fmt: skip
     text = "half the step and DOP853 agree for nominal and F1"
-    through = {"curves": curves(1.31), "at": PARAMETERS}
-    after = {"F1": {"slices": through, "boundary": None}}
-    return {"ok": True, "text": text, "tolerance": 1e-3, "cases": cases, "comparison": [beside], "after": after}
+    case = results.validation("nominal")
+    return ValidateResult(ok=True, text=text, tolerance=1e-3, nominal=case, comparison=[row])

@@ -7,10 +7,11 @@ import pytest
 import yaml
 
 from backend.db.queue import Queue
-from backend.db.records import Conclusion, StagePlan
+from backend.db.records import StagePlan
 from backend.db.store import RunStore
 from campaigns import Campaign, library, load_text
 from campaigns.asked.text import to_yaml
+from tests import results
 from tests.api.catalogue import CATALOGUE, campaign, published_by_workers
 from tests.api.finished import search
 from tests.api.server import Service
@@ -101,8 +102,8 @@ def test_time_is_estimated_from_earlier_runs_of_the_same_components(service: Ser
     store = RunStore(service.engine, claim)
     store.plan([StagePlan("search", "direct", 1000)])
     store.append(0, 0, search(0, 1000))
-    store.finish(0, {}, 2.0)  # 500 evaluations a second
-    store.conclude(Conclusion("cleared", "", 1.0, 1.0, None, {}))
+    store.finish(0, results.searched(), 2.0)  # 500 evaluations a second
+    store.conclude(results.verdict("cleared", "", 1.0, 1.0))
     same = client.post(CHECK, json={"campaign": campaign()}).json()
     assert same["seconds"] == pytest.approx(2543 / 500)
     longer = campaign()

@@ -22,6 +22,7 @@ import pytest
 from backend.db.queue import Queue
 from backend.db.store import RunStore
 from campaigns import Campaign
+from campaigns.results import Verdict
 from tests.api.conftest import Fresh, running
 from tests.api.server import Service
 from tests.audited import audited
@@ -32,7 +33,6 @@ from worker.cli.run import summary
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts import offered
-from worker.stages.parts.store import Conclusion
 
 FAILING = {"vehicle.J": {"low": 0.0004, "high": 0.06}}
 EXCLUDED = {"obstacles.0.position.x": {"low": -0.8, "high": 4.2}}
@@ -67,7 +67,7 @@ class Ran:
     client: httpx.Client
     campaign: Campaign
     memory: MemoryStore
-    conclusion: Conclusion
+    verdict: Verdict
 
     def api(self, path: str = "") -> Any:
         answer = self.client.get(f"/api/v1/runs/R-0001{path}")
@@ -82,8 +82,8 @@ class Ran:
     @property
     def counts(self) -> dict[str, int]:
         """What the verdict was drawn from."""
-        told: dict[str, int] = self.conclusion.summary["evaluations"]
-        return told
+        assert self.verdict.evaluations is not None
+        return self.verdict.evaluations.model_dump()
 
 
 @pytest.fixture(scope="module")
@@ -103,10 +103,10 @@ def ran(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ran]
             sent = client.post("/api/v1/runs", json={"campaign": asked.document()})
             assert sent.status_code == 201, sent.text
             memory = MemoryStore()
-            conclusion = execute(asked, _both(service, memory))
+            verdict = execute(asked, _both(service, memory))
             audited(memory, asked)
             audited(service.engine)
-            yield Ran(client, asked, memory, conclusion)
+            yield Ran(client, asked, memory, verdict)
 
 
 def _both(service: Service, memory: MemoryStore) -> Any:
@@ -194,11 +194,11 @@ def test_the_report_counts_the_same(ran: Ran) -> None:
 
 
 def test_the_command_line_counts_the_same(ran: Ran, capsys: pytest.CaptureFixture[str]) -> None:
-    told = json.loads(json.dumps(summary(ran.campaign, ran.memory, ran.conclusion)))
+    told = json.loads(json.dumps(summary(ran.campaign, ran.memory, ran.verdict)))
     summed = tuple(sum(stage[key] for stage in told["stages"]) for key in ("evaluations", "failed", "excluded"))
     assert summed == (told["evaluations"]["stored"], told["evaluations"]["failed"], told["evaluations"]["excluded"])
     assert summed == expected(ran)
-    print_report(ran.campaign, ran.memory, ran.conclusion, None)
+    print_report(ran.campaign, ran.memory, ran.verdict, None)
     out = re.sub(r"[│┃\s]+", " ", capsys.readouterr().out)
     stored, failed, excluded = map(grouped, expected(ran))
     assert re.search(rf"all stages \S+ {re.sub(chr(0x202F), r'.', stored)} {failed} {excluded} ", out)
@@ -207,7 +207,7 @@ def test_the_command_line_counts_the_same(ran: Ran, capsys: pytest.CaptureFixtur
 
 def test_no_violation_is_not_said_to_hold_where_evaluations_failed(ran: Ran) -> None:
     """Whatever the check of the values says, those that failed have none."""
-    for told in (ran.api()["summary"]["checks"], summary(ran.campaign, ran.memory, ran.conclusion)["checks"]):
+    for told in (ran.api()["summary"]["checks"], summary(ran.campaign, ran.memory, ran.verdict)["checks"]):
         standing = {check["name"]: check["standing"] for check in told}
         assert standing["evaluations"] == "fails"
         assert standing["minimum"] == "open"

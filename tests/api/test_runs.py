@@ -11,13 +11,14 @@ import sqlalchemy as sa
 import yaml
 
 from backend.db.queue import Queue
-from backend.db.records import Conclusion, StagePlan
+from backend.db.records import StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.asked.load import load_text
 from campaigns.asked.plan import plan
+from tests import results
 from tests.api.catalogue import campaign
 from tests.api.server import Service
 from tests.api.test_access import problem
@@ -228,11 +229,12 @@ def test_a_finished_run_shows_its_verdict(service: Service, client: httpx.Client
     assert claim is not None
     store = RunStore(service.engine, claim)
     store.plan([StagePlan("nominal", None, 1)])
-    store.finish(0, {"cost": 0.94}, 0.1)
-    parts = {"scope": "these bounds", "quantity": "d_min", "unit": "m"}
-    store.conclude(Conclusion("cleared", "Cleared, within bounds.", 0.94, 0.9417402345678901, "direct", parts))
+    store.finish(0, results.nominal(0.94), 0.1)
+    verdict = results.verdict("cleared", "Cleared, within bounds.", 0.94, 0.9417402345678901)
+    store.conclude(verdict)
     detail = client.get(f"/api/v1/runs/{run}").json()
-    assert (detail["verdict"], detail["reason"], detail["summary"]) == ("cleared", "Cleared, within bounds.", parts)
+    assert (detail["verdict"], detail["reason"]) == ("cleared", "Cleared, within bounds.")
+    assert detail["summary"] == verdict.model_dump(mode="json")
     assert detail["worst_cost"] == 0.9417402345678901
     assert detail["margin"] == 0.9417402345678901 - 0.5
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from backend.db.engine import read
-from backend.db.records import Columns, Finding, StagePlan
+from backend.db.records import Columns, StagePlan
 from backend.runs.service import number
 from backend.scenes.base.flight import from_live
 from backend.scenes.base.noise import STATED, WHOLE, Noise, draws
@@ -13,6 +13,7 @@ from backend.scenes.base.setting import Progress, load
 from backend.scenes.cloud.evaluations import load as cloud_of
 from backend.scenes.panel.sampled import _sample
 from campaigns import library, load_file
+from tests import results
 from tests.api.finished import Work
 from tests.api.server import Service
 from tests.api.test_view_flights import shipped
@@ -44,10 +45,11 @@ def test_a_stored_evaluation_is_compared_with_a_flight_under_its_own_noise(bare:
         with read(bare.engine) as reader:
             assert draws(reader, run, asked) == {1: 1}, "what was asked for is drawn before the grid"
         worst = problem.named(POINTS[0])
-        finding = Finding(
-            "F1", float(costs[0, 0]), 0.1, worst, POINTS[0].tolist(), [], {}, {"realisation": int(seeds[0])}, []
-        )
-        work.store.finish(1, {"drawn_realisations": DRAWN}, 1.0, findings=[finding])
+        cost = float(costs[0, 0])
+        case = results.validation("F1", cost, realisation=int(seeds[0]))
+        known = {"point": POINTS[0].tolist(), "methods": [], "validation": case}
+        finding = results.finding("F1", cost, 0.1, worst, **known)
+        work.store.finish(1, results.certified(DRAWN), 1.0, findings=[finding])
         with read(bare.engine) as reader:
             setting = load(reader, run)
             cloud = cloud_of(reader, run, setting, None)

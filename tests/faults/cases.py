@@ -9,6 +9,7 @@ import numpy as np
 
 from backend.db.records import Columns, Finding, StagePlan, Trace
 from campaigns import Campaign
+from tests import results
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("search", "direct", 100), StagePlan("validate", None, 10)]
 
@@ -46,13 +47,12 @@ def columns(first: int, count: int, seed: int = 1) -> Columns:
 
 def finding(label: str = "F1", cost: float = 0.1 + 0.2) -> Finding:
     """A finding with numbers that no short decimal can stand for."""
-    parameters = {"vehicle.m": 1 / 3 * 18, "vehicle.J": np.nextafter(0.06, 1)}
-    return Finding(
-        label, cost, cost - 0.5, parameters, [1.0, np.nextafter(1, 0)], ["direct"], {"vehicle.m": "high"}, {}
-    )
+    parameters = {"vehicle.m": 1 / 3 * 18, "vehicle.J": float(np.nextafter(0.06, 1))}
+    known = {"point": [1.0, float(np.nextafter(1, 0))], "at_bounds": {"vehicle.m": "high"}}
+    return results.finding(label, cost, cost - 0.5, parameters, **known)
 
 
 def trace(name: str = "F1") -> Trace:
     """A short flight."""
-    described = [{"name": "t", "symbol": "t", "unit": "s", "group": "time"}]
-    return Trace(name, described, np.array([[0.0], [-0.0], [1e-310], [np.nan]]), {"threshold": np.float64(0.5)})
+    data = np.array([[0.0], [-0.0], [1e-310], [np.nan]])
+    return Trace(name, results.columns(("t", "s", "time")), data, results.head(threshold=0.5))

@@ -16,8 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from backend.db.records import Conclusion, StagePlan
+from backend.db.records import StagePlan
 from campaigns import Campaign, Problem
+from campaigns.results import Verdict
+from tests import results
 from tests.faults.cases import columns
 from worker.runs import provenance
 from worker.stages.parts.store import Store
@@ -31,13 +33,13 @@ LINGER = 1.0
 """How long `linger` takes to say that it has finished: longer than the time between two beats [s]."""
 
 
-def execute(campaign: Campaign, store: Store) -> Conclusion | None:
+def execute(campaign: Campaign, store: Store) -> Verdict | None:
     """Two stages; in the second, once half is flown, what the campaign's name says: `crash ...`."""
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
     if records[0].state != "done":
         store.begin(0)
         store.append(0, 0, columns(0, 1))
-        store.finish(0, {"cost": 0.9}, 0.01)
+        store.finish(0, results.nominal(), 0.01)
     store.begin(1)
     held = store.evaluations(1)
     flown = 0 if held is None else len(held.status)
@@ -45,15 +47,15 @@ def execute(campaign: Campaign, store: Store) -> Conclusion | None:
         store.append(1, first, columns(first, CHUNK))
         if first >= SEARCH // 2:
             happen(campaign)
-    store.finish(1, {"method": "direct"}, 1.0)
-    conclusion = Conclusion("inconclusive", "A test.", 0.9, 0.8, "direct", {})
-    store.conclude(conclusion)
+    store.finish(1, results.searched(), 1.0)
+    verdict = results.verdict()
+    store.conclude(verdict)
     if campaign.name.startswith("linger"):
         threading.Event().wait(LINGER)
-    return conclusion
+    return verdict
 
 
-def flying(campaign: Campaign, store: Store) -> Conclusion:
+def flying(campaign: Campaign, store: Store) -> Verdict:
     """The nominal flight alone, in plain Python, of the code that this process loaded; then the accident, if any."""
     problem = ready.Problem(campaign, compiled=False)
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
@@ -61,13 +63,13 @@ def flying(campaign: Campaign, store: Store) -> Conclusion:
     if records[0].state != "done":
         store.begin(0)
         batch, _ = problem.fly(problem.nominal_point[None, :])
-        store.finish(0, {"cost": float(batch.costs[0, 0])}, 0.01)
+        store.finish(0, results.nominal(float(batch.costs[0, 0])), 0.01)
     store.begin(1)
     happen(campaign)
     cost = float(problem.fly(problem.nominal_point[None, :])[0].costs[0, 0])
-    conclusion = Conclusion("inconclusive", "A test.", cost, None, None, {})
-    store.conclude(conclusion)
-    return conclusion
+    verdict = results.verdict(nominal=cost, worst=None)
+    store.conclude(verdict)
+    return verdict
 
 
 def happen(campaign: Campaign) -> None:

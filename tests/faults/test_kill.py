@@ -9,7 +9,7 @@ import sqlalchemy as sa
 
 from backend.db.engine import connect, migrate, read
 from backend.db.queue import Claim, submit
-from backend.db.store import RunStore
+from backend.db.store import RunStore, as_result
 from backend.db.tables import Finding, Run, Stage, Trace
 from campaigns import Campaign, library, load_file
 from tests.audited import audited
@@ -95,10 +95,11 @@ def test_a_database_server_that_goes_down_is_waited_for(tmp_path: Path) -> None:
 
 def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run: Any, stages: Any) -> None:
     undisturbed = MemoryStore()
-    conclusion = execute(campaign, undisturbed)
-    assert (run.verdict, run.reason) == (conclusion.verdict, conclusion.reason)
+    verdict = execute(campaign, undisturbed)
+    assert (run.verdict, run.reason) == (verdict.verdict, verdict.reason)
     audited(engine, run_id=run_id)
-    assert (run.nominal_cost, run.worst_cost) == (conclusion.nominal_cost, conclusion.worst_cost)
+    assert run.nominal_cost == (verdict.nominal and verdict.nominal.cost)
+    assert run.worst_cost == (verdict.worst and verdict.worst.cost)
     store = RunStore(engine, Claim(run_id, 0, 0, 0, "", {}))
     total = 0
     for position, stage in enumerate(stages):
@@ -112,7 +113,7 @@ def _same_as_undisturbed(engine: sa.Engine, run_id: int, campaign: Campaign, run
         total += stage.evaluations
     assert stages[SEARCH].evaluations == SAMPLE
     assert run.evaluations == total
-    assert stages[SEARCH].result["best"] == (undisturbed.stages[SEARCH].result or {})["best"]
+    assert as_result(stages[SEARCH].result).best == undisturbed.stages[SEARCH].result.best
     assert store.found() == undisturbed.found()
     with read(engine) as connection:
         assert connection.scalar(sa.select(sa.func.count()).select_from(Finding)) == len(undisturbed.findings)

@@ -12,6 +12,7 @@ from backend.db.engine import now
 from backend.db.queue import Claim, LostLease, Queue, request_cancel, submit
 from backend.db.store import RunStore
 from backend.db.tables import Campaign, Run
+from tests import results
 from tests.faults.cases import PLAN, campaign
 
 
@@ -80,7 +81,7 @@ def test_a_silent_worker_loses_its_run_and_can_write_nothing(database: sa.Engine
     assert (fresh.fence, fresh.attempt) == (2, 2)
     assert "lost" in row(database, run_id).error
     old = RunStore(database, stale)
-    for write in (lambda: old.begin(0), lambda: old.plan(PLAN), lambda: old.finish(0, {}, 0.0)):
+    for write in (lambda: old.begin(0), lambda: old.plan(PLAN), lambda: old.finish(0, results.nominal(), 0.0)):
         with pytest.raises(LostLease):
             write()
     for call in (queue.beat, queue.give_back, queue.cancelled, lambda c: queue.fail(c, "no")):
@@ -145,7 +146,7 @@ def test_a_completed_stage_makes_attempts_count_anew(database: sa.Engine) -> Non
         expire(database, run_id)
     store = RunStore(database, claimed(queue))
     store.plan(PLAN)
-    store.finish(0, {"cost": 0.9}, 0.1)
+    store.finish(0, results.nominal(), 0.1)
     assert (row(database, run_id).attempts, row(database, run_id).error) == (1, None)
     for attempt in (2, 3):
         expire(database, run_id)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,9 +10,11 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.queue import Claim, Queue, submit
-from backend.db.records import Columns, Conclusion, StagePlan, StageRecord
+from backend.db.records import Columns, StagePlan, StageRecord
 from backend.db.store import RunStore, plain
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
+from campaigns.results import Verdict
+from tests import results
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
 from worker.stages.parts.store import Store
 
@@ -85,14 +88,13 @@ def test_a_gap_or_a_repetition_is_refused_and_leaves_nothing(store: RunStore) ->
 
 def test_finish_stores_result_findings_and_traces_together(store: RunStore) -> None:
     store.begin(0)
-    store.finish(
-        0, {"cost": np.float64(0.9435642), "nothing": np.nan, "at": np.arange(2)}, 0.25, [], [trace("nominal")]
-    )
-    store.finish(1, {"method": "direct"}, 1.5, [finding(), finding("F2")])
-    store.finish(2, {"ok": True}, 2.5, [finding("F1", cost=0.25)], [trace()])
+    given = results.nominal(0.9435642).model_copy(update={"margin": math.nan, "parameters": {"a": np.float64(0.5)}})
+    store.finish(0, given, 0.25, [], [trace("nominal")])
+    store.finish(1, results.searched(), 1.5, [finding(), finding("F2")])
+    store.finish(2, results.validated(), 2.5, [finding("F1", cost=0.25)], [trace()])
     stages = rows(store, Stage, Stage.position)
     assert [s.state for s in stages] == ["done"] * 3
-    assert stages[0].result == {"cost": 0.9435642, "nothing": None, "at": [0, 1]}
+    assert stages[0].result == given.model_dump() | {"margin": None, "parameters": {"a": 0.5}}, "no NaN, no numpy"
     assert rows(store, Run)[0].nominal_cost == 0.9435642
     first, second = rows(store, Finding, Finding.label)
     assert first.cost == 0.25
@@ -101,20 +103,21 @@ def test_finish_stores_result_findings_and_traces_together(store: RunStore) -> N
     assert store.found()[1] == finding("F2")
     flight = next(t for t in rows(store, Trace) if t.name == "F1")
     assert flight.data == trace().data.tobytes()
-    assert (flight.rows, flight.columns, flight.meta) == (4, trace().columns, {"threshold": 0.5})
+    assert (flight.rows, flight.columns) == (4, [column.model_dump() for column in trace().columns])
+    assert flight.meta == trace().meta.model_dump()
 
 
 def test_a_finish_that_cannot_be_stored_leaves_nothing(store: RunStore) -> None:
     store.begin(1)
     with pytest.raises(sa.exc.IntegrityError):
-        store.finish(1, {"method": "direct"}, 1.5, [finding(), finding()])
+        store.finish(1, results.searched(), 1.5, [finding(), finding()])
     assert rows(store, Stage, Stage.position)[1].state == "running"
     assert not rows(store, Finding)
 
 
 def test_a_resumed_run_finds_what_stands_there(database: sa.Engine, store: RunStore, claim: Claim) -> None:
     store.begin(0)
-    store.finish(0, {"cost": 0.9}, 0.25)
+    store.finish(0, results.nominal(), 0.25)
     store.begin(1)
     store.append(1, 0, columns(0, 7))
     queue = Queue(database)
@@ -123,7 +126,7 @@ def test_a_resumed_run_finds_what_stands_there(database: sa.Engine, store: RunSt
     assert fresh is not None
     resumed = RunStore(database, fresh)
     assert resumed.plan(PLAN) == [
-        StageRecord(PLAN[0], "done", 0.25, {"cost": 0.9}),
+        StageRecord(PLAN[0], "done", 0.25, results.nominal()),
         StageRecord(PLAN[1], "running", 0.07, None),
         StageRecord(PLAN[2]),
     ]
@@ -135,11 +138,12 @@ def test_a_resumed_run_finds_what_stands_there(database: sa.Engine, store: RunSt
 
 
 def test_a_conclusion_ends_the_run(store: RunStore) -> None:
-    store.conclude(Conclusion("violated", "It comes too close.", 0.9, 0.3, "direct", {"margin": np.float64(-0.2)}))
+    verdict = results.verdict("violated", "It comes too close.", 0.9, 0.3, checks=[])
+    store.conclude(verdict)
     [run] = rows(store, Run)
     assert (run.state, run.verdict, run.reason) == ("done", "violated", "It comes too close.")
     assert (run.nominal_cost, run.worst_cost, run.worst_method) == (0.9, 0.3, "direct")
-    assert run.summary == {"margin": -0.2}
+    assert Verdict.model_validate(run.summary) == verdict
     assert run.finished >= run.started
 
 

@@ -27,5 +27,5 @@ export function unknownOf({ evaluations, failed_evaluations: failed }: Counted):
 }
 
 /** Of a random sample: flights that failed, which count as violations, and draws that were excluded. */
-export const lostOf = ({ failed, excluded }: { failed?: number | null; excluded?: number | null }): string =>
+export const lostOf = ({ failed, excluded }: { failed: number | null; excluded: number | null }): string =>
   [failed ? `, ${count(failed)} of them failed` : '', excluded ? `; ${count(excluded)} draws excluded` : ''].join('')

@@ -1,6 +1,6 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
 import { lazy, Suspense, useCallback, useMemo } from 'react'
-import { resultOf } from '../api/results'
+import { resultOf } from '../api/stages'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { useCalm } from '../ui/useCalm'
 import { Banner } from './Banner'
@@ -30,6 +30,7 @@ import { SensitivityCard as Sensitivity } from './SensitivityCard'
 import { SeparationCard } from './SeparationCard'
 import { StageStrip } from './StageStrip'
 import { Tornado } from './Tornado'
+import { casesOf } from './validated'
 import { ValidationCard } from './ValidationCard'
 import { View } from './view'
 import { WhatToDo } from './WhatToDo'
@@ -146,12 +147,12 @@ export function Finished({ data }: { data: RunData }) {
               card: <SampleCard key="sample" data={data} sample={sample} grid={certified?.grid} className="" />,
             },
             validation && {
-              height: (validation.violations ? 300 : 150) + 110 * validation.cases.length,
+              height: (validation.violations ? 300 : 150) + 110 * casesOf(validation, data.findings).length,
               card: <ValidationCard key="validation" data={data} result={validation} className="" />,
             },
             encounter
               ? {
-                  height: 210 + 24 * encounter.closest.length,
+                  height: 210 + 24 * (1 + data.findings.length),
                   card: <EncounterCard key="encounter" data={data} encounter={encounter} className="" />,
                 }
               : null,

@@ -4,7 +4,7 @@ import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { getRunText } from '../api/calls'
-import { type Provenance as Origin, summaryOf } from '../api/results'
+import type { Flown } from '../client'
 import { plain } from '../format/numbers'
 import { moment } from '../format/time'
 import { idOfComponent } from '../help/links'
@@ -14,7 +14,8 @@ import type { RunData } from './data'
 
 export function Provenance({ data, className }: { data: RunData; className: string }) {
   const { run } = data
-  const origin: Origin = { ...(run.flown as Origin | null), ...summaryOf(run).provenance }
+  // The verdict's has what flew, and the seed; a run without a verdict has what flew alone.
+  const origin: Flown | null = run.summary?.provenance ?? run.flown
   const download = useMutation({
     mutationFn: () => getRunText(run.id),
     onSuccess: (text) => save(`${run.id}-campaign.yaml`, text, 'application/yaml'),
@@ -65,22 +66,22 @@ function List({ rows }: { rows: Rows }) {
   )
 }
 
-const hash = (text: string | undefined) => (
-  <span className="mono" title={text}>
+const hash = (text: string | null | undefined) => (
+  <span className="mono" title={text ?? undefined}>
     {text ? text.slice(0, 16) : 'not recorded'}
   </span>
 )
 
-function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
+function flightRows({ run, campaign }: RunData, origin: Flown | null): Rows {
   const period = Number(campaign.scenario.guidance?.period ?? 0)
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
-    ['Code', <span key="o">sha256 {hash(run.flown?.code ?? undefined)}</span>],
-    ['Simulation kernel', <span key="k">{hash(origin.loop)}</span>],
-    ['Seed', String(origin.seed ?? campaign.seed ?? '')],
+    ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
+    ['Simulation kernel', <span key="k">{hash(origin?.loop)}</span>],
+    ['Seed', String(run.summary?.provenance.seed ?? campaign.seed ?? '')],
     [
       'Integrator',
-      `${origin.integrator ?? 'RK4'}, step ${plain((origin.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
+      `${origin?.integrator ?? 'RK4'}, step ${plain((origin?.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
     ],
     ['Horizon, guidance', `${campaign.scenario.horizon} s, ${period > 0 ? `every ${plain(period)} s` : 'continuous'}`],
     ...(['vehicle', 'controller', 'avoider'] as const).map((role): Rows[number] => {
@@ -97,20 +98,20 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
   ]
 }
 
-function machineRows({ run }: RunData, origin: Origin): Rows {
-  const cpu = typeof origin.cpu === 'object' ? origin.cpu : { model: origin.cpu }
-  const packages = Object.entries(origin.packages ?? {})
+function machineRows({ run }: RunData, origin: Flown | null): Rows {
+  const cpu = origin?.cpu
+  const packages = Object.entries(origin?.packages ?? {})
   return [
     [
       'Clearance',
       <span key="v" className="mono">
-        {origin.clearance ?? 'not recorded'}
+        {origin?.clearance ?? 'not recorded'}
       </span>,
     ],
     [
       'Python',
       <span key="p" className="mono">
-        {origin.python ?? 'not recorded'}
+        {origin?.python ?? 'not recorded'}
       </span>,
     ],
     ...packages.map(([name, version]): Rows[number] => [
@@ -121,11 +122,11 @@ function machineRows({ run }: RunData, origin: Origin): Rows {
     ]),
     [
       'Processor',
-      <span key="m" title={cpu.features}>
-        {[cpu.model, cpu.target].filter(Boolean).join(', ') || 'not recorded'}
+      <span key="m" title={cpu?.features}>
+        {[cpu?.model, cpu?.target].filter(Boolean).join(', ') || 'not recorded'}
       </span>,
     ],
-    ['Lanes', origin.lanes === undefined ? 'not recorded' : String(origin.lanes)],
+    ['Lanes', String(origin?.lanes ?? 'not recorded')],
     ['Worker, attempts', `${run.worker ?? 'none'}, ${run.attempts}`],
   ]
 }

@@ -4,7 +4,7 @@ import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { getRunText } from '../api/calls'
-import type { Flown } from '../client'
+import type { Flown, Provenance as Origin, RunDetail } from '../client'
 import { plain } from '../format/numbers'
 import { moment } from '../format/time'
 import { idOfComponent } from '../help/links'
@@ -14,8 +14,7 @@ import type { RunData } from './data'
 
 export function Provenance({ data, className }: { data: RunData; className: string }) {
   const { run } = data
-  // The verdict's has what flew, and the seed; a run without a verdict has what flew alone.
-  const origin: Flown | null = run.summary?.provenance ?? run.flown
+  const origin = originOf(run)
   const download = useMutation({
     mutationFn: () => getRunText(run.id),
     onSuccess: (text) => save(`${run.id}-campaign.yaml`, text, 'application/yaml'),
@@ -51,6 +50,26 @@ export function Provenance({ data, className }: { data: RunData; className: stri
   )
 }
 
+/** What the verdict states; what it does not state, and of a run without a verdict, as it was stored when the run began. */
+export function originOf({ summary, flown }: Pick<RunDetail, 'summary' | 'flown'>): Origin {
+  const stated = summary?.provenance
+  const known = <K extends keyof Flown>(key: K): Flown[K] | null => stated?.[key] ?? flown?.[key] ?? null
+  return {
+    digest: stated?.digest ?? null,
+    seed: stated?.seed ?? null,
+    clearance: known('clearance'),
+    python: known('python'),
+    packages: { ...flown?.packages, ...stated?.packages },
+    system: known('system'),
+    cpu: known('cpu'),
+    code: known('code'),
+    loop: known('loop'),
+    lanes: known('lanes'),
+    step: known('step'),
+    integrator: known('integrator'),
+  }
+}
+
 type Rows = [string, ReactNode][]
 
 function List({ rows }: { rows: Rows }) {
@@ -72,16 +91,16 @@ const hash = (text: string | null | undefined) => (
   </span>
 )
 
-function flightRows({ run, campaign }: RunData, origin: Flown | null): Rows {
+function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
   const period = Number(campaign.scenario.guidance?.period ?? 0)
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
     ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
-    ['Simulation kernel', <span key="k">{hash(origin?.loop)}</span>],
-    ['Seed', String(run.summary?.provenance.seed ?? campaign.seed ?? '')],
+    ['Simulation kernel', <span key="k">{hash(origin.loop)}</span>],
+    ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     [
       'Integrator',
-      `${origin?.integrator ?? 'RK4'}, step ${plain((origin?.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
+      `${origin.integrator ?? 'RK4'}, step ${plain((origin.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
     ],
     ['Horizon, guidance', `${campaign.scenario.horizon} s, ${period > 0 ? `every ${plain(period)} s` : 'continuous'}`],
     ...(['vehicle', 'controller', 'avoider'] as const).map((role): Rows[number] => {
@@ -98,20 +117,20 @@ function flightRows({ run, campaign }: RunData, origin: Flown | null): Rows {
   ]
 }
 
-function machineRows({ run }: RunData, origin: Flown | null): Rows {
-  const cpu = origin?.cpu
-  const packages = Object.entries(origin?.packages ?? {})
+function machineRows({ run }: RunData, origin: Origin): Rows {
+  const { cpu } = origin
+  const packages = Object.entries(origin.packages)
   return [
     [
       'Clearance',
       <span key="v" className="mono">
-        {origin?.clearance ?? 'not recorded'}
+        {origin.clearance ?? 'not recorded'}
       </span>,
     ],
     [
       'Python',
       <span key="p" className="mono">
-        {origin?.python ?? 'not recorded'}
+        {origin.python ?? 'not recorded'}
       </span>,
     ],
     ...packages.map(([name, version]): Rows[number] => [
@@ -126,7 +145,7 @@ function machineRows({ run }: RunData, origin: Flown | null): Rows {
         {[cpu?.model, cpu?.target].filter(Boolean).join(', ') || 'not recorded'}
       </span>,
     ],
-    ['Lanes', String(origin?.lanes ?? 'not recorded')],
+    ['Lanes', String(origin.lanes ?? 'not recorded')],
     ['Worker, attempts', `${run.worker ?? 'none'}, ${run.attempts}`],
   ]
 }

@@ -163,7 +163,7 @@ def _described(parts: dict[str, Any] | None, failed: int) -> RunVerdict | None:
     if not parts or not parts.get("verdict"):
         return None
     verdict = Verdict.model_validate(parts)
-    return RunVerdict.model_construct(**dict(verdict), checks=verdicts.described(verdict.checks, failed))
+    return RunVerdict.model_validate(verdict.model_dump() | {"checks": verdicts.described(verdict.checks, failed)})
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:

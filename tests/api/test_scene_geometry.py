@@ -19,6 +19,7 @@ from backend.scenes.drawing.cameras import distance
 from backend.scenes.drawing.drawn import ruler
 from backend.scenes.drawing.world import Frame
 from campaigns import Campaign
+from campaigns.results import TraceHead
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.finished import encounter, straight, turned
 
@@ -28,8 +29,10 @@ TO_EAST_NORTH_UP = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]])
 def flown(**changes: object) -> object:
     """A flight with an intruder, as the simulation process answers."""
     trace = encounter("live", "ned", straight(500, 60, -30, -20, 0, -1), **changes)  # type: ignore[arg-type]
-    data = {c["name"]: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
-    return from_live({"columns": trace.columns, "data": data, "meta": trace.meta})
+    data = {c.name: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
+    return from_live(
+        {"columns": [c.model_dump() for c in trace.columns], "data": data, "meta": trace.meta.model_dump()}
+    )
 
 
 @pytest.mark.parametrize("rotation", [(0, 0, 0), (0.4, -0.3, 2.5), (-2.9, 0.7, -1.2), (0.1, 1.5, 0.3)])
@@ -93,8 +96,10 @@ def test_flights_share_a_body_only_where_it_goes_the_same_way() -> None:
         values = {"obstacles.0.radius": changes.get("radius", 1.0)}
         way = straight(500, 60, -30, -20, changes.get("drift", 0.0), -1)
         trace = encounter("live", "ned", way, rows=int(changes.get("rows", 401)))
-        data = {c["name"]: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
-        flight = from_live({"columns": trace.columns, "data": data, "meta": trace.meta})
+        data = {c.name: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
+        flight = from_live(
+            {"columns": [c.model_dump() for c in trace.columns], "data": data, "meta": trace.meta.model_dump()}
+        )
         return body_of(0, values, Axes("ned"), flight)
 
     one = body()
@@ -169,14 +174,15 @@ def test_what_must_stay_free_about_a_box_is_everywhere_as_far_from_its_edge(angl
 
 @pytest.mark.parametrize(
     ("obstacle", "ring"),
-    [({}, 0.5), ({"free_radius": 1.75}, 1.75), ({"free_radius": None}, None)],
+    [({"free_radius": 0.5}, 0.5), ({"free_radius": 1.75}, 1.75), ({"free_radius": None}, None)],
 )
 def test_a_report_draws_what_must_stay_free_as_the_flight_has_it(
     obstacle: dict[str, object], ring: float | None
 ) -> None:
-    meta = {"frame": "enu", "obstacles": [{"position": [3.0, 2.0, 0.0], "radius": 1.0, "moving": False} | obstacle]}
+    described = {"position": [3.0, 2.0, 0.0], "radius": 1.0, "moving": False} | obstacle
+    shown = TraceHead.model_validate({"frame": "enu", "obstacles": [described]})
     data = {"x": [0.0, 3.0, 6.0], "y": [0.0, 0.0, 0.0], "separation": [3.0, 1.0, 3.0]}
-    drawn = str(plan_view([Case("F1", plot.WORST, meta, data)], Quantity("c_min", "m", 0.5)))  # type: ignore[arg-type]
+    drawn = str(plan_view([Case("F1", plot.WORST, shown, data)], Quantity("c_min", "m", 0.5)))  # type: ignore[arg-type]
     body, *rings = [float(r) for r in re.findall(r'<circle[^>]* r="([0-9.]+)"[^>]*stroke-width="1"', drawn)]
     assert [r / body for r in rings] == pytest.approx([] if ring is None else [ring], abs=0.02)
 

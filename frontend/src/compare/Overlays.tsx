@@ -12,7 +12,7 @@ import { MethodName } from '../ui/MethodMark'
 import { methodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
-import { type Compared, closestOf, unitOf } from './data'
+import { type Compared, unitOf } from './data'
 
 export const RunKeys = ({ runs }: { runs: Compared[] }) => (
   <span className="lg">
@@ -50,7 +50,7 @@ export function SeparationOverlay({ runs, className }: CardProps) {
     columns: ['time since start, s', ...spec.lines.map((line) => line.label)],
     rows: spec.x.map((x, i) => [x, ...spec.lines.map((line) => line.y[i] ?? null)]),
   })
-  const decimals = decimalsFor(drawn.map(({ trace }) => closestOf(trace)?.value))
+  const decimals = decimalsFor(drawn.map(({ trace }) => trace.meta.closest?.value))
   return (
     <ChartCard
       title="Separation over time"
@@ -84,7 +84,7 @@ export function SeparationOverlay({ runs, className }: CardProps) {
                 <span>
                   {label}
                   <small className="sec">
-                    {fixed(closestOf(trace)?.value, decimals)} {of.run.unit}
+                    {fixed(trace.meta.closest?.value, decimals)} {of.run.unit}
                   </small>
                 </span>
               </li>
@@ -119,10 +119,10 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   const xs = union(curves)
   const unit = unitOf(runs) ?? ''
   const thresholds = runs.flatMap(({ run }) => run.threshold ?? [])
-  const lowest = Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))
+  const lowest = Math.min(...drawn.flatMap(({ trace }) => trace.meta.closest?.value ?? []))
   // Each flight's own encounter, so that runs of very different size can stand together.
   const inside = drawn.flatMap(({ trace, of }, k) => {
-    const reach = 2.4 * Math.max(of.run.threshold ?? 0, closestOf(trace)?.value ?? 0)
+    const reach = 2.4 * Math.max(of.run.threshold ?? 0, trace.meta.closest?.value ?? 0)
     const { x, y } = curves[k] as Curve
     return x.filter((_, i) => (y[i] ?? Infinity) <= reach)
   })
@@ -136,7 +136,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
     })
   const decimals = decimalsFor([lowest])
   const points: Point[] = drawn.flatMap(({ key, colour, trace, of }) => {
-    const closest = closestOf(trace)
+    const closest = trace.meta.closest
     return closest ? [{ x: closest.time, y: closest.value, colour, line: key, hollow: of.dash.length > 0 }] : []
   })
   const [first, ...further] = [...new Set(thresholds)]

@@ -1,5 +1,5 @@
 // What each parameter alone can do in each run: the values over its bounds, with the others nominal.
-import { resultOf } from '../api/results'
+import { resultOf } from '../api/stages'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'

@@ -1,11 +1,10 @@
 // The results of the runs side by side: with two of them, what the second has more or less.
 import type { ReactNode } from 'react'
-import { summaryOf } from '../api/results'
 import { count, decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { Sign } from '../ui/Sign'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
-import { boundOf, type Compared, closestOf, sampleOf, unitOf } from './data'
+import { boundOf, type Compared, sampleOf, unitOf } from './data'
 import { RunHeads } from './Picks'
 
 interface Line {
@@ -76,7 +75,7 @@ function linesOf(runs: Compared[]): Line[] {
   const costs = runs.flatMap(({ run }) => [run.worst_cost, run.nominal_cost])
   const decimals = decimalsFor(costs)
   const samples = runs.map(sampleOf)
-  const statistics = runs.map(({ run }) => summaryOf(run).statistics ?? null)
+  const statistics = runs.map(({ run }) => run.summary?.statistics ?? null)
   const sizes = [...new Set(statistics.flatMap((told) => (told ? [told.samples] : [])))]
   const bounds = runs.map((compared) => {
     const bound = boundOf(compared)
@@ -105,7 +104,7 @@ function linesOf(runs: Compared[]): Line[] {
       decimals: decimalsFor(bounds, 4),
       values: bounds,
     },
-    { key: 'closest', name: 'Closest approach at', unit: 's', decimals: 2, values: runs.map(({ worst }) => closestOf(worst)?.time ?? null) },
+    { key: 'closest', name: 'Closest approach at', unit: 's', decimals: 2, values: runs.map(({ worst }) => worst?.meta.closest?.time ?? null) },
     { key: 'evaluations', name: 'Evaluations', unit: '', decimals: 0, values: runs.map(({ run }) => run.evaluations) },
     { key: 'failed', name: 'Failed', unit: '', decimals: 0, values: runs.map(({ run }) => run.failed_evaluations), bad: (v) => v > 0 },
     { key: 'excluded', name: 'Excluded', unit: '', decimals: 0, values: runs.map(({ run }) => run.excluded_evaluations) },

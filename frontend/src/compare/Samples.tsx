@@ -1,5 +1,5 @@
 // The independent samples of the runs on one axis, each as a density, so that samples of different size can be compared.
-import type { Sample } from '../api/results'
+import type { Sample } from '../client'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, padded, tickDecimals } from '../charts/ticks'
 import { violatedOf } from '../format/counts'

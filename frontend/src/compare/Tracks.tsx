@@ -8,7 +8,7 @@ import { useWidth } from '../ui/useWidth'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import type { Compared } from './data'
 import { RunKeys } from './Overlays'
-import { bodiesOf, line, metaOf, placeOf, type Scale, scaleOf, trackOf } from '../run/flight/places'
+import { bodiesOf, line, placeOf, type Scale, scaleOf, trackOf } from '../run/flight/places'
 
 const [HEIGHT, LEFT, BOTTOM] = [360, 46, 38]
 
@@ -124,8 +124,8 @@ function Drawing({ flights, near }: { flights: Flight[]; near: boolean }) {
 }
 
 function Closest({ flight: { trace, colour, dash }, scale }: { flight: Flight; scale: Scale }) {
-  const { closest, frame } = metaOf(trace)
-  if (!closest?.position || !closest.obstacle_position) return null
+  const { closest, frame } = trace.meta
+  if (!closest) return null
   const [here, there] = [placeOf(closest.position, frame), placeOf(closest.obstacle_position, frame)]
   return (
     <>

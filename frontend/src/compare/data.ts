@@ -2,8 +2,8 @@
 import { useQueries } from '@tanstack/react-query'
 import { asCampaign } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
-import { type Sample, summaryOf } from '../api/results'
-import type { Catalogue, Evaluations, FindingDetail, RunDetail, StageDetail, TraceData } from '../client'
+import { resultOf } from '../api/stages'
+import type { Catalogue, Evaluations, FindingDetail, RunDetail, Sample, StageDetail, TraceData } from '../client'
 import { uncertainOf, type UncertainParameter } from '../run/data/data'
 import { DASHES, LETTERS } from './search'
 
@@ -73,21 +73,12 @@ const traceOf = (id: string, name: string) => {
 
 /** The independent sample of a run: the certify stage's, else that of the first random search. */
 export function sampleOf({ stages }: Compared): Sample | null {
-  const told = stages.flatMap((stage) => {
-    const sample = (stage.result as { sample?: Sample | null } | null)?.sample
-    return sample ? [{ kind: stage.kind, sample }] : []
-  })
-  return (told.find(({ kind }) => kind === 'certify') ?? told[0])?.sample ?? null
+  const [certified] = stages.flatMap((stage) => resultOf(stage, 'certify') ?? [])
+  const [searched] = stages.flatMap((stage) => resultOf(stage, 'search')?.sample ?? [])
+  return certified?.sample ?? searched ?? null
 }
 
-/** When the worst flight came closest [s]. */
-export function closestOf(trace: TraceData | undefined): { time: number; value: number } | null {
-  const closest = trace?.meta.closest as { time?: unknown; value?: unknown } | null | undefined
-  if (typeof closest?.time !== 'number' || typeof closest.value !== 'number') return null
-  return { time: closest.time, value: closest.value }
-}
-
-export const boundOf = (compared: Compared): number | null => summaryOf(compared.run).statistics?.upper_bound ?? null
+export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
 
 /** The unit that all runs share; null where they do not, and nothing can be subtracted. */
 export function unitOf(runs: readonly Compared[]): string | null {

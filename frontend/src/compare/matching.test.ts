@@ -1,12 +1,13 @@
 // Findings of several runs that are one case.
 import { expect, it } from 'vitest'
+import * as given from '../api/fixtures'
 import type { FindingDetail } from '../client'
 import type { UncertainParameter } from '../run/data/data'
 import { type Case, matched, type Searched } from './matching'
 
 const finding = (label: string, m: number, J = 0) =>
-  ({ label, parameters: { 'vehicle.m': m, 'vehicle.J': J } }) as unknown as FindingDetail
-const parameters = ['vehicle.m', 'vehicle.J'].map((path) => ({ path, low: 0, high: 10 }) as UncertainParameter)
+  given.finding(label, { parameters: { 'vehicle.m': m, 'vehicle.J': J } })
+const parameters: UncertainParameter[] = ['vehicle.m', 'vehicle.J'].map((path) => ({ path, symbol: path, unit: '', text: '', nominal: 5, low: 0, high: 10 }))
 const run = (...findings: FindingDetail[]): Searched => ({ findings, parameters })
 const labels = (cases: Case[] | null) => cases?.map((one) => one.map((f) => f?.label ?? '-').join(' '))
 

@@ -27,9 +27,9 @@ export function unknownOf({ evaluations, failed_evaluations: failed }: Counted):
 }
 
 /** Of a random sample: flights that failed, which count as violations, and draws that were excluded. */
-export const lostOf = ({ failed, excluded }: { failed?: number | null; excluded?: number | null }): string =>
+export const lostOf = ({ failed, excluded }: { failed: number | null; excluded: number | null }): string =>
   [failed ? `, ${count(failed)} of them failed` : '', excluded ? `; ${count(excluded)} draws excluded` : ''].join('')
 
 /** 4 of 300 violate, 4 of them failed; 20 draws excluded. */
-export const violatedOf = (sample: { samples: number; violations: number; failed?: number; excluded?: number }): string =>
+export const violatedOf = (sample: { samples: number; violations: number; failed: number | null; excluded: number | null }): string =>
   `${count(sample.violations)} of ${count(sample.samples)} violate${lostOf(sample)}`

@@ -1,6 +1,6 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
 import { lazy, Suspense, useCallback, useMemo } from 'react'
-import { resultOf } from '../api/results'
+import { resultOf } from '../api/stages'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { useCalm } from '../ui/useCalm'
 import { Banner } from './verdict/Banner'
@@ -30,6 +30,7 @@ import { SensitivityCard as Sensitivity } from './parameters/SensitivityCard'
 import { SeparationCard } from './flight/SeparationCard'
 import { StageStrip } from './search/StageStrip'
 import { Tornado } from './parameters/Tornado'
+import { casesOf } from './data/validated'
 import { ValidationCard } from './verdict/ValidationCard'
 import { View } from './flight/view'
 import { WhatToDo } from './verdict/WhatToDo'
@@ -146,12 +147,12 @@ export function Finished({ data }: { data: RunData }) {
               card: <SampleCard key="sample" data={data} sample={sample} grid={certified?.grid} className="" />,
             },
             validation && {
-              height: (validation.violations ? 300 : 150) + 110 * validation.cases.length,
+              height: (validation.violations ? 300 : 150) + 110 * casesOf(validation, data.findings).length,
               card: <ValidationCard key="validation" data={data} result={validation} className="" />,
             },
             encounter
               ? {
-                  height: 210 + 24 * encounter.closest.length,
+                  height: 210 + 24 * (1 + data.findings.length),
                   card: <EncounterCard key="encounter" data={data} encounter={encounter} className="" />,
                 }
               : null,

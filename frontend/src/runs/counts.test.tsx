@@ -1,29 +1,33 @@
 // Evaluations without a value are said wherever a count, a margin or a check is shown, with the same numbers.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
-import type { Check } from '../api/results'
-import type { RunDetail, StageProgress } from '../client'
+import { asCampaign } from '../api/campaign'
+import * as given from '../api/fixtures'
+import type { DescribedCheck, RunDetail, StageProgress } from '../client'
 import { withoutValue } from '../format/counts'
-import { COLUMNS } from './columns'
+import { COLUMNS } from '../runs/columns'
 import { Standing } from '../run/verdict/Banner'
-import type { RunData } from '../run/data/data'
 import { countsOf } from '../run/search/failed'
 import { FiveFigures } from '../run/verdict/FiveFigures'
 import { StageStrip } from '../run/search/StageStrip'
 
-const stage = (kind: string, evaluations: number, failed: number, excluded: number, position: number) =>
-  ({ position, kind, method: kind === 'search' ? 'direct' : null, state: 'done', planned: evaluations, evaluations, failed, excluded, best: 1, best_index: 0, seconds: 1 }) as StageProgress
+const stage = (kind: StageProgress['kind'], evaluations: number, failed: number, excluded: number, position: number) =>
+  given.progress({ position, kind, method: kind === 'search' ? 'direct' : null, planned: evaluations, evaluations, failed, excluded, best: 1, best_index: 0 })
 const STAGES = [stage('nominal', 1, 0, 0, 0), stage('search', 1000, 7, 5, 1), stage('certify', 320, 4, 20, 2), stage('validate', 50, 1, 0, 3)]
-const RUN = {
-  id: 'R-0001', state: 'done', verdict: 'inconclusive', quantity: 'd_min', unit: 'm', threshold: 0.5, nominal_cost: 0.94,
+const RUN = given.run({
+  verdict: 'inconclusive', threshold: 0.5, nominal_cost: 0.94,
   worst_cost: 0.84, margin: 0.34, worst_method: 'direct', evaluations: 1371, planned: 1371, failed_evaluations: 12,
   excluded_evaluations: 25, stages: STAGES, upper_bound: 0.01,
-  campaign: { uncertain: {}, stages: { search: [] } },
-  summary: { statistics: { samples: 300, violations: 4, failed: 4, excluded: 20, confidence: 0.95, upper_bound: 0.03, text: '' } },
-} as unknown as RunDetail
+  summary: given.verdict({
+    statistics: {
+      samples: 300, violations: 4, failed: 4, excluded: 20, excluded_fraction: null, confidence: 0.95, upper_bound: 0.03,
+      noise: null, quantile: null, source: 'certify', text: '',
+    },
+  }),
+})
 
 const text = (html: string) => html.replace(/<[^>]+>/g, '').replaceAll('\u202f', ' ')
-const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: run.campaign } as unknown as RunData} />)
+const figures = (run: RunDetail) => renderToStaticMarkup(<FiveFigures data={{ run, campaign: asCampaign(run.campaign) }} />)
 const cell = (key: string, run: RunDetail) => {
   const column = COLUMNS.find((c) => c.key === key)
   return renderToStaticMarkup(<>{column?.cell(run, { units: false, now: 0, onTag: () => undefined })}</>)
@@ -54,7 +58,7 @@ it('shows no margin without the evaluations that have none', () => {
 })
 
 it('marks a check green only where nothing is open', () => {
-  const look = (standing: Check['standing']) => renderToStaticMarkup(<Standing check={{ standing } as Check} />)
+  const look = (standing: DescribedCheck['standing']) => renderToStaticMarkup(<Standing check={{ standing }} />)
   expect(look('holds')).toContain('ok-t')
   expect(look('open')).not.toContain('ok-t')
   expect(look('fails')).toContain('bad-t')

@@ -1,9 +1,9 @@
 // What the address may choose, and what is shown when it asks for something that is not there.
 import { expect, it } from 'vitest'
-import type { FindingDetail } from '../../client'
+import { finding } from '../../api/fixtures'
 import { calledOf, chosenOf, readChosen } from './chosen'
 
-const found = (...labels: string[]) => labels.map((label) => ({ label })) as FindingDetail[]
+const found = (...labels: string[]) => labels.map((label) => finding(label))
 
 it('reads labels and the nominal flight, nothing else', () => {
   for (const finding of ['F1', 'F12', 'nominal']) expect(readChosen({ finding })).toEqual({ finding })

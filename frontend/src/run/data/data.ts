@@ -12,13 +12,14 @@ import {
   traceQuery,
   tracesQuery,
 } from '../../api/queries'
-import { resultOf, type SearchResult } from '../../api/results'
+import { resultOf } from '../../api/stages'
 import type {
   Catalogue,
   EvaluationSeries,
   Evaluations,
   FindingDetail,
   RunDetail,
+  SearchResult,
   StageDetail,
   StageProgress,
   TraceData,
@@ -234,7 +235,7 @@ export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'
 
 /** The values of all criteria at a stored flight, by their names; none where they were not stored. */
 export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | null> =>
-  (trace?.meta.values as Record<string, number | null> | undefined) ?? {}
+  trace?.meta.values ?? {}
 
 /** The search stage that has found the lowest value so far. */
 export function leaderOf(run: RunDetail): StageProgress | null {

@@ -1,9 +1,15 @@
-// How a case came out when it was simulated again, in words.
-import type { ValidationCase } from '../../api/results'
+// The cases that validation simulated again, nominal and findings, and how each came out, in words.
+import type { FindingDetail, Validation, ValidateResult } from '../../client'
 
 /** `agrees` and `violates` are newer than `ok`. */
-export function validatedWord({ ok, agrees, violates }: Partial<ValidationCase>): string {
-  if (agrees === undefined || violates === undefined) return ok ? 'Validated' : 'Not validated'
+export function validatedWord({ ok, agrees, violates }: Pick<Validation, 'ok' | 'agrees' | 'violates'>): string {
+  if (agrees === null || violates === null) return ok ? 'Validated' : 'Not validated'
   if (violates) return agrees ? 'Violation confirmed' : 'Violation confirmed, beyond tolerance'
   return agrees ? 'Integrations agree' : 'Integrations disagree'
 }
+
+/** The nominal case, then the findings; without those that an earlier version did not store. */
+export const casesOf = (
+  { nominal }: Pick<ValidateResult, 'nominal'>,
+  findings: readonly Pick<FindingDetail, 'validation'>[],
+): Validation[] => [nominal, ...findings.map(({ validation }) => validation)].flatMap((item) => item ?? [])

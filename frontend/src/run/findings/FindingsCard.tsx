@@ -1,8 +1,7 @@
 // Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
 import type { MouseEvent } from 'react'
-import type { ValidateResult, ValidationCase } from '../../api/results'
-import type { FindingDetail } from '../../client'
+import type { FindingDetail, Gathered, ValidateResult } from '../../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Place } from '../../ui/bars'
@@ -13,7 +12,6 @@ import { Sign } from '../../ui/Sign'
 import { useHotkeys } from '../../ui/useHotkeys'
 import { NOMINAL } from '../data/chosen'
 import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
-import { closestOf } from '../flight/flown'
 import { ModePicture } from './ModePicture'
 import { Said } from '../data/Said'
 import { useAddress } from '../data/useAddress'
@@ -26,7 +24,7 @@ interface FindingsProps {
 }
 
 export function FindingsCard({ data, result, className }: FindingsProps) {
-  const { run, findings, parameters, chosen } = data
+  const { run, findings, finding: shown, parameters, chosen } = data
   const [, change] = useAddress(run.id)
   const choose = (name: string) => change({ finding: name === findings[0]?.label ? undefined : name })
   const names = [...findings.map((finding) => finding.label), NOMINAL]
@@ -44,7 +42,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
       footer={
         result?.findings && (
           <>
-            <Boundary data={data} text={result.after?.[chosen]?.boundary?.text} />
+            <Boundary data={data} text={shown?.boundary?.text} />
             <Told told={result.findings} kept={findings.length} />
           </>
         )
@@ -174,7 +172,7 @@ function Picture({ data, name }: { data: RunData; name: string }) {
 /** When and how fast the flight is nearest, and what the criteria that do not decide say of it. */
 function Met({ data, name, values }: { data: RunData; name: string; values: Record<string, number | null> }) {
   const { run, findings, nominalTrace } = data
-  const closest = closestOf(data.traces.find((trace) => trace.name === name))
+  const closest = data.traces.find((trace) => trace.name === name)?.meta.closest
   return (
     <>
       <td className="num sec">{fixed(closest?.time, 2)}</td>
@@ -219,16 +217,16 @@ function FoundBy({ finding }: { finding: FindingDetail }) {
 }
 
 function Validated({ finding }: { finding: FindingDetail }) {
-  const validation = finding.validation as Partial<ValidationCase>
+  const { validation } = finding
+  if (!validation) return <span className="mut">{NONE}</span>
   const { ok, realisation } = validation
-  if (typeof ok !== 'boolean') return <span className="mut">{NONE}</span>
   const Icon = ok ? IconCircleCheck : IconHelpCircle
   return (
     <span className="rn">
       <span className="row">
         <Icon className={ok ? 'i s ok-t' : 'i s unk-t'} aria-hidden /> {validatedWord(validation)}
       </span>
-      {typeof realisation === 'number' && <small>noise seed {realisation}</small>}
+      {realisation !== null && <small>noise seed {realisation}</small>}
     </span>
   )
 }
@@ -243,7 +241,7 @@ function Boundary({ data, text }: { data: RunData; text: string | undefined }) {
 }
 
 /** How the findings were told apart, in one sentence. */
-function Told({ told, kept }: { told: NonNullable<ValidateResult['findings']>; kept: number }) {
+function Told({ told, kept }: { told: Gathered; kept: number }) {
   return (
     <>
       {told.complete ? '' : `${told.text.charAt(0).toUpperCase()}${told.text.slice(1)}. `}

@@ -1,11 +1,12 @@
 // Several criteria at once: the front of the worst cases, two criteria against each other, and its points as a table.
 import { useMemo, useState } from 'react'
-import { type FrontCriterion, resultOf } from '../../api/results'
+import { resultOf } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'
 import { Plot } from '../../charts/Plot'
 import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
+import type { FrontCriterion } from '../../client'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { NumHead, Seg } from '../../ui/Card'

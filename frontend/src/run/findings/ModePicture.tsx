@@ -3,9 +3,9 @@
 import { useQuery } from '@tanstack/react-query'
 import { sketchQuery } from '../../api/queries'
 import type { TraceData } from '../../client'
-import { bodiesOf, type Body, type Drawable, line, metaOf, placeOf, type Scale, scaleOf, trackOf } from '../flight/places'
+import { bodiesOf, type Body, type Drawable, line, placeOf, type Scale, scaleOf, trackOf } from '../flight/places'
 import { useNear } from '../../ui/useNear'
-import { aboveOf, closestOf } from '../flight/flown'
+import { aboveOf } from '../flight/flown'
 
 const [WIDTH, HEIGHT] = [132, 76]
 
@@ -87,15 +87,12 @@ function Obstacle({ body: { at, radius, reach, track }, scale }: { body: Body; s
 }
 
 function Nearest({ trace, colour, scale }: { trace: TraceData; colour: string; scale: Scale }) {
-  const closest = closestOf(trace)
-  const { frame } = metaOf(trace)
-  if (!closest?.position) return null
+  const { closest, frame } = trace.meta
+  if (!closest) return null
   const here = placeOf(closest.position, frame)
   return (
     <>
-      {closest.obstaclePosition && (
-        <path d={line([here, placeOf(closest.obstaclePosition, frame)], scale)} stroke={colour} strokeDasharray="2 2" />
-      )}
+      <path d={line([here, placeOf(closest.obstacle_position, frame)], scale)} stroke={colour} strokeDasharray="2 2" />
       <circle cx={scale.x(here)} cy={scale.y(here)} r={3} fill={colour} stroke="var(--surface)" strokeWidth={1.2} />
     </>
   )

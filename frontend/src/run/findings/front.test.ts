@@ -1,6 +1,7 @@
 // The front over several searches.
 import { expect, it } from 'vitest'
-import type { FrontCriterion, SearchResult } from '../../api/results'
+import * as given from '../../api/fixtures'
+import type { FrontCriterion, SearchResult } from '../../client'
 import { criteriaOf, frontOf, someOf } from './front'
 
 const CRITERIA: FrontCriterion[] = [
@@ -10,7 +11,7 @@ const CRITERIA: FrontCriterion[] = [
 
 function search(method: string, values: [number, number][] | null, criteria = CRITERIA): SearchResult {
   const front = values?.map(([separation, goal_miss], index) => ({ index, parameters: {}, values: { separation, goal_miss } }))
-  return { method, title: method, criteria, front: front ?? null } as unknown as SearchResult
+  return given.search({ method, title: method, criteria, front: front ?? null })
 }
 
 const shown = (searches: SearchResult[]) =>

@@ -1,5 +1,5 @@
 // The front of a run with several criteria: what no other flight of any of its searches is worse than everywhere.
-import type { FrontCriterion, FrontPoint, SearchResult } from '../../api/results'
+import type { FrontCriterion, FrontPoint, SearchResult } from '../../client'
 
 export interface Placed extends FrontPoint {
   method: string

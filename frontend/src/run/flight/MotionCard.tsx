@@ -17,7 +17,6 @@ import { useWidth } from '../../ui/useWidth'
 import type { RunData } from '../data/data'
 import {
   acrossOf,
-  closestOf,
   curveOf,
   extentOf,
   MOST_COLUMNS,
@@ -125,7 +124,7 @@ function Small({ column, flights, span, hidden, onCross, standing, last }: Small
     )
     const decimals = decimalsFor(extent ?? [1], 3)
     const near = drawn.flatMap(({ key, colour, trace, curve }) => {
-      const time = closestOf(trace)?.time
+      const time = trace.meta.closest?.time
       const value = time === undefined ? null : valueAt(curve, time)
       return time === undefined ? [] : [{ key, colour, time, value }]
     })

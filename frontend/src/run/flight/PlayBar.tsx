@@ -15,7 +15,6 @@ import { IconButton } from '../../ui/IconButton'
 import { Menu, Pick, Picks } from '../../ui/Menu'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
-import { closestOf } from './flown'
 import type { View } from './view'
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5]
@@ -116,7 +115,7 @@ function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
     { name: calledOf(chosen), trace: chosen === NOMINAL ? undefined : findingTrace, colour: 'var(--c-worst)' },
   ]
   return flights.flatMap(({ name, trace, colour }) => {
-    const time = closestOf(trace)?.time
+    const time = trace?.meta.closest?.time
     return time === undefined ? [] : [{ name, time, colour }]
   })
 }

@@ -10,7 +10,7 @@ import { decimalsFor, fixed, plain } from '../../format/numbers'
 import { type Shown, WindowSeg } from '../../ui/WindowSeg'
 import { calledOf } from '../data/chosen'
 import type { RunData } from '../data/data'
-import { closestOf, curveOf, extentOf, firstOf, noiseOf, spanOf, TIME } from './flown'
+import { curveOf, extentOf, firstOf, noiseOf, spanOf, TIME } from './flown'
 import { useAddress } from '../data/useAddress'
 
 export interface Flown {
@@ -106,9 +106,9 @@ interface Judged {
 function specOf(all: Flown[], { threshold, unit, measured }: Judged, shown: Shown, height: number): PlotSpec {
   const drawn = all.map((flown) => ({ ...flown, curve: curveOf(flown.trace, firstOf(flown.trace, 'separation')) }))
   const xs = union(drawn.map(({ curve }) => curve))
-  const decimals = decimalsFor([Math.min(...drawn.flatMap(({ trace }) => closestOf(trace)?.value ?? []))])
+  const decimals = decimalsFor([Math.min(...drawn.flatMap(({ trace }) => trace.meta.closest?.value ?? []))])
   const points = drawn.flatMap(({ key, label, colour, trace }) => {
-    const closest = closestOf(trace)
+    const { closest } = trace.meta
     if (!closest) return []
     const words = `${label} ${fixed(closest.value, decimals)} ${unit} at ${fixed(closest.time, 2)} s`
     return [{ x: closest.time, y: closest.value, colour, label: words, line: key }]

@@ -1,7 +1,8 @@
 // Stored flights as curves over time, and findings as small pictures.
 import { expect, it } from 'vitest'
-import type { TraceColumn, TraceData } from '../../client'
-import { aboveOf, acrossOf, closestOf, curveOf, extentOf, overTime, shownColumns, spanOf, valueAt, wordsOf } from './flown'
+import * as given from '../../api/fixtures'
+import type { TraceColumn, TraceData, TraceHead } from '../../client'
+import { aboveOf, acrossOf, curveOf, extentOf, overTime, shownColumns, spanOf, valueAt, wordsOf } from './flown'
 
 const column = (name: string, unit: string, group: TraceColumn['group']): TraceColumn => ({ name, symbol: name, unit, group })
 const COLUMNS = [
@@ -17,14 +18,14 @@ const COLUMNS = [
   column('psi_demand', 'rad', 'command'),
   column('d', 'm', 'separation'),
 ]
-const flight = (separation: (number | null)[], meta: object = {}): TraceData => ({
-  name: 'F1',
-  rows: separation.length,
-  columns: COLUMNS,
-  meta: { ...meta },
-  data: { t: separation.map((_, i) => i), d: separation, u: separation.map((_, i) => 10 * i) },
-})
-const closest = { time: 2, value: 1, speed: 3, position: [0, 0, -30], obstacle_position: [40, 0, 0] }
+const flight = (separation: (number | null)[], meta: Partial<TraceHead> = {}): TraceData =>
+  given.flight({
+    rows: separation.length,
+    columns: COLUMNS,
+    meta: given.head(meta),
+    data: { t: separation.map((_, i) => i), d: separation, u: separation.map((_, i) => 10 * i) },
+  })
+const closest = { time: 2, row: 2, value: 1, speed: 3, position: [0, 0, -30], obstacle: 0, obstacle_position: [40, 0, 0] }
 const FLIGHT = flight([9, 2, 1, 1.5, 9, 9], { closest, frame: 'ned' })
 const names = (columns: TraceColumn[]) => columns.map(({ name }) => name)
 
@@ -58,10 +59,8 @@ it('reads values between rows, and none outside', () => {
   expect(extentOf([curve], [9, 10])).toBeNull()
 })
 
-it('knows the closest approach, and how far above or below it is', () => {
-  expect(closestOf(FLIGHT)?.speed).toBe(3)
-  expect(closestOf(flight([1]))).toBeNull()
-  expect(closestOf(flight([1], { closest: { time: 1, value: 2 } }))?.speed).toBeNull()
+it('knows how far above or below the obstacle the closest approach is', () => {
+  expect(aboveOf(flight([1]))).toBeNull()
   expect(aboveOf(FLIGHT)).toBe('30\u202fm above')
   expect(aboveOf(flight([1], { closest, frame: 'enu' }))).toBe('30\u202fm below')
   expect(aboveOf(flight([1], { closest: { ...closest, value: 500 } }))).toBeNull()

@@ -1,6 +1,5 @@
 // Stored flights as curves over time: which columns there are, which are shown, how much of the flight.
 // Start reading at `spanOf` and `shownColumns`.
-import type { Realisation } from '../../api/results'
 import type { Curve } from '../../charts/series'
 import type { TraceColumn, TraceData, TraceInfo } from '../../client'
 import { fixed, NARROW } from '../../format/numbers'
@@ -21,36 +20,13 @@ export function curveOf(trace: TraceData, name: string): Curve {
 export const firstOf = (trace: TraceInfo, group: TraceColumn['group']): string =>
   trace.columns.find((column) => column.group === group)?.name ?? ''
 
-export interface Closest {
-  time: number
-  value: number
-  /** Over ground and through space [m/s]; null where it was not stored. */
-  speed: number | null
-  position: number[] | null
-  obstaclePosition: number[] | null
-}
-
-/** The closest approach as stored; null where the criterion knows none. */
-export function closestOf(trace: TraceInfo | undefined): Closest | null {
-  const stored = trace?.meta.closest as Record<string, unknown> | null | undefined
-  const { time, value, speed, position, obstacle_position } = stored ?? {}
-  if (typeof time !== 'number' || typeof value !== 'number') return null
-  return {
-    time,
-    value,
-    speed: typeof speed === 'number' ? speed : null,
-    position: Array.isArray(position) ? (position as number[]) : null,
-    obstaclePosition: Array.isArray(obstacle_position) ? (obstacle_position as number[]) : null,
-  }
-}
-
 /** What is shown of flights: all of it, or as far as separation stays within twice the larger of criterion and lowest. */
 export function spanOf(traces: readonly TraceData[], threshold: number | null, shown: Shown): [number, number] {
   const curves = traces.map((trace) => curveOf(trace, firstOf(trace, 'separation')))
   const times = curves.flatMap((curve) => [curve.x[0] ?? 0, curve.x[curve.x.length - 1] ?? 1])
   const whole: [number, number] = times.length ? [Math.min(...times), Math.max(...times)] : [0, 1]
   if (shown === 'all') return whole
-  const lowest = Math.min(...traces.flatMap((trace) => closestOf(trace)?.value ?? []))
+  const lowest = Math.min(...traces.flatMap((trace) => trace.meta.closest?.value ?? []))
   const reach = 2 * Math.max(threshold ?? 0, Number.isFinite(lowest) ? lowest : 0)
   const inside = curves.flatMap((curve) => curve.x.filter((_, i) => (curve.y[i] ?? Number.POSITIVE_INFINITY) <= reach))
   return inside.length > 2 ? [Math.min(...inside), Math.max(...inside)] : whole
@@ -123,10 +99,10 @@ export function acrossOf(count: number, most: number): number {
 
 /** How far above or below the obstacle a flight passes, where that is a good part of the distance. */
 export function aboveOf(trace: TraceInfo): string | null {
-  const closest = closestOf(trace)
-  const [own, other] = [closest?.position?.[2], closest?.obstaclePosition?.[2]]
+  const { closest, frame } = trace.meta
+  const [own, other] = [closest?.position[2], closest?.obstacle_position[2]]
   if (!closest || own === undefined || other === undefined) return null
-  const above = (own - other) * (trace.meta.frame === 'ned' ? -1 : 1)
+  const above = (own - other) * (frame === 'ned' ? -1 : 1)
   if (Math.abs(above) < 0.1 * Math.abs(closest.value) || above === 0) return null
   const decimals = Math.abs(above) < 10 ? 1 : 0
   return `${fixed(Math.abs(above), decimals)}${NARROW}m ${above > 0 ? 'above' : 'below'}`
@@ -134,7 +110,7 @@ export function aboveOf(trace: TraceInfo): string | null {
 
 /** Which noise realisation a stored flight shows; empty where the scenario has no noise. */
 export function noiseOf(trace: Pick<TraceInfo, 'meta'> | undefined): string {
-  const shown = trace?.meta.realisation as Realisation | undefined
+  const shown = trace?.meta.realisation
   if (!shown) return ''
   return shown.seeds > 1 ? `noise seed ${shown.seed}, the lowest of ${shown.seeds}` : `noise seed ${shown.seed}`
 }

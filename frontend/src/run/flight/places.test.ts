@@ -1,13 +1,14 @@
 // Flights from above: axes of the two worlds, the encounter's rows, one scale for both directions.
 import { describe, expect, it } from 'vitest'
-import type { TraceData } from '../../client'
+import * as given from '../../api/fixtures'
+import type { TraceData, TraceHead } from '../../client'
 import { encounterOf, placeOf, scaleOf, trackOf } from './places'
 
-const trace = (frame: string, separation: (number | null)[]): TraceData =>
-  ({
-    meta: { frame, threshold: 1 },
+const trace = (frame: TraceHead['frame'], separation: (number | null)[]): TraceData =>
+  given.flight({
+    meta: given.head({ frame }),
     data: { x: separation.map((_, i) => i), y: separation.map(() => 7), separation },
-  }) as unknown as TraceData
+  })
 
 describe('places', () => {
   it('have north up, whichever way the axes run', () => {

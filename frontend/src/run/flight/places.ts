@@ -1,41 +1,20 @@
 // Flights of several runs seen from above, as places on one scale. East is right and north is up. Start reading at `viewOf`.
-import type { TraceData } from '../../client'
+import type { TraceData, TraceHead } from '../../client'
 
 export interface Place {
   east: number
   north: number
 }
 
-interface Obstacle {
-  title?: string
-  position?: number[]
-  radius?: number
-  /** Null where what must stay free is no disc; flights stored earlier do not have it. */
-  free_radius?: number | null
-  moving?: boolean
-}
-
-/** The meta of a stored flight, as far as it is drawn. */
-export interface Meta {
-  frame?: string
-  threshold?: number
-  start?: number[]
-  goal?: number[]
-  obstacles?: Obstacle[]
-  closest?: { position?: number[]; obstacle_position?: number[]; obstacle?: number; time?: number }
-}
-
-export const metaOf = (trace: TraceData): Meta => trace.meta
-
 /** A position of the flight's own axes: x east and y north, or x north and y east where z is down. */
-export function placeOf(position: readonly number[], frame: string | undefined): Place {
+export function placeOf(position: readonly number[], frame: TraceHead['frame']): Place {
   const [x = 0, y = 0] = position
   return frame === 'ned' ? { east: y, north: x } : { east: x, north: y }
 }
 
 /** A column pair of a flight as places; with `near`, only around the encounter. */
 export function trackOf(trace: TraceData, prefix = '', near = false): Place[] {
-  const frame = metaOf(trace).frame
+  const frame = trace.meta.frame
   const xs = trace.data[`${prefix}x`] ?? []
   const ys = trace.data[`${prefix}y`] ?? []
   const [from, to] = near ? encounterOf(trace) : [0, xs.length]
@@ -52,7 +31,7 @@ export function encounterOf(trace: TraceData): [number, number] {
   const values = trace.data.separation ?? []
   const known = values.filter((value): value is number => typeof value === 'number')
   if (known.length === 0) return [0, values.length]
-  const far = 4 * Math.max(metaOf(trace).threshold ?? 0, Math.min(...known))
+  const far = 4 * Math.max(trace.meta.threshold ?? 0, Math.min(...known))
   const near = values.flatMap((value, i) => (typeof value === 'number' && value <= far ? [i] : []))
   const [first, last] = [near[0] ?? 0, near[near.length - 1] ?? values.length - 1]
   const pad = Math.floor((last - first) / 8)
@@ -112,16 +91,16 @@ export interface Drawable {
 export function bodiesOf(flights: readonly Drawable[]): Body[] {
   const found = new Map<string, Body>()
   for (const { trace, key } of flights.filter(({ worst }) => worst)) {
-    const { obstacles = [], closest, frame, threshold } = metaOf(trace)
+    const { obstacles, closest, frame } = trace.meta
     obstacles.forEach((obstacle, i) => {
       const met = i === closest?.obstacle
-      const position = met && closest.obstacle_position ? closest.obstacle_position : obstacle.position
-      if (!position || (obstacle.moving && !met)) return
+      const position = met ? closest.obstacle_position : obstacle.position
+      if (obstacle.moving && !met) return
       const at = placeOf(position, frame)
       const track = obstacle.moving ? trackOf(trace, `obstacle.${i}.`) : []
-      const reach = obstacle.free_radius === undefined ? (threshold ?? 0) : (obstacle.free_radius ?? 0)
+      const reach = obstacle.free_radius ?? 0
       const name = [at.east.toFixed(3), at.north.toFixed(3), obstacle.radius, reach].join(' ')
-      if (!found.has(name)) found.set(name, { key: `${key} ${i}`, at, radius: obstacle.radius ?? 0, reach, track })
+      if (!found.has(name)) found.set(name, { key: `${key} ${i}`, at, radius: obstacle.radius, reach, track })
     })
   }
   return [...found.values()]

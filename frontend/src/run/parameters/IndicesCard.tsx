@@ -1,5 +1,5 @@
 // Sensitivity over the whole box: Morris' elementary effects and Sobol's shares of the variance, a row per parameter.
-import type { SensitivityResult } from '../../api/results'
+import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'

@@ -7,7 +7,7 @@ import { CopyButton } from '../../ui/files'
 import { MethodName } from '../../ui/MethodMark'
 import { Sign } from '../../ui/Sign'
 import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
-import { closestOf, noiseOf } from '../flight/flown'
+import { noiseOf } from '../flight/flown'
 
 interface Worst {
   cost: number
@@ -32,7 +32,7 @@ interface NominalWorstProps {
 export function NominalWorst({ data, className, title, note, column, worst, id }: NominalWorstProps) {
   const { run, parameters, nominalTrace, findingTrace } = data
   const decimals = decimalsFor([run.nominal_cost, worst?.cost])
-  const near = [closestOf(nominalTrace), column === null || !findingTrace ? null : closestOf(findingTrace)] as const
+  const near = [nominalTrace, column === null ? undefined : findingTrace].map((trace) => trace?.meta.closest)
   const both = column !== null
   return (
     <Card

@@ -1,7 +1,6 @@
 // Sensitivity: each parameter over its bounds, the others nominal, and the others as in the chosen finding; all curves
 // share the vertical axis.
 import { useMemo } from 'react'
-import type { SensitivityCurve, SensitivityResult, Slices, ValidateResult } from '../../api/results'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'
 import { Plot } from '../../charts/Plot'
@@ -9,6 +8,7 @@ import { useReach } from '../../charts/reach'
 import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
+import type { Curve, SensitivityResult, Slices, ValidateResult } from '../../client'
 import { decimalsFor, fixed } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Sign, symbolText } from '../../ui/Sign'
@@ -18,7 +18,7 @@ import type { RunData, UncertainParameter } from '../data/data'
 interface SensitivityCardProps {
   data: RunData
   result: SensitivityResult
-  /** Whose slices are drawn beside the curves. */
+  /** Whether it came to the slices of every finding. */
   validation: ValidateResult | null
   className: string
   /** Of each plot [px]. */
@@ -26,9 +26,9 @@ interface SensitivityCardProps {
 }
 
 export function SensitivityCard({ data, result, validation, className, height }: SensitivityCardProps) {
-  const { run, parameters, chosen } = data
+  const { run, parameters, chosen, finding } = data
   const [hidden, toggle] = useHidden()
-  const slices = validation?.after?.[chosen]?.slices
+  const slices = finding?.slices ?? null
   const called = calledOf(chosen).replace('Worst', 'worst')
   const drawn = [...result.curves, ...(slices?.curves ?? [])]
   const costs = drawn.flatMap((curve) => curve.costs.filter((cost): cost is number => cost !== null))
@@ -84,30 +84,30 @@ export function SensitivityCard({ data, result, validation, className, height }:
 }
 
 /** The slice of one parameter through the finding, and the finding's own value of it. */
-function throughOf(slices: Slices | undefined, path: string): Through | null {
+function throughOf(slices: Slices | null, path: string): Through | null {
   const curve = slices?.curves.find((each) => each.path === path)
   return curve && slices ? { curve, at: slices.at[path] ?? null } : null
 }
 
 interface Through {
-  curve: SensitivityCurve
+  curve: Curve
   at: number | null
 }
 
 /** Why a finding has no slices, where validation ended before it flew them. */
-function missing(validation: ValidateResult | null, chosen: string, slices: Slices | undefined): string {
+function missing(validation: ValidateResult | null, chosen: string, slices: Slices | null): string {
   if (slices || chosen === NOMINAL || !validation?.findings || validation.findings.complete) return ''
   return `No slices were flown through ${chosen}: validation ended before it came to them. `
 }
 
-function footerOf(curves: readonly SensitivityCurve[], absent: string) {
+function footerOf(curves: readonly Curve[], absent: string) {
   const failed = curves.reduce((sum, curve) => sum + curve.status.filter((status) => status !== 'ok').length, 0)
   const gaps = failed > 0 ? `${failed} of these flights gave no value; the curves have gaps there.` : ''
   return absent || gaps ? absent + gaps : undefined
 }
 
-function tableOf({ run }: RunData, result: SensitivityResult, slices: Slices | undefined, called: string) {
-  const rows = (curves: readonly SensitivityCurve[], others: string) =>
+function tableOf({ run }: RunData, result: SensitivityResult, slices: Slices | null, called: string) {
+  const rows = (curves: readonly Curve[], others: string) =>
     curves.flatMap((curve) =>
       curve.values.map((value, i) => [curve.path, others, value, curve.costs[i] ?? null, curve.status[i] ?? '']),
     )
@@ -120,8 +120,8 @@ function tableOf({ run }: RunData, result: SensitivityResult, slices: Slices | u
 
 interface SmallProps {
   data: RunData
-  curve: SensitivityCurve
-  slices: Slices | undefined
+  curve: Curve
+  slices: Slices | null
   called: string
   parameter: UncertainParameter
   yRange: [number, number]

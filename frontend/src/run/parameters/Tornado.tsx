@@ -1,6 +1,6 @@
 // The tornado: how far each parameter alone moves the value from nominal, at its low and at its high bound.
 
-import type { SensitivityResult } from '../../api/results'
+import type { SensitivityResult } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { decimalsFor, fixed, signed } from '../../format/numbers'

@@ -4,7 +4,7 @@ import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'
 import { getRunText } from '../../api/calls'
-import { type Provenance as Origin, summaryOf } from '../../api/results'
+import type { Flown, Provenance as Origin, RunDetail } from '../../client'
 import { plain } from '../../format/numbers'
 import { moment } from '../../format/time'
 import { idOfComponent } from '../../help/links'
@@ -14,7 +14,7 @@ import type { RunData } from '../data/data'
 
 export function Provenance({ data, className }: { data: RunData; className: string }) {
   const { run } = data
-  const origin: Origin = { ...(run.flown as Origin | null), ...summaryOf(run).provenance }
+  const origin = originOf(run)
   const download = useMutation({
     mutationFn: () => getRunText(run.id),
     onSuccess: (text) => save(`${run.id}-campaign.yaml`, text, 'application/yaml'),
@@ -50,6 +50,26 @@ export function Provenance({ data, className }: { data: RunData; className: stri
   )
 }
 
+/** What the verdict states; what it does not state, and of a run without a verdict, as it was stored when the run began. */
+export function originOf({ summary, flown }: Pick<RunDetail, 'summary' | 'flown'>): Origin {
+  const stated = summary?.provenance
+  const known = <K extends keyof Flown>(key: K): Flown[K] | null => stated?.[key] ?? flown?.[key] ?? null
+  return {
+    digest: stated?.digest ?? null,
+    seed: stated?.seed ?? null,
+    clearance: known('clearance'),
+    python: known('python'),
+    packages: { ...flown?.packages, ...stated?.packages },
+    system: known('system'),
+    cpu: known('cpu'),
+    code: known('code'),
+    loop: known('loop'),
+    lanes: known('lanes'),
+    step: known('step'),
+    integrator: known('integrator'),
+  }
+}
+
 type Rows = [string, ReactNode][]
 
 function List({ rows }: { rows: Rows }) {
@@ -65,8 +85,8 @@ function List({ rows }: { rows: Rows }) {
   )
 }
 
-const hash = (text: string | undefined) => (
-  <span className="mono" title={text}>
+const hash = (text: string | null | undefined) => (
+  <span className="mono" title={text ?? undefined}>
     {text ? text.slice(0, 16) : 'not recorded'}
   </span>
 )
@@ -75,7 +95,7 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
   const period = Number(campaign.scenario.guidance?.period ?? 0)
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
-    ['Code', <span key="o">sha256 {hash(run.flown?.code ?? undefined)}</span>],
+    ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
     ['Simulation kernel', <span key="k">{hash(origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
     [
@@ -98,8 +118,8 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
 }
 
 function machineRows({ run }: RunData, origin: Origin): Rows {
-  const cpu = typeof origin.cpu === 'object' ? origin.cpu : { model: origin.cpu }
-  const packages = Object.entries(origin.packages ?? {})
+  const { cpu } = origin
+  const packages = Object.entries(origin.packages)
   return [
     [
       'Clearance',
@@ -121,11 +141,11 @@ function machineRows({ run }: RunData, origin: Origin): Rows {
     ]),
     [
       'Processor',
-      <span key="m" title={cpu.features}>
-        {[cpu.model, cpu.target].filter(Boolean).join(', ') || 'not recorded'}
+      <span key="m" title={cpu?.features}>
+        {[cpu?.model, cpu?.target].filter(Boolean).join(', ') || 'not recorded'}
       </span>,
     ],
-    ['Lanes', origin.lanes === undefined ? 'not recorded' : String(origin.lanes)],
+    ['Lanes', String(origin.lanes ?? 'not recorded')],
     ['Worker, attempts', `${run.worker ?? 'none'}, ${run.attempts}`],
   ]
 }

@@ -1,6 +1,6 @@
 // The distribution function of the independent sample with the band that holds the true one, and the bound on a quantile.
 import { useMemo } from 'react'
-import type { Sample } from '../../api/results'
+import type { Distribution, Sample } from '../../client'
 import { Plot } from '../../charts/Plot'
 import type { PlotSpec } from '../../charts/spec'
 import { decimalsFor, fixed, percent } from '../../format/numbers'
@@ -9,7 +9,7 @@ import type { RunData } from '../data/data'
 
 interface DistributionCurveProps {
   data: RunData
-  sample: Sample & { distribution: NonNullable<Sample['distribution']> }
+  sample: Sample & { distribution: Distribution }
   height: number
 }
 
@@ -18,7 +18,7 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
   const spec = useMemo((): PlotSpec => {
     const { values, shares, band } = sample.distribution
     const decimals = decimalsFor([sample.mean, sample.lowest], 5)
-    const bound = sample.quantile?.bound
+    const { quantile } = sample
     const within = (share: number) => 100 * Math.min(1, Math.max(0, share))
     return {
       label: `Share of the sample at or below each ${symbolText(run.quantity || 'value')}`,
@@ -29,8 +29,8 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
         { key: 'high', label: 'Upper band', colour: '--c-obs', y: shares.map((s) => within(s + band)), width: 1 },
       ],
       points:
-        typeof bound === 'number' && sample.quantile
-          ? [{ x: bound, y: 100 * sample.quantile.share, colour: '--c-worst' }]
+        quantile && quantile.bound !== null
+          ? [{ x: quantile.bound, y: 100 * quantile.share, colour: '--c-worst' }]
           : [],
       xTitle: (
         <>

@@ -2,7 +2,7 @@
 // stage drew it, and the statements it allows.
 
 import { useState } from 'react'
-import type { GridResult, Sample } from '../../api/results'
+import type { GridResult, Sample } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'

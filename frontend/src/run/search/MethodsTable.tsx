@@ -1,5 +1,6 @@
 // The methods side by side: what each found, with how much work, and how it ended.
-import { type Compared, type Member, resultOf } from '../../api/results'
+import { resultOf } from '../../api/stages'
+import type { Compared, Member } from '../../client'
 import { count, decimalsApart, duration, fixed, NONE, signed } from '../../format/numbers'
 import { HelpLink } from '../../help/links'
 import { Card, NumHead, Progress } from '../../ui/Card'
@@ -18,7 +19,8 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const over = searches.every(({ stage }) => stage.state === 'done')
   const failed = !over || searches.some(({ stage }) => stage.failed > 0)
   const excluded = searches.some(({ stage }) => stage.excluded > 0)
-  const compared = resultOf(stageOf(data, 'validate'), 'validate')?.comparison
+  const validation = resultOf(stageOf(data, 'validate'), 'validate')
+  const compared = validation && validation.comparison.length > 0 ? validation.comparison : null
   // Once the findings are known they need the room: the margin follows from the best.
   const whole = !compared && !(over && (failed || excluded))
   return (
@@ -79,7 +81,9 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
                 </td>
               )}
               <td className="num sec">{stage.best_index === null ? NONE : count(stage.best_index + 1)}</td>
-              {compared && <Reached row={compared.find((c) => c.position === stage.position)} />}
+              {compared && (
+                <Reached row={compared.find((c) => c.position === stage.position)} basins={validation?.encounter !== null} />
+              )}
               {failed && <td className={stage.failed > 0 ? 'num b' : 'num sec'}>{count(stage.failed)}</td>}
               {excluded && <td className={stage.excluded > 0 ? 'num b' : 'num sec'}>{count(stage.excluded)}</td>}
               <td className="num sec">{stage.state === 'waiting' ? NONE : duration(stage.seconds)}</td>
@@ -92,16 +96,21 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
 }
 
 /** How soon a method was near the best known, and how many of the findings it came to by itself. */
-function Reached({ row }: { row: Compared | undefined }) {
+function Reached({ row, basins }: { row: Compared | undefined; basins: boolean }) {
   return (
     <>
       <td className="num sec">{row?.to_near_best == null ? 'not reached' : count(row.to_near_best)}</td>
       <td className="num sec" title={row?.findings.join(', ')}>
         {count(row?.findings.length)}
       </td>
-      <td className={row?.basin ? 'sec' : 'unk-t'}>{row?.basin === undefined ? NONE : (row.basin ?? 'no finding')}</td>
+      <td className={row?.basin ? 'sec' : 'unk-t'}>{basinText(row, basins)}</td>
     </>
   )
+}
+
+/** The finding whose basin holds a method's best. Basins are as old as the encounter: earlier versions stored neither. */
+export function basinText(row: Pick<Compared, 'basin'> | undefined, basins: boolean): string {
+  return row && basins ? (row.basin ?? 'no finding') : NONE
 }
 
 /** Who of a portfolio flew how many. */
@@ -114,7 +123,7 @@ function Ends({ data, searches }: { data: RunData; searches: SearchStage[] }) {
     result?.stop ? (
       <div key={stage.position}>
         <span className="sec">{title}:</span> {result.stop.text}
-        {result.members && result.members.length > 0 && `; ${membersText(result.members)}`}
+        {result.members.length > 0 && `; ${membersText(result.members)}`}
         {result.gap && <Said data={data} text={`; ${result.gap.text}`} />}
       </div>
     ) : null,

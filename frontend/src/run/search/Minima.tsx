@@ -1,6 +1,6 @@
 // Where the descents of a method ended: of a local one each start beside its end, of any other the lowest ends alone.
 import { useState } from 'react'
-import type { SearchResult } from '../../api/results'
+import type { SearchResult } from '../../client'
 import { count, decimalsApart, decimalsFor, fixed, NONE } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { Card, NumHead } from '../../ui/Card'

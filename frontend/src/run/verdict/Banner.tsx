@@ -1,7 +1,6 @@
 // What came of a run: icon, word, sentence and scope, and the checks the verdict rests on. A failure is no verdict.
 import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-react'
-import { type Check, summaryOf } from '../../api/results'
-import type { RunDetail } from '../../client'
+import type { DescribedCheck, RunDetail } from '../../client'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
 import { HelpLink } from '../../help/links'
@@ -12,7 +11,7 @@ import { Said } from '../data/Said'
 export function Banner({ data }: { data: RunData }) {
   const { run } = data
   const outcome = outcomeOf(run)
-  const { sentence, scope, checks } = summaryOf(run)
+  const { summary } = run
   const { tone, word } = lookOf(outcome)
   return (
     <section className={`banner ${tone}`} aria-label="Verdict" role={run.verdict ? undefined : 'alert'}>
@@ -28,16 +27,16 @@ export function Banner({ data }: { data: RunData }) {
           <HelpLink to="/help/evidence">What a verdict rests on</HelpLink>
         </span>
         <p>
-          <Said data={data} text={(run.verdict ? (sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''} />
+          <Said data={data} text={(run.verdict ? (summary?.sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''} />
         </p>
-        {run.verdict && scope && (
+        {run.verdict && summary?.scope && (
           <p className="scope">
-            Scope: <Said data={data} text={lower(scope)} />
+            Scope: <Said data={data} text={lower(summary.scope)} />
           </p>
         )}
-        {run.verdict && checks && checks.length > 0 && (
+        {run.verdict && summary && summary.checks.length > 0 && (
           <ul className="checks" aria-label="Checks">
-            {checks.map((check) => (
+            {summary.checks.map((check) => (
               <li key={check.name} data-check={check.name} data-standing={check.standing}>
                 <Standing check={check} />
                 <span>
@@ -54,7 +53,7 @@ export function Banner({ data }: { data: RunData }) {
 }
 
 /** Green only where nothing is left open: evaluations that failed have no value to hold for. */
-export function Standing({ check }: { check: Check }) {
+export function Standing({ check }: { check: Pick<DescribedCheck, 'standing'> }) {
   if (check.standing === 'holds') return <IconCircleCheck className="i s ok-t" aria-label="holds" />
   if (check.standing === 'open')
     return <IconHelpCircle className="i s unk-t" aria-label="holds for the evaluations that have a value" />

@@ -1,12 +1,12 @@
 // What shows that the avoidance was put to the test: closest approaches, motion, the flight that sees nothing, influence.
-import type { Encounter } from '../../api/results'
+import type { ClosestApproach, Encounter } from '../../client'
 import { count, decimalsFor, fixed, NONE, plain } from '../../format/numbers'
 import { HelpLink } from '../../help/links'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
-const AT: Record<Encounter['closest'][number]['at'], string> = {
+const AT: Record<ClosestApproach['at'], string> = {
   start: 'at the start of the horizon',
   end: 'at the end of the horizon',
   inside: 'inside the horizon',
@@ -20,7 +20,7 @@ interface EncounterProps {
 }
 
 export function EncounterCard({ data, encounter, className }: EncounterProps) {
-  const { run, parameters } = data
+  const { run, findings, parameters } = data
   const { closest, moved, unseen, spread, influence } = encounter
   const quantity = <Sign text={run.quantity || 'value'} />
   const largest = Math.max(...Object.values(influence), 0)
@@ -33,9 +33,8 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
       right={<HelpLink to="/help/evidence" at="vacuous">Why this is asked</HelpLink>}
     >
       <dl className="kv">
-        {closest.map(({ name, time, at, obstacle }) => (
-          <Closest key={name} name={name} time={time} where={AT[at]} inside={at === 'inside'} obstacle={obstacle} />
-        ))}
+        <Closest name="nominal" approach={closest} />
+        {findings.map((each) => each.closest && <Closest key={each.label} name={each.label} approach={each.closest} />)}
         <dt>Path of the nominal case</dt>
         <dd>{moved === null ? NONE : `${plain(moved, 4)} m`}</dd>
         <dt>Nominal {quantity} with every obstacle unseen</dt>
@@ -68,22 +67,14 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
   )
 }
 
-interface ClosestProps {
-  name: string
-  time: number | null
-  where: string
-  inside: boolean
-  obstacle: number | undefined
-}
-
-function Closest({ name, time, where, inside, obstacle }: ClosestProps) {
+function Closest({ name, approach: { time, at, obstacle } }: { name: string; approach: ClosestApproach }) {
   return (
     <>
       <dt>Closest approach, {name}</dt>
       <dd>
         {time !== null && `${fixed(time, 2)} s, `}
-        <span className={inside ? undefined : 'unk-t'}>{where}</span>
-        {obstacle !== undefined && <span className="mut">, obstacles.{obstacle}</span>}
+        <span className={at === 'inside' ? undefined : 'unk-t'}>{AT[at]}</span>
+        {obstacle !== null && <span className="mut">, obstacles.{obstacle}</span>}
       </dd>
     </>
   )

@@ -1,5 +1,4 @@
 // The five figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
-import { summaryOf } from '../../api/results'
 import { lostOf, unknownOf, withoutValue } from '../../format/counts'
 import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'
@@ -8,9 +7,9 @@ import { methodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
-export function FiveFigures({ data }: { data: RunData }) {
+export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> }) {
   const { run, campaign } = data
-  const { statistics } = summaryOf(run)
+  const statistics = run.summary?.statistics ?? null
   const decimals = decimalsFor([run.worst_cost, run.nominal_cost, run.threshold])
   const share = run.margin !== null && run.threshold ? run.margin / Math.abs(run.threshold) : null
   const lower = run.nominal_cost !== null && run.worst_cost !== null ? run.nominal_cost - run.worst_cost : null

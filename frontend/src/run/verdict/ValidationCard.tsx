@@ -1,38 +1,36 @@
 // Validation: nominal and findings at half the step and with the reference integrator, and what of all other evaluations
 // was simulated again. Start reading at `ValidationCard`.
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
-import type { SpotChecks, ValidateResult, ValidationCase } from '../../api/results'
+import type { SpotChecks, ValidateResult, Validation, Violations } from '../../client'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { Card, NumHead } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { Said } from '../data/Said'
-import { validatedWord } from '../data/validated'
+import { casesOf, validatedWord } from '../data/validated'
 
-export function ValidationCard({
-  data,
-  result,
-  className,
-}: {
-  data: RunData
+interface ValidationCardProps {
+  data: Pick<RunData, 'run' | 'stages' | 'findings' | 'parameters'>
   result: ValidateResult
   className: string
-}) {
+}
+
+export function ValidationCard({ data, result, className }: ValidationCardProps) {
   const { run } = data
-  const neighbours = result.cases.find((c) => c.neighbours)?.neighbours
+  const cases = casesOf(result, data.findings)
+  const neighbours = cases.find((c) => c.neighbours)?.neighbours
   const decimals = decimalsFor(
-    result.cases.map((c) => c.cost),
+    cases.map((c) => c.cost),
     7,
   )
-  const other = result.cases[0]?.integrator.name ?? 'Other'
   return (
     <Card
       title="Validation"
       note="The same cases by other means"
       className={className}
       id="validation"
-      flush
+      flush={cases.length > 0}
       right={
         <span className={`vd ${result.ok ? 'ok' : 'unk'}`}>
           {result.ok ? <IconCircleCheck className="i" aria-hidden /> : <IconCircleX className="i" aria-hidden />}
@@ -58,23 +56,27 @@ export function ValidationCard({
         </>
       }
     >
-      <table className="tight">
-        <thead>
-          <tr>
-            <th>Flight</th>
-            <th>Integration</th>
-            <NumHead unit="ms">Step</NumHead>
-            <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
-            <NumHead unit={run.unit}>Change</NumHead>
-            <NumHead unit={run.unit}>Allowed</NumHead>
-          </tr>
-        </thead>
-        <tbody>
-          {result.cases.map((c) => (
-            <Rows key={c.name} item={c} decimals={decimals} other={other} />
-          ))}
-        </tbody>
-      </table>
+      {cases.length > 0 ? (
+        <table className="tight">
+          <thead>
+            <tr>
+              <th>Flight</th>
+              <th>Integration</th>
+              <NumHead unit="ms">Step</NumHead>
+              <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
+              <NumHead unit={run.unit}>Change</NumHead>
+              <NumHead unit={run.unit}>Allowed</NumHead>
+            </tr>
+          </thead>
+          <tbody>
+            {cases.map((c) => (
+              <Rows key={c.name} item={c} decimals={decimals} />
+            ))}
+          </tbody>
+        </table>
+      ) : (
+        <p className="sec">The cases are not stored.</p>
+      )}
       {result.violations && result.spot_checks && (
         <Again data={data} violations={result.violations} spots={result.spot_checks} />
       )}
@@ -83,8 +85,8 @@ export function ValidationCard({
 }
 
 interface AgainProps {
-  data: RunData
-  violations: NonNullable<ValidateResult['violations']>
+  data: Pick<RunData, 'run' | 'stages'>
+  violations: Violations
   spots: SpotChecks
 }
 
@@ -109,7 +111,7 @@ function Again({ data: { run, stages }, violations, spots }: AgainProps) {
       <dd title={at ? Object.entries(at.parameters).map(([path, v]) => `${path} = ${plain(v, 9)}`).join('\n') : undefined}>
         median {apart(spots.median)}, largest {apart(spots.largest)}
         {at && `, ${stage?.method ? methodLook(stage.method).title : (stage?.kind ?? 'stage')} evaluation ${count(at.index + 1)}`}
-        {at && typeof at.realisation === 'number' && `, noise seed ${at.realisation}`}
+        {at && at.realisation !== null && `, noise seed ${at.realisation}`}
       </dd>
     </dl>
   )
@@ -117,7 +119,7 @@ function Again({ data: { run, stages }, violations, spots }: AgainProps) {
 
 const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`
 
-function Rows({ item, decimals, other }: { item: ValidationCase; decimals: number; other: string }) {
+function Rows({ item, decimals }: { item: Validation; decimals: number }) {
   const name = item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
   const rows = [
     { key: 'run', text: 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
@@ -128,7 +130,7 @@ function Rows({ item, decimals, other }: { item: ValidationCase; decimals: numbe
       cost: item.half_step.cost,
       change: item.half_step.difference,
     },
-    { key: 'other', text: other, step: null, cost: item.integrator.cost, change: item.integrator.difference },
+    { key: 'other', text: item.integrator.name, step: null, cost: item.integrator.cost, change: item.integrator.difference },
   ]
   return rows.map((row, i) => {
     const over = typeof row.change === 'number' && item.allowed !== null && Math.abs(row.change) > item.allowed
@@ -137,7 +139,7 @@ function Rows({ item, decimals, other }: { item: ValidationCase; decimals: numbe
         <td className="m">
           {i === 0 && name}
           {i === 1 && <span className={item.ok ? 'small sec' : 'small unk-t'}>{validatedWord(item)}</span>}
-          {i === 2 && typeof item.realisation === 'number' && (
+          {i === 2 && item.realisation !== null && (
             <span className="small mut">noise seed {item.realisation}</span>
           )}
         </td>

@@ -1,0 +1,90 @@
+// What tests start from: whole answers of the API, of which each test states what it is about.
+import type {
+  FindingDetail,
+  RunDetail,
+  RunVerdict,
+  SearchResult,
+  StageDetail,
+  StageProgress,
+  TraceData,
+  TraceHead,
+  ValidateResult,
+  Validation,
+} from '../client'
+
+export const head = (more: Partial<TraceHead> = {}): TraceHead => ({
+  frame: 'enu', vehicle: 'unicycle', obstacles: [], start: [0, 0, 0], goal: [10, 0, 0], threshold: 1, parameters: {},
+  closest: null, status: 'ok', reason: '', cost: null, values: {}, realisation: null, ...more,
+})
+
+export const flight = (more: Partial<TraceData> = {}): TraceData => ({
+  name: 'F1', rows: 0, columns: [], meta: head(), data: {}, ...more,
+})
+
+export const progress = (more: Partial<StageProgress> = {}): StageProgress => ({
+  position: 0, kind: 'search', method: null, state: 'done', planned: 1, evaluations: 1, failed: 0, excluded: 0, best: null,
+  best_index: null, seconds: 1, started: 0, finished: 1, ...more,
+})
+
+export const stage = (result: StageDetail['result'], more: Partial<StageDetail> = {}): StageDetail => ({
+  ...progress(), ...(result && { kind: result.stage }), result, ...more,
+})
+
+export const search = (more: Partial<SearchResult> = {}): SearchResult => ({
+  stage: 'search', method: 'direct', title: 'DIRECT', kind: 'global', best: null, evaluations: 1, failed: 0, excluded: 0,
+  seconds: 1, stop: null, minima: [], sample: null, gap: null, members: [], criteria: [], front: null, front_size: null,
+  ...more,
+})
+
+export const validation = (more: Partial<Validation> = {}): Validation => ({
+  name: 'nominal', step: 0.01, cost: 2, half_step: { step: 0.005, cost: 2, difference: 0 },
+  integrator: { name: 'DOP853', cost: 2, difference: 0, reason: '' }, allowed: 0.002, ok: true, agrees: true,
+  violates: false, realisation: null, neighbours: null, ...more,
+})
+
+export const validated = (more: Partial<ValidateResult> = {}): ValidateResult => ({
+  stage: 'validate', ok: true, text: 'half the step and DOP853 agree for nominal', tolerance: 1e-3, nominal: validation(),
+  findings: null, comparison: [], violations: null, spot_checks: null, encounter: null, ...more,
+})
+
+export const finding = (label: string, more: Partial<FindingDetail> = {}): FindingDetail => ({
+  label, cost: 0.5, margin: -0.5, parameters: {}, nominal: {}, low: {}, high: {}, methods: [], found: [], values: {},
+  at_bounds: {}, validation: validation({ name: label }), slices: null, boundary: null, closest: null, ...more,
+})
+
+export const verdict = (more: Partial<RunVerdict> = {}): RunVerdict => ({
+  verdict: 'inconclusive', sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
+  evaluations: null, quantity: 'd_min', unit: 'm',
+  provenance: {
+    code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null,
+    integrator: null, digest: null, seed: null,
+  },
+  ...more,
+})
+
+const part = (component: string) => ({ component, parameters: {} })
+
+export const run = (more: Partial<RunDetail> = {}): RunDetail => ({
+  id: 'R-0001', name: '', tags: [], owner: 'Ada', state: 'done', verdict: null, reason: null, error: null,
+  campaign_name: 'a campaign', campaign_digest: '00', quantity: 'd_min', unit: 'm', threshold: 1, nominal_cost: null,
+  worst_cost: null, margin: null, worst_method: null, evaluations: 0, planned: 0, failed_evaluations: 0,
+  excluded_evaluations: 0, created: 0, started: null, finished: null, stage: null, attempts: 1, worker: null,
+  continues: null, pinned: false, best_so_far: [], upper_bound: null, removed: null, removed_by: null,
+  removed_reason: null, notes: '',
+  campaign: {
+    version: 1, name: 'a campaign', summary: '', notes: '', tags: [],
+    scenario: {
+      vehicle: part('unicycle'), controller: part('unicycle_speed_heading'), avoider: part('none'), start: {}, goal: {},
+      obstacles: [], environment: [], faults: [], horizon: 10, step: 0.01, guidance: { period: 0 },
+      realisations: { seeds: [], combine: 'worst' },
+    },
+    uncertain: {}, correlations: [], criterion: { component: 'separation', parameters: {}, threshold: 1 }, objectives: [],
+    stages: {
+      sensitivity: null, search: [], certify: null,
+      findings: { at_most: 12, evaluations: 1000, distance: 0.01, barrier: 0.01 },
+      validate: { tolerance: 1e-3, neighbours: 200, reach: 1e-3 },
+    },
+    agreement: 0.05, target_probability: null, confidence: 0.95, seed: 1, published: [],
+  },
+  criteria: [], components_digest: null, flown: null, stages: [], summary: null, rate: null, remaining: null, ...more,
+})

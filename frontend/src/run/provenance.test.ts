@@ -1,0 +1,20 @@
+// What flew a run, from its verdict and from what was stored as it began.
+import { expect, it } from 'vitest'
+import { verdict } from '../api/fixtures'
+import type { Flown } from '../client'
+import { originOf } from './provenance/Provenance'
+
+const { provenance: NOTHING } = verdict()
+const FLOWN: Flown = { ...NOTHING, code: 'c0de', loop: 'abcd', packages: { numpy: '2.4.6' }, lanes: 8 }
+
+it('takes what the verdict does not state from what was stored as the run began', () => {
+  const summary = verdict({ provenance: { ...NOTHING, seed: 7, loop: 'beef', packages: { numpy: '2.5.0' } } })
+  const origin = originOf({ summary, flown: FLOWN })
+  expect([origin.seed, origin.loop, origin.code, origin.lanes]).toEqual([7, 'beef', 'c0de', 8])
+  expect(origin.packages).toEqual({ numpy: '2.5.0' })
+})
+
+it('has what flew a run without a verdict, and nothing where nothing was stored', () => {
+  expect(originOf({ summary: null, flown: FLOWN })).toMatchObject({ code: 'c0de', seed: null, cpu: null })
+  expect(originOf({ summary: null, flown: null })).toEqual(NOTHING)
+})

@@ -1,0 +1,45 @@
+// What was simulated again: the nominal case from the stage's result, each finding's from the finding itself.
+import { renderToStaticMarkup } from 'react-dom/server'
+import { expect, it } from 'vitest'
+import { finding, run, validated, validation } from '../api/fixtures'
+import type { FindingDetail, ValidateResult } from '../client'
+import { NONE } from '../format/numbers'
+import { basinText } from './search/MethodsTable'
+import { casesOf, validatedWord } from './data/validated'
+import { ValidationCard } from './verdict/ValidationCard'
+
+const text = (html: string) => html.replace(/<[^>]+>/g, ' ').replace(/\s+/g, ' ')
+const card = (result: ValidateResult, findings: FindingDetail[]) =>
+  text(renderToStaticMarkup(<ValidationCard data={{ run: run(), stages: [], parameters: [], findings }} result={result} className="" />))
+
+const neighbours = { flown: 200, failed: 0, lowest: 0.4, lower_by: 0.1 }
+const WORST = finding('F1', { validation: validation({ name: 'F1', violates: true, neighbours }) })
+const SECOND = finding('F2', { validation: validation({ name: 'F2', ok: false, agrees: false, realisation: 7 }) })
+
+it('lists the nominal case, then every finding by its own validation', () => {
+  const shown = card(validated(), [WORST, SECOND])
+  const at = ['Nominal', 'Integrations agree', 'Worst, F1', 'Violation confirmed', 'F2', 'Integrations disagree', 'noise seed 7']
+  const places = at.map((words) => shown.indexOf(words))
+  expect(places.every((place) => place > 0)).toBe(true)
+  expect(places).toEqual([...places].sort((a, b) => a - b))
+  expect(shown).toContain('200 neighbours of the worst case were simulated: the lowest is 0.1 m lower')
+})
+
+it('leaves out what an earlier version did not store, and says where nothing is left', () => {
+  const bare = finding('F1', { validation: null })
+  expect(casesOf(validated(), [bare, SECOND]).map(({ name }) => name)).toEqual(['nominal', 'F2'])
+  expect(card(validated({ nominal: null }), [bare])).toContain('The cases are not stored.')
+  expect(card(validated(), [bare])).not.toContain('not stored')
+})
+
+it('has fewer words for a validation that does not tell how it came out', () => {
+  const earlier = { agrees: null, violates: null }
+  expect([true, false].map((ok) => validatedWord({ ok, ...earlier }))).toEqual(['Validated', 'Not validated'])
+  expect(validatedWord({ ok: true, agrees: false, violates: true })).toBe('Violation confirmed, beyond tolerance')
+})
+
+it('says that no finding holds a best only where basins were stored', () => {
+  expect(basinText({ basin: 'F2' }, true)).toBe('F2')
+  expect(basinText({ basin: null }, true)).toBe('no finding')
+  expect([basinText({ basin: null }, false), basinText(undefined, true)]).toEqual([NONE, NONE])
+})

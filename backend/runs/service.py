@@ -178,7 +178,10 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
     require(reader, run_id)
     columns = (getattr(Stage, name) for name in StageDetail.model_fields)
     rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
-    return [StageDetail.model_validate(dict(row._mapping)) for row in rows]
+    try:
+        return [StageDetail.model_validate(dict(row._mapping)) for row in rows]
+    except ValidationError:
+        raise _of_another_version(f"a result of {listing.name(run_id)}") from None
 
 
 def require(reader: sa.Connection, run_id: int) -> None:
@@ -197,5 +200,8 @@ def campaign(reader: sa.Connection, run_id: int) -> Campaign:
     try:
         return Campaign.model_validate(document)
     except ValidationError:
-        detail = f"the campaign of {listing.name(run_id)} was stored by another version of Clearance, which reads it"
-        raise RefusedError(409, "other-version", detail) from None
+        raise _of_another_version(f"the campaign of {listing.name(run_id)}") from None
+
+
+def _of_another_version(what: str) -> RefusedError:
+    return RefusedError(409, "other-version", f"{what} was stored by another version of Clearance, which reads it")

@@ -110,13 +110,19 @@ class Work:
         self.store.append(stage, first, search(first, count))
 
     def found(
-        self, labels: tuple[str, ...] = ("F1",), flown: Trace | None = None, by: tuple[FoundBy, ...] = ()
+        self,
+        labels: tuple[str, ...] = ("F1",),
+        flown: Trace | None = None,
+        by: tuple[FoundBy, ...] = (),
+        validated: bool = False,
     ) -> None:
         parameters: dict[str, float] = {"vehicle.m": 6.0, "vehicle.J": float(np.nextafter(0.06, 0))}
         findings = [
             results.finding(label, 0.1 + 0.2, 0.3 - 0.5, parameters, by, at_bounds={"vehicle.m": "high"})
             for label in labels
         ]
+        if not validated:
+            findings = [finding.model_copy(update={"validation": None}) for finding in findings]
         traces = [flown] if flown else [flight(label, passing=0.8) for label in labels]
         self.store.finish(2, results.searched(), 1.0, findings=findings, traces=traces)
 

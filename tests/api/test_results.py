@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from backend.results import thin
+from campaigns.results.finding import FoundBy
+from tests import results
 from tests.api.finished import Work, finish, flight, search
 from tests.api.server import Service
 from tests.api.test_access import problem
@@ -85,7 +87,7 @@ def test_a_run_that_has_flown_nothing_has_empty_results(client: httpx.Client) ->
 def test_findings_are_as_stored_the_worst_first(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)
-    work.found(("F2", "F10", "F1"))
+    work.found(("F2", "F10", "F1"), validated=True)
     found = client.get(f"/api/v1/runs/{run}/findings").json()
     assert [f["label"] for f in found] == ["F1", "F2", "F10"]
     assert found[0]["cost"] == 0.1 + 0.2
@@ -95,14 +97,15 @@ def test_findings_are_as_stored_the_worst_first(service: Service, client: httpx.
         4,
         6,
     )
-    assert (found[0]["at_bounds"], found[0]["validation"]) == ({"vehicle.m": "high"}, {"ok": True})
+    assert found[0]["at_bounds"] == {"vehicle.m": "high"}
+    assert found[0]["validation"] == results.validation("F1", 0.1 + 0.2).model_dump()
 
 
 def test_findings_tell_which_searches_found_them(service: Service, client: httpx.Client) -> None:
     run = submit(client)
-    by = {"position": 2, "method": "direct", "evaluations": 417}
+    by = FoundBy(position=2, method="direct", evaluations=417)
     Work(service).found(("F1",), by=(by,))
-    assert client.get(f"/api/v1/runs/{run}/findings").json()[0]["found"] == [by]
+    assert client.get(f"/api/v1/runs/{run}/findings").json()[0]["found"] == [by.model_dump()]
 
 
 def test_traces_are_listed_without_their_data(client: httpx.Client, run: str) -> None:

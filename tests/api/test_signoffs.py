@@ -9,6 +9,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import Audit, Finding, Run, Stage, Trace
+from tests import results
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.api.test_access import problem
@@ -59,7 +60,7 @@ def audit(service: Service) -> list[Any]:
         (Run, {"verdict": "violated"}),
         (Run, {"summary": {"sentence": "Another one."}}),
         (Finding, {"cost": 1.2999999999999998}),
-        (Stage, {"result": {"cost": 1.5}}),
+        (Stage, {"result": results.nominal(1.5).model_dump()}),
         (Trace, {"data": b"\0" * 301 * 10 * 8}),
     ],
 )

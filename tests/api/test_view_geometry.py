@@ -31,8 +31,9 @@ def angle(one: np.ndarray, other: np.ndarray) -> float:
 
 def flown(way: object) -> Flight:
     trace = encounter("live", "ned", way)
-    data = {c["name"]: trace.data[:, k].tolist() for k, c in enumerate(trace.columns)}
-    found = from_live({"columns": trace.columns, "data": data, "meta": trace.meta})
+    data = {column.name: trace.data[:, k].tolist() for k, column in enumerate(trace.columns)}
+    columns = [column.model_dump() for column in trace.columns]
+    found = from_live({"columns": columns, "data": data, "meta": trace.meta.model_dump()})
     assert found is not None
     return found
 

@@ -18,6 +18,7 @@ from backend.db.records import Columns, StagePlan
 from backend.db.store import RunStore
 from backend.db.tables import CatalogueDocument, Run
 from campaigns import Campaign, library, load_file
+from campaigns.results import NominalResult
 from worker.catalogue.installed import catalogue
 from worker.runs.runner import execute
 
@@ -91,7 +92,7 @@ def growing(engine: sa.Engine, count: int) -> Iterator[list[int]]:
     for store in stores:
         store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", 10_000_000)])
         store.begin(0)
-        store.finish(0, {"cost": 0.94, "margin": 0.44}, 0.01)
+        store.finish(0, NominalResult(cost=0.94, margin=0.44, status="ok"), 0.01)
         store.begin(1)
     ended = threading.Event()
     writer = threading.Thread(target=_grow, args=(stores, len(campaign.uncertain), ended))

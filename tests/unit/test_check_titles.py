@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from campaigns.asked.spec import Encounter
 from campaigns.results.verdict import Check
+from campaigns.results.verdicts import OF_VALUES, TITLES, described, validated
 from campaigns.symbols import labels
-from campaigns.verdicts import OF_VALUES, TITLES, described, validated
 from tests.unit.cases import case1
 from tests.unit.evidence import case, concluded, evidence
 from worker.verdicts.checks import checks

@@ -104,7 +104,7 @@ def _stored(run: Run) -> Tree:
 def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
     """What the record must claim by the results of the stages and the catalogue besides."""
     nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
-    agreed = nominal["ok"] and all(f["validation"]["ok"] for f in run.findings)
+    agreed = bool(nominal["ok"]) and all(f["validation"]["ok"] for f in run.findings)
     below = [{"position": k, "count": n} for k, n in enumerate(run.below) if n]
     violations = {"stored": sum(run.below), "by_stage": below, "checked": min(sum(run.below), at_most)}
     spread = {"evaluations": len(run.costs), "lowest": run.lowest, "highest": run.highest}

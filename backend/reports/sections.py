@@ -14,12 +14,11 @@ from backend.reports import figures, words
 from backend.reports.held import Held
 from backend.reports.words import NONE
 from backend.signoffs.schemas import Signoff
-from campaigns import verdicts
 from campaigns.asked.check import parts
 from campaigns.asked.distributions import Uncertain
 from campaigns.asked.spec import Part
 from campaigns.catalogue import ParameterEntry
-from campaigns.results import SearchResult, ValidateResult
+from campaigns.results import SearchResult, ValidateResult, verdicts
 from campaigns.results.validate import Compared
 
 Row = dict[str, Any]

@@ -12,8 +12,7 @@ from markupsafe import Markup
 from backend.reports import words
 from backend.reports.held import Held
 from backend.reports.words import NONE
-from campaigns import verdicts
-from campaigns.results import ValidateResult
+from campaigns.results import ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
 
 Row = dict[str, Any]

@@ -14,7 +14,7 @@ from campaigns.asked.values import Notes
 from campaigns.flown import Flown
 from campaigns.results import StageResult, Verdict
 from campaigns.results.verdict import VerdictWord
-from campaigns.verdicts import DescribedCheck
+from campaigns.results.verdicts import DescribedCheck
 
 RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]

@@ -22,11 +22,11 @@ from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
-from campaigns import Campaign, CampaignError, Catalogue, Problem, check, verdicts
+from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.asked.plan import plan
 from campaigns.flown import Flown
-from campaigns.results import Verdict
+from campaigns.results import Verdict, verdicts
 
 _ID = re.compile(r"R-([0-9]{1,15})")
 

@@ -18,7 +18,7 @@ class Check(Result):
     """One condition of "cleared": its name, whether it holds, and the sentence that says so."""
 
     name: str
-    """`campaigns.verdicts` lists them with their titles."""
+    """`campaigns.results.verdicts` lists them with their titles."""
     ok: bool
     text: str
 

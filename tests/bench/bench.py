@@ -23,7 +23,7 @@ import numpy as np
 from campaigns import library, load_file
 from tests.bench import methods, reference_pioneer, reference_uav
 from worker.kernels.assemble import Loop
-from worker.runs.provenance import provenance
+from worker.runs.provenance import flown
 from worker.systems.problem import Floats, Problem
 
 BUILD = Path("build")
@@ -47,7 +47,8 @@ def main() -> None:
     problem = Problem(load_file(library()["unicycle_static"]))
     found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft() | methods.measure()
     found["second_process_first_eval_s"] = second_process()
-    found |= {"cpu": provenance(problem)["cpu"]["model"], "cores": os.cpu_count(), "python": platform.python_version()}
+    cpu = flown(problem).cpu
+    found |= {"cpu": cpu.model if cpu else "", "cores": os.cpu_count(), "python": platform.python_version()}
     (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")
     width = max(map(len, found))
     for key, value in found.items():

@@ -56,10 +56,11 @@ CLOSEST = {
 def test_trajectory(name: str) -> None:
     problem = Problem(load_file(library()[name]))
     flown = trace(problem, "nominal", {})
-    columns = [[c["name"] for c in flown.columns].index(n) for n in SHOWN]
+    columns = [[c.name for c in flown.columns].index(n) for n in SHOWN]
     rows = [round(t / problem.step) for t, _ in PINNED[name]]
     assert flown.data[rows][:, columns] == pytest.approx(np.array([row for _, row in PINNED[name]]), abs=1e-9)
-    closest = flown.meta["closest"]
-    assert closest["time"] == pytest.approx(CLOSEST[name][0], abs=1e-6)
-    assert closest["value"] == pytest.approx(CLOSEST[name][1], abs=1e-10)
-    assert flown.meta["frame"] == "ned"
+    closest = flown.meta.closest
+    assert closest is not None
+    assert closest.time == pytest.approx(CLOSEST[name][0], abs=1e-6)
+    assert closest.value == pytest.approx(CLOSEST[name][1], abs=1e-10)
+    assert flown.meta.frame == "ned"

@@ -22,7 +22,7 @@ CORNER = {
 
 def rows(values: dict[str, float]) -> Floats:
     flown = trace(PROBLEM, "pinned", values)
-    names = [c["name"] for c in flown.columns]
+    names = [c.name for c in flown.columns]
     return flown.data[[100, 500, 700, 950, 2000]][:, [names.index(n) for n in ("x", "y", "yaw", "u", "separation")]]
 
 
@@ -54,6 +54,7 @@ WORST = [
 
 @pytest.mark.parametrize(("values", "time", "value"), [({}, 19.159068, 7.6283915), (CORNER, 20.724839, 5.8948923)])
 def test_closest_approach(values: dict[str, float], time: float, value: float) -> None:
-    closest = trace(PROBLEM, "pinned", values).meta["closest"]
-    assert closest["time"] == pytest.approx(time, abs=1e-4)
-    assert closest["value"] == pytest.approx(value, abs=1e-6)
+    closest = trace(PROBLEM, "pinned", values).meta.closest
+    assert closest is not None
+    assert closest.time == pytest.approx(time, abs=1e-4)
+    assert closest.value == pytest.approx(value, abs=1e-6)

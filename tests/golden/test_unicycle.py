@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from campaigns.results import SearchResult
 from tests.audited import audited
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
@@ -21,7 +22,7 @@ CASE = load_file(library()["unicycle_static"])
 def test_trajectory() -> None:
     # Nominal flight at t = 1, 3, 5, 10, 15 s: it swings left of the obstacle at (4, 4) and settles on the goal (6, 7).
     flown = trace(Problem(CASE), "nominal", {})
-    names = [c["name"] for c in flown.columns]
+    names = [c.name for c in flown.columns]
     rows = flown.data[[200, 600, 1000, 2000, 3000]][:, [names.index(n) for n in ("x", "y", "yaw", "v", "separation")]]
     assert rows == pytest.approx(
         np.array(PINNED),
@@ -39,9 +40,10 @@ PINNED = [
 
 
 def test_closest_approach() -> None:
-    closest = trace(Problem(CASE), "nominal", {}).meta["closest"]
-    assert closest["time"] == pytest.approx(3.12361551, abs=1e-6)
-    assert closest["value"] == pytest.approx(0.9435644009164, abs=1e-11)
+    closest = trace(Problem(CASE), "nominal", {}).meta.closest
+    assert closest is not None
+    assert closest.time == pytest.approx(3.12361551, abs=1e-6)
+    assert closest.value == pytest.approx(0.9435644009164, abs=1e-11)
 
 
 def test_run() -> None:
@@ -50,11 +52,13 @@ def test_run() -> None:
     store = MemoryStore()
     conclusion = execute(CASE, store, threads=1)
     audited(store, CASE)
-    found = {r.plan.method: r.result["best"] for r in store.stages if r.plan.kind == "search" and r.result}
+    results = [r.result for r in store.stages]
+    found = {r.method: r.best for r in results if isinstance(r, SearchResult) and r.best is not None}
     assert conclusion.verdict == "cleared"
-    assert found["direct"]["cost"] == pytest.approx(0.94174626738275, abs=1e-10)
-    assert found["direct"]["parameters"]["vehicle.m"] == pytest.approx(5.995884773662551, abs=1e-12)
-    assert found["sqp"]["cost"] == pytest.approx(0.94174051663972, abs=1e-10)
-    assert found["sqp"]["parameters"] == {"vehicle.m": 6.0, "vehicle.J": 0.06}
-    assert found["monte_carlo"]["cost"] == pytest.approx(0.94175796517680, abs=1e-10)
-    assert [m["parameters"] for m in store.stages[3].result["minima"]] == [{"vehicle.m": 6.0, "vehicle.J": 0.06}] * 2
+    assert found["direct"].cost == pytest.approx(0.94174626738275, abs=1e-10)
+    assert found["direct"].parameters["vehicle.m"] == pytest.approx(5.995884773662551, abs=1e-12)
+    assert found["sqp"].cost == pytest.approx(0.94174051663972, abs=1e-10)
+    assert found["sqp"].parameters == {"vehicle.m": 6.0, "vehicle.J": 0.06}
+    assert found["monte_carlo"].cost == pytest.approx(0.94175796517680, abs=1e-10)
+    assert isinstance(results[3], SearchResult)
+    assert [m.parameters for m in results[3].minima] == [{"vehicle.m": 6.0, "vehicle.J": 0.06}] * 2

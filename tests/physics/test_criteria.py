@@ -204,7 +204,7 @@ class TestPeakBank:
         made["scenario"]["obstacles"][0]["parameters"] |= {"position.x": 1e5, "position.y": 1e5}
         problem = Problem(load_document(made))
         seen = trace(problem, "turn", {})
-        names = [c["name"] for c in seen.columns]
+        names = [c.name for c in seen.columns]
         roll = np.abs(seen.data[:, names.index("roll")])
         batch, _ = problem.fly(problem.nominal_point[None])
         peak = -batch.costs[0, [c.name for c in problem.criteria].index("peak_bank")]
@@ -263,7 +263,7 @@ class TestTogether:
     def test_they_agree_with_the_trace(self) -> None:
         problem = Problem(several(*THREE))
         seen = trace(problem, "nominal", {})
-        data = {c["name"]: seen.data[:, k] for k, c in enumerate(seen.columns)}
+        data = {c.name: seen.data[:, k] for k, c in enumerate(seen.columns)}
         to_goal = np.hypot(data["x"] - 6.0, data["y"] - 7.0)
         share = np.maximum(np.abs(data["force"]) / 10.0, np.abs(data["torque"]) / 2.0)
         _, miss, time, peak = -problem.fly(problem.nominal_point[None])[0].costs[0]
@@ -271,7 +271,8 @@ class TestTogether:
         first = int(np.argmax(to_goal <= 0.5))
         assert data["t"][first - 1] < time <= data["t"][first]
         assert peak == pytest.approx(share.max(), rel=1e-12)
-        assert seen.meta["closest"]["value"] == pytest.approx(data["separation"].min(), abs=1e-5)
+        assert seen.meta.closest is not None
+        assert seen.meta.closest.value == pytest.approx(data["separation"].min(), abs=1e-5)
 
     def test_half_the_step_hardly_changes_them(self) -> None:
         problem = Problem(several(*THREE))

@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 
 from campaigns import Campaign, CampaignError, check, library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.trace import Realisation
 from tests.audited import audited
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Environment, Fault
@@ -107,10 +108,10 @@ class TestShown:
     def test_the_trace_is_that_of_the_worst(self) -> None:
         problem = Problem(noisy([3, 1, 8, 5]))
         shown = trace(problem, "nominal", {})
-        single = {s: trace(Problem(noisy([s])), "nominal", {}).meta["cost"] for s in (3, 1, 8, 5)}
+        single = {s: trace(Problem(noisy([s])), "nominal", {}).meta.cost for s in (3, 1, 8, 5)}
         worst = min(single, key=lambda s: single[s])
-        assert shown.meta["realisation"] == {"seed": worst, "seeds": 4, "combine": "worst", "cost": single[worst]}
-        assert shown.meta["cost"] == single[worst]
+        assert shown.meta.realisation == Realisation(seed=worst, seeds=4, combine="worst", cost=single[worst])
+        assert shown.meta.cost == single[worst]
         assert shown.data[:, -1].min() == pytest.approx(single[worst], abs=1e-3)
 
     def test_it_is_flown_alone_bit_by_bit_and_takes_the_memory_of_one(self) -> None:
@@ -132,7 +133,10 @@ class TestShown:
 
     def test_of_a_mean_the_worst_is_shown_and_the_mean_told(self) -> None:
         shown = trace(Problem(noisy([3, 1, 8, 5], "mean")), "nominal", {}).meta
-        assert shown["realisation"]["cost"] < shown["cost"]
+        assert shown.realisation is not None
+        assert shown.realisation.cost is not None
+        assert shown.cost is not None
+        assert shown.realisation.cost < shown.cost
 
     @pytest.mark.parametrize("guidance", [0.0, 0.1])
     def test_another_integrator_and_half_the_step_agree(self, guidance: float) -> None:
@@ -146,10 +150,11 @@ class TestShown:
         store = MemoryStore()
         execute(noisy([3, 1]), store)
         audited(store, noisy([3, 1]))
-        assert store.conclusion is not None
-        assert "with Sensor noise, worst of 2 realisations" in store.conclusion.summary["scope"]
-        stated = [f.label for f in store.findings if f.validation["realisation"] is None]
-        assert [store.traces[label].meta["realisation"]["seeds"] for label in stated] == [2] * len(stated)
+        assert store.verdict is not None
+        assert "with Sensor noise, worst of 2 realisations" in store.verdict.scope
+        stated = [f.label for f in store.findings if f.validation is not None and f.realisation is None]
+        shown = [store.traces[label].meta.realisation for label in stated]
+        assert [None if r is None else r.seeds for r in shown] == [2] * len(stated)
         assert stated
 
 

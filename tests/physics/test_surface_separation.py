@@ -148,12 +148,13 @@ def test_through_a_wall_is_no_clear_flight() -> None:
 def test_a_flight_says_what_must_stay_free_and_comes_closest_where_its_cost_is() -> None:
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
     flight = trace(surfaces, "nominal", {})
-    assert flight.meta["obstacles"][0]["free_radius"] is None, "no disc"
-    assert flight.meta["closest"]["value"] == pytest.approx(flight.meta["cost"], abs=1e-9)
+    assert flight.meta.obstacles[0].free_radius is None, "no disc"
+    assert flight.meta.closest is not None
+    assert flight.meta.closest.value == pytest.approx(flight.meta.cost, abs=1e-9)
     centres = wall({"component": "separation", "threshold": 0.5, "from_centre": True})
-    assert trace(centres, "nominal", {}).meta["obstacles"][0]["free_radius"] == 0.5
+    assert trace(centres, "nominal", {}).meta.obstacles[0].free_radius == 0.5
     criterion = {"component": "surface_separation", "threshold": 0.3, "parameters": {"body_radius": 0.2}}
     document = load_file(library()["unicycle_static"]).document() | {"criterion": criterion}
     document["scenario"]["horizon"] = 0.1
-    free = trace(uncompiled(load_document(document)), "nominal", {}).meta["obstacles"][0]["free_radius"]
+    free = trace(uncompiled(load_document(document)), "nominal", {}).meta.obstacles[0].free_radius
     assert free == pytest.approx(0.5 + 0.3 + 0.2)

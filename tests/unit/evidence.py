@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from campaigns import Campaign
+from campaigns.flown import Flown
+from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult, Verdict
+from campaigns.results.base import MethodKind, Result, Stop
+from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, Validation
+from campaigns.results.sample import QuantileBound, Sample
+from campaigns.results.search import Best
+from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
 from tests.unit.cases import case1
 from worker.stages.parts.claims import bound
-from worker.stages.parts.store import Conclusion, Finding
 from worker.systems.problem import Problem
 from worker.verdicts.conclude import conclude
 from worker.verdicts.evidence import Evidence
@@ -16,87 +22,146 @@ from worker.verdicts.evidence import Evidence
 NOMINAL, WORST = 0.94, 0.84
 """[m]; the threshold is 0.5 m, and 5 % of nominal minus worst is 0.005 m."""
 
-CONVERGED = {"kind": "rule", "text": "every start ended"}
+CONVERGED = Stop(kind="rule", text="every start ended")
 TITLES = {
     "direct": "DIRECT", "sqp": "SQP multistart", "monte_carlo": "Monte Carlo", "ga": "Genetic algorithm",
     "portfolio": "Portfolio", "nsga2": "NSGA-II",
 }  # fmt: skip
-KINDS = {"sqp": "local", "monte_carlo": "random", "nsga2": "multi"}
+KINDS: dict[str, MethodKind] = {"sqp": "local", "monte_carlo": "random", "nsga2": "multi"}
 """All others are global."""
 
+R = TypeVar("R", bound=Result)
 
-def search(method: str, cost: float | None = WORST, **changes: Any) -> dict[str, Any]:
+
+def changed(made: R, **changes: Any) -> R:
+    """The same with other fields, validated as anything that is stored."""
+    assert changes.keys() <= type(made).model_fields.keys()
+    return type(made).model_validate({**dict(made), **changes})
+
+
+def search(method: str, cost: float | None = WORST, **changes: Any) -> SearchResult:
     """The result of one search stage."""
-    made: dict[str, Any] = {
-        "method": method,
-        "title": TITLES[method],
-        "kind": KINDS.get(method, "global"),
-        "best": None if cost is None else {"cost": cost, "margin": cost - 0.5, "parameters": {}, "index": 0},
-        "evaluations": 1000,
-        "failed": 0,
-        "excluded": 0,
-        "stop": CONVERGED if method == "sqp" else {"kind": "budget", "text": "used its budget of 1000 evaluations"},
-        "minima": [],
-        "sample": None,
-    }
-    return made | changes
+    made = SearchResult(
+        method=method,
+        title=TITLES[method],
+        kind=KINDS.get(method, "global"),
+        best=None if cost is None else Best(cost=cost, margin=cost - 0.5, parameters={}, index=0),
+        evaluations=1000,
+        failed=0,
+        excluded=0,
+        seconds=1.0,
+        stop=CONVERGED if method == "sqp" else Stop(kind="budget", text="used its budget of 1000 evaluations"),
+    )
+    return changed(made, **changes)
 
 
-def sample(violations: int = 0, samples: int = 1000, **changes: Any) -> dict[str, Any]:
-    upper = bound(violations, samples, 0.95)
-    text = f"{violations} of {samples} violate"
-    made = {"samples": samples, "violations": violations, "confidence": 0.95, "upper_bound": upper, "text": text}
-    return made | {"noise": "none", "excluded_fraction": 0.0} | changes
+def sample(violations: int = 0, samples: int = 1000, **changes: Any) -> Sample:
+    """What an independent sample states."""
+    made = Sample(
+        samples=samples,
+        violations=violations,
+        confidence=0.95,
+        upper_bound=bound(violations, samples, 0.95),
+        noise="none",
+        text=f"{violations} of {samples} violate",
+    )
+    return changed(made, **changes)
 
 
-QUANTILE = {"share": 0.05, "bound": 0.9, "text": "at most 5 % of the flights have d_min below 0.9 m"}
+QUANTILE = QuantileBound(share=0.05, bound=0.9, text="at most 5 % of the flights have d_min below 0.9 m")
 
 
-def certificate(violations: int = 0, samples: int = 3000) -> dict[str, Any]:
-    """The result of a certify stage."""
-    return {"sample": sample(violations, samples) | {"quantile": QUANTILE}, "grid": None}
+def certificate(violations: int = 0, samples: int = 3000, **changes: Any) -> CertifyResult:
+    """The result of a certify stage; `changes` are those of its sample."""
+    drawn = sample(violations, samples, quantile=QUANTILE, **changes)
+    return CertifyResult(sample=drawn, grid=None, text=drawn.text)
 
 
-def finding(cost: float = WORST, confirmed: bool = True) -> Finding:
-    validation = {"name": "F1", "ok": confirmed, "violates": confirmed and cost <= 0.5, "realisation": None}
-    return Finding(
+def nominal(cost: float | None = NOMINAL, reason: str = "") -> NominalResult:
+    """The result of the nominal stage; without a cost the evaluation failed."""
+    if cost is None:
+        return NominalResult(cost=None, margin=None, status="failed", reason=reason)
+    return NominalResult(cost=cost, margin=cost - 0.5, status="ok", reason=reason)
+
+
+def case(name: str = "F1", cost: float = WORST, confirmed: bool = True, **changes: Any) -> Validation:
+    """A case simulated again: confirmed by the same costs, or not confirmed by half the step."""
+    half = cost if confirmed else cost + 0.2
+    made = Validation(
+        name=name,
+        step=0.005,
+        cost=cost,
+        half_step=HalfStep(step=0.0025, cost=half, difference=half - cost),
+        integrator=ReferenceCost(name="DOP853", cost=cost, difference=0.0),
+        allowed=1e-3,
+        ok=confirmed,
+        agrees=confirmed,
+        violates=confirmed and cost <= 0.5,
+    )
+    return changed(made, **changes)
+
+
+INSIDE = ClosestApproach(time=7.5, at="inside", obstacle=0)
+
+
+def finding(cost: float = WORST, confirmed: bool = True, **changes: Any) -> Finding:
+    """The worst case, validated."""
+    made = Finding(
         label="F1", cost=cost, margin=cost - 0.5, parameters={"vehicle.m": 6.0}, point=[1.0], methods=["direct"],
-        found=[], at_bounds={"vehicle.m": "high"}, validation=validation,
+        found=[], at_bounds={"vehicle.m": "high"}, validation=case("F1", cost, confirmed), closest=INSIDE,
     )  # fmt: skip
+    return changed(made, **changes)
 
 
-def encountered(**changes: Any) -> dict[str, Any]:
+def encountered(**changes: Any) -> Encounter:
     """What shows that the encounter took place, with changes."""
-    return {
-        "closest": [{"name": name, "time": 7.5, "at": "inside", "obstacle": 0} for name in ("nominal", "F1")],
-        "moved": 9.2,
-        "unseen": {"cost": 0.38, "status": "ok", "reason": "", "deviation": 0.7},
-        "spread": {"evaluations": 3343, "lowest": WORST, "highest": 1.0},
-        "influence": {"vehicle.m": 0.1, "vehicle.J": 0.02},
-    } | changes
+    made = Encounter(
+        closest=INSIDE,
+        moved=9.2,
+        unseen=Unseen(cost=0.38, status="ok", reason="", deviation=0.7),
+        spread=Spread(evaluations=3343, lowest=WORST, highest=1.0),
+        influence={"vehicle.m": 0.1, "vehicle.J": 0.02},
+    )
+    return changed(made, **changes)
 
 
-def validation(**changes: Any) -> dict[str, Any]:
+def gathered(**changes: Any) -> Gathered:
+    """How the findings were distinguished, with changes."""
+    made = Gathered(
+        distance=0.1, barrier=0.05, at_most=8, candidates=3, left_out=0, complete=True,
+        text="polished every distinct worst case",
+    )  # fmt: skip
+    return changed(made, **changes)
+
+
+def validation(**changes: Any) -> ValidateResult:
     """The result of a validate stage by which everything is cleared, with changes; `comparison` is added later."""
-    return {
-        "ok": True,
-        "text": "half the step and DOP853 agree for nominal and F1",
-        "findings": {"complete": True, "text": "polished every distinct worst case"},
-        "violations": {
-            "stored": 0,
-            "checked": 0,
-            "confirmed": 0,
-            "text": "no stored evaluation violates",
-        },
-        "spot_checks": {"checked": 200, "compared": 200, "violating": 0, "text": "200 random evaluations compared"},
-        "encounter": encountered(),
-    } | changes
+    made = ValidateResult(
+        ok=True,
+        text="half the step and DOP853 agree for nominal and F1",
+        tolerance=1e-3,
+        nominal=case("nominal", NOMINAL),
+        findings=gathered(),
+        violations=Violations(stored=0, checked=0, confirmed=0, text="no stored evaluation violates"),
+        spot_checks=spot_checks(),
+        encounter=encountered(),
+    )
+    return changed(made, **changes)
+
+
+def spot_checks(**changes: Any) -> SpotChecks:
+    """Random evaluations that the reference integrator confirms, with changes."""
+    made = SpotChecks(
+        checked=200, compared=200, largest=1e-9, median=1e-10, violating=0, at=None,
+        text="200 random evaluations compared",
+    )  # fmt: skip
+    return changed(made, **changes)
 
 
 def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evidence:
     """Evidence by which everything is cleared, with changes; basins: where a method's best lies, if not in F1's."""
     given = Evidence(
-        nominal={"cost": NOMINAL, "margin": NOMINAL - 0.5, "status": "ok", "reason": ""},
+        nominal=nominal(),
         searches=[search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())],
         validation=validation(),
         finding=finding(),
@@ -107,32 +172,55 @@ def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evi
     made = replace(given, **changes)
     if made.finding is not None and "lowest" not in changes:
         made = replace(made, lowest=min(f.cost for f in made.findings))
-    rows = [{"basin": (basins or {}).get(s["method"], "F1")} for s in made.searches]
-    return replace(made, validation=made.validation | {"comparison": rows})
+    rows = [_row(at, s, (basins or {}).get(s.method, "F1")) for at, s in enumerate(made.searches, 2)]
+    return replace(made, validation=changed(made.validation, comparison=rows))
 
 
-def concluded(asked: Campaign | None = None, **changes: Any) -> Conclusion:
+def _row(position: int, search: SearchResult, basin: str | None) -> Compared:
+    return Compared(
+        position=position,
+        method=search.method,
+        title=search.title,
+        kind=search.kind,
+        best=None if search.best is None else search.best.cost,
+        evaluations=search.evaluations,
+        failed=search.failed,
+        excluded=search.excluded,
+        seconds=search.seconds,
+        to_near_best=None,
+        basin=basin,
+        findings=[],
+        stop=search.stop,
+    )
+
+
+FLOWN = Flown(clearance="test")
+
+
+def concluded(asked: Campaign | None = None, **changes: Any) -> Verdict:
+    """The verdict over this evidence."""
     problem = case1() if asked is None else Problem(asked)
-    return conclude(problem, evidence(**changes), {"clearance": "test"})
+    return conclude(problem, evidence(**changes), FLOWN)
 
 
 def barred(name: str, asked: Campaign | None = None, **changes: Any) -> str:
-    """The sentence of the one check that does not hold; the verdict must be inconclusive and tell it."""
+    """The sentence of the one check that does not hold; the verdict must be inconclusive and give it."""
     conclusion = concluded(asked, **changes)
-    wrong = [c for c in conclusion.summary["checks"] if not c["ok"]]
-    assert [c["name"] for c in wrong] == [name]
-    assert conclusion.verdict == conclusion.summary["verdict"] == "inconclusive"
-    assert conclusion.reason.startswith(f"Nothing may be claimed: {wrong[0]['text']}. ")
-    return str(wrong[0]["text"])
+    wrong = [c for c in conclusion.checks if not c.ok]
+    assert [c.name for c in wrong] == [name]
+    assert conclusion.verdict == "inconclusive"
+    assert conclusion.reason.startswith(f"Nothing may be claimed: {wrong[0].text}. ")
+    return wrong[0].text
 
 
-def said_by(name: str, conclusion: Conclusion) -> str:
+def said_by(name: str, conclusion: Verdict) -> str:
     """The sentence of one check."""
-    (text,) = (c["text"] for c in conclusion.summary["checks"] if c["name"] == name)
-    return str(text)
+    (text,) = (c.text for c in conclusion.checks if c.name == name)
+    return text
 
 
 def violation(**changes: Any) -> dict[str, Any]:
+    """Changes by which the worst case is a confirmed violation, with others."""
     worst = 0.49
     searches = [search("direct", worst), search("sqp", worst)]
     return {"finding": finding(worst), "searches": searches, **changes}

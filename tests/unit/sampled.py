@@ -54,6 +54,7 @@ def asked(stages: dict[str, Any], **changes: Any) -> Campaign:
 def context(asked: Campaign, flown: Any = None, problem: Problem | None = None, seed: int | None = None) -> Context:
     """A run of one stage, at position 0, in memory."""
     store = MemoryStore()
-    store.plan([StagePlan("certify", None, 1)])
+    planned = [StagePlan("certify", None, 1)]
+    store.plan(planned)
     seeded = asked if seed is None else asked.model_copy(update={"seed": seed})
-    return Context(seeded, problem or case1(), flown or evaluate(), store)
+    return Context(seeded, problem or case1(), flown or evaluate(), store, plan=planned)

@@ -90,10 +90,10 @@ def ran(name: str) -> tuple[Campaign, MemoryStore]:
 def written(folder: Path, name: str) -> Path:
     """The run as `clearance run --out` writes it."""
     campaign, store = ran(name)
-    assert store.conclusion is not None
+    assert store.verdict is not None
     folder.mkdir()
-    write_results(folder, campaign, store, summary(campaign, store, store.conclusion))
-    write_evidence(folder, campaign, store, store.conclusion)
+    write_results(folder, campaign, store, summary(campaign, store, store.verdict))
+    write_evidence(folder, campaign, store)
     return folder
 
 
@@ -121,8 +121,8 @@ def database(tmp_path: Path) -> Iterator[sa.Engine]:
             store.append(position, rows.start, columns._replace(**dict(zip(columns._fields, part, strict=False))))
         last = record.plan.kind == "validate"
         store.finish(position, record.result, 1.0, memory.findings if last else ())
-    assert memory.conclusion is not None
-    store.conclude(memory.conclusion)
+    assert memory.verdict is not None
+    store.conclude(memory.verdict)
     yield engine
     engine.dispose()
 

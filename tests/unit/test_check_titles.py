@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from campaigns.asked.spec import Encounter
+from campaigns.results.verdict import Check
+from campaigns.results.verdicts import OF_VALUES, TITLES, described, validated
 from campaigns.symbols import labels
-from campaigns.verdicts import OF_VALUES, TITLES, described, validated
 from tests.unit.cases import case1
-from tests.unit.evidence import concluded, evidence
+from tests.unit.evidence import case, concluded, evidence
 from worker.verdicts.checks import checks
 
 
@@ -18,28 +19,28 @@ def test_every_check_has_a_title() -> None:
 
 
 def test_checks_of_values_are_open_where_evaluations_failed() -> None:
-    stored = concluded(failed=2).summary["checks"]
-    told = {check["name"]: check for check in described(stored, 2)}
+    stored = concluded(failed=2).checks
+    told = {check.name: check for check in described(stored, 2)}
     for name in OF_VALUES:
-        assert told[name]["ok"]
-        assert told[name]["standing"] == "open"
-        assert told[name]["but"] == "2 evaluations failed and have no value"
-    assert told["evaluations"]["standing"] == "fails"
-    assert told["motion"]["standing"] == "holds"
-    assert {check["standing"] for check in described(concluded().summary["checks"], 0)} == {"holds"}
+        assert told[name].ok
+        assert told[name].standing == "open"
+        assert told[name].but == "2 evaluations failed and have no value"
+    assert told["evaluations"].standing == "fails"
+    assert told["motion"].standing == "holds"
+    assert {check.standing for check in described(concluded().checks, 0)} == {"holds"}
 
 
 def test_a_check_of_an_earlier_version_is_titled_by_its_name() -> None:
-    (told,) = described([{"name": "half step", "ok": True, "text": ""}], 0)
-    assert (told["title"], told["standing"], told["but"]) == ("Half step", "holds", "")
+    (told,) = described([Check(name="half step", ok=True, text="")], 0)
+    assert (told.title, told.standing, told.but) == ("Half step", "holds", "")
 
 
 def test_a_case_is_described_by_what_was_stored() -> None:
-    assert validated({"ok": True}) == "confirmed"
-    assert validated({}) == "not validated"
-    assert validated({"ok": True, "agrees": True, "violates": False}) == "integrations agree"
-    assert validated({"ok": True, "agrees": False, "violates": True}) == "violation confirmed, beyond tolerance"
-    assert validated({"ok": False, "agrees": False, "violates": False}) == "integrations disagree"
+    assert validated(case(agrees=None, violates=None)) == "confirmed"
+    assert validated(None) == "not validated"
+    assert validated(case()) == "integrations agree"
+    assert validated(case(agrees=False, violates=True)) == "violation confirmed, beyond tolerance"
+    assert validated(case(confirmed=False)) == "integrations disagree"
 
 
 def test_a_shared_symbol_is_never_shown() -> None:

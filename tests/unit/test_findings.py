@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
+from campaigns.results import Finding, NominalResult
+from campaigns.results.finding import FoundBy
 from tests.unit.cases import case1, searching
 from tests.unit.searching import Function, batch
 from worker.catalogue.installed import methods
@@ -16,7 +18,8 @@ from worker.stages.parts import findings
 from worker.stages.parts.base import Context, Driven, drive
 from worker.stages.parts.comparison import compare
 from worker.stages.parts.findings import Found
-from worker.stages.parts.store import Finding, StagePlan
+from worker.stages.parts.store import StagePlan
+from worker.stages.parts.streams import stream
 from worker.systems.problem import Floats
 
 GLOBAL = [m.name for m in methods().values() if m.kind == "global"]
@@ -34,10 +37,12 @@ def two_failures(x: Floats) -> Floats:
 def context(campaign: Campaign, function: Function) -> Context:
     """A run in memory whose evaluations are this function's values."""
     store = MemoryStore()
-    made = Context(campaign, case1(), lambda points: (batch(function(points)), {}), store)
-    made.results[0] = {"cost": float(function(case1().nominal_point[None, :])[0])}
     searches = [StagePlan("search", s.method, s.evaluations) for s in campaign.stages.search]
-    store.plan([StagePlan("nominal", None, 1), *searches, StagePlan("validate", None, 10**6)])
+    planned = [StagePlan("nominal", None, 1), *searches, StagePlan("validate", None, 10**6)]
+    store.plan(planned)
+    made = Context(campaign, case1(), lambda points, seeds=None: (batch(function(points)), {}), store, plan=planned)
+    nominal = float(function(case1().nominal_point[None, :])[0])
+    made.results[0] = NominalResult(cost=nominal, margin=nominal - case1().threshold, status="ok")
     return made
 
 
@@ -45,7 +50,7 @@ def found_by(campaign: Campaign, function: Function, budget: int = 10**6) -> tup
     """All searches, then what the findings stage makes of them."""
     made = context(campaign, function)
     for index in range(len(campaign.stages.search)):
-        made.results[index + 1] = search.run(made, index + 1, index)
+        made.results[index + 1] = search.run(made, index + 1).result
     found = Found()
     position = len(campaign.stages.search) + 1
     return made, found, drive(made, position, findings.search(made, position, found), budget, repeats=True)
@@ -79,13 +84,22 @@ def test_a_method_is_named_with_the_evaluation_at_which_it_came_close() -> None:
         ]  # fmt: skip
         assert needed == close[0] + 1
     told = [
-        Finding(f"F{i}", b.cost, b.cost - 0.5, {}, b.point.tolist(), ["direct"], {}, {}, [{"position": 1}])
+        Finding(
+            label=f"F{i}",
+            cost=b.cost,
+            margin=b.cost - 0.5,
+            parameters={},
+            point=b.point.tolist(),
+            methods=["direct"],
+            found=[FoundBy(position=1, method="direct", evaluations=1)],
+            validation=None,
+        )
         for i, b in enumerate(found.basins, 1)
     ]
     direct, sample = compare(made, told, found, ["F1", "F2"])
-    assert (direct["findings"], sample["findings"]) == (["F1", "F2"], [])
-    assert direct["best"] == columns.costs[:, 0].min()
-    assert direct["basin"] == min(told, key=lambda f: f.cost).label
+    assert (direct.findings, sample.findings) == (["F1", "F2"], [])
+    assert direct.best == columns.costs[:, 0].min()
+    assert direct.basin == min(told, key=lambda f: f.cost).label
 
 
 def test_a_minimum_no_worse_than_nominal_is_left_out_unless_it_violates() -> None:
@@ -117,12 +131,12 @@ def test_neighbours_lower_a_rough_worst_case() -> None:
     asked = searching({"method": "direct", "evaluations": 300}, stages__validate={"neighbours": 5000})
     _, found, _ = found_by(asked, rough)
     flown = [found.of(basin).neighbours for basin in found.basins]
-    assert any(n is not None and n["lower_by"] > 0.0 for n in flown)
+    assert any(n is not None and n.lower_by is not None and n.lower_by > 0.0 for n in flown)
     for told, basin in zip(flown, found.basins, strict=True):
         assert told is not None
-        assert told["flown"] == 5000
+        assert told.flown == 5000
         assert basin.cost == rough(basin.point[None, :])[0]
-        assert told["lower_by"] == 0.0 or basin.cost == told["lowest"]
+        assert told.lower_by == 0.0 or basin.cost == told.lowest
 
 
 def lowest_stored(made: Context) -> float:
@@ -188,4 +202,4 @@ def test_the_space_of_findings_has_its_own_random_numbers() -> None:
     spaces: list[Space] = [findings._space(made), findings._space(made)]
     drawn = [s.random.random(4) for s in spaces]
     assert np.array_equal(*drawn)
-    assert not np.array_equal(drawn[0], search.stream(made.campaign.seed, 0).random(4))
+    assert not np.array_equal(drawn[0], stream(made.campaign.seed, 0).random(4))

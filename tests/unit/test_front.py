@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from campaigns.asked.load import load_document
+from campaigns.results import SearchResult
 from tests.audited import audited
 from tests.unit.cases import CASE1, campaign
 from worker.cli._results import write_results
@@ -21,6 +22,7 @@ from worker.runs.store import MemoryStore
 from worker.search.base import FAILED, OK
 from worker.stages.parts import front
 from worker.stages.parts.store import Columns
+from worker.systems.criteria import criteria
 from worker.systems.problem import Problem
 
 TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))
@@ -50,49 +52,50 @@ def columns(costs: list[list[float]], status: list[int]) -> Columns:
 
 
 def test_one_criterion_has_no_front() -> None:
-    told = front.told(several(), columns([[1.0]], [OK]))
-    assert told["front"] is None
-    assert [c["name"] for c in told["criteria"]] == ["separation"]
+    assert front.of_stage(several(), columns([[1.0]], [OK])) == (None, None)
+    assert [c.name for c in criteria(several())] == ["separation"]
 
 
 def test_values_are_told_in_their_own_sign_and_failures_left_out() -> None:
     problem = several("goal_miss")
     nan = float("nan")
     made = columns([[1.0, -3.0], [2.0, -4.0], [2.0, -3.0], [nan, nan], [0.5, 0.0]], [OK, OK, OK, FAILED, OK])
-    told = front.told(problem, made)
-    assert told["front_size"] == 3
-    assert [p["index"] for p in told["front"]] == [4, 0, 1]
-    assert [p["values"] for p in told["front"]] == [
+    points, size = front.of_stage(problem, made)
+    assert points is not None
+    assert size == 3
+    assert [p.index for p in points] == [4, 0, 1]
+    assert [p.values for p in points] == [
         {"separation": 0.5, "goal_miss": 0.0},
         {"separation": 1.0, "goal_miss": 3.0},
         {"separation": 2.0, "goal_miss": 4.0},
     ]
-    assert str(told["front"][0]["values"]["goal_miss"]) == "0.0", "no negative zero"
-    assert told["front"][1]["parameters"] == problem.named(made.points[0])
-    assert [(c["unit"], c["worse"]) for c in told["criteria"]] == [("m", "low"), ("m", "high")]
+    assert str(points[0].values["goal_miss"]) == "0.0", "no negative zero"
+    assert points[1].parameters == problem.named(made.points[0])
+    assert [(c.unit, c.worse) for c in criteria(problem)] == [("m", "low"), ("m", "high")]
 
 
 def test_nothing_flown_has_an_empty_front() -> None:
     problem = several("goal_miss")
-    assert front.told(problem, None)["front"] is None
-    assert front.told(problem, columns([[float("nan")] * 2], [FAILED]))["front"] == []
+    assert front.of_stage(problem, None)[0] is None
+    assert front.of_stage(problem, columns([[float("nan")] * 2], [FAILED]))[0] == []
 
 
 def test_the_same_component_twice_has_two_names() -> None:
     document = campaign().document()
     radii = [{"component": "time_to_goal", "parameters": {"radius": r}} for r in (0.5, 1.0, 2.0)]
     document["objectives"] = radii
-    names = [c["name"] for c in front.criteria(Problem(load_document(document)))]
+    names = [c.name for c in criteria(Problem(load_document(document)))]
     assert names == ["separation", "time_to_goal", "time_to_goal#2", "time_to_goal#3"]
 
 
 def test_a_large_front_is_thinned_and_says_how_large_it_is() -> None:
     m = 3 * front.MOST
     line = np.linspace(1.0, 2.0, m)
-    told = front.told(several("goal_miss"), columns(np.column_stack([line, -line]).tolist(), [OK] * m))
-    assert told["front_size"] == m
-    assert len(told["front"]) == front.MOST
-    assert [told["front"][k]["index"] for k in (0, -1)] == [0, m - 1]
+    points, size = front.of_stage(several("goal_miss"), columns(np.column_stack([line, -line]).tolist(), [OK] * m))
+    assert points is not None
+    assert size == m
+    assert len(points) == front.MOST
+    assert [points[k].index for k in (0, -1)] == [0, m - 1]
 
 
 @pytest.mark.parametrize("method", ["nsga2", "monte_carlo"])
@@ -110,16 +113,17 @@ def test_a_run_stores_it_and_the_file_has_every_criterion(method: str, tmp_path:
     execute(asked, store, threads=1)
     audited(store, asked)
     result = next(s.result for s in store.stages if s.plan.method == method)
-    assert result is not None
-    assert result["front_size"] == len(result["front"]) > 1
+    assert isinstance(result, SearchResult)
+    assert result.front is not None
+    assert result.front_size == len(result.front) > 1
     write_results(tmp_path, asked, store, {})
     rows = list(csv.DictReader((tmp_path / "evaluations.csv").read_text(encoding="utf-8").splitlines()))
     assert {"cost", "goal_miss [m]", "time_to_goal [s]"} <= rows[0].keys()
     flown = {int(r["index"]): r for r in rows if r["method"] == method}
     assert len(flown) == 120
-    for point in result["front"]:
-        row = flown[point["index"]]
-        assert float(row["cost"]) == point["values"]["separation"]
-        assert float(row["goal_miss [m]"]) == point["values"]["goal_miss"] >= 0.0
-        assert float(row["time_to_goal [s]"]) == point["values"]["time_to_goal"]
-        assert float(row["vehicle.m"]) == point["parameters"]["vehicle.m"]
+    for point in result.front:
+        row = flown[point.index]
+        assert float(row["cost"]) == point.values["separation"]
+        assert float(row["goal_miss [m]"]) == point.values["goal_miss"] >= 0.0
+        assert float(row["time_to_goal [s]"]) == point.values["time_to_goal"]
+        assert float(row["vehicle.m"]) == point.parameters["vehicle.m"]

@@ -34,8 +34,8 @@ def test_of_a_plane_it_is_exact(method: Method) -> None:
     for budget in (5, 40, 700):
         found = gap.estimate(case1(), method.name, direct.Options(), stored(plane, budget, method=method))
         assert found is not None
-        assert found["slopes"] == {"vehicle.m": pytest.approx(2.0 / 2), "vehicle.J": pytest.approx(0.5 / 0.02)}
-        assert found["lower_bound"] == pytest.approx(0.5)
+        assert found.slopes == {"vehicle.m": pytest.approx(2.0 / 2), "vehicle.J": pytest.approx(0.5 / 0.02)}
+        assert found.lower_bound == pytest.approx(0.5)
 
 
 def test_of_a_bowl_it_lies_below_the_minimum_and_closes_in() -> None:
@@ -46,8 +46,8 @@ def test_of_a_bowl_it_lies_below_the_minimum_and_closes_in() -> None:
     for budget in (21, 201, 2001):
         found = gap.estimate(case1(), "direct", direct.Options(epsilon=0.0), stored(bowl, budget, {"epsilon": 0.0}))
         assert found is not None
-        assert found["lower_bound"] <= 0.0
-        gaps.append(found["gap"])
+        assert found.lower_bound <= 0.0
+        gaps.append(found.gap)
     assert gaps[0] > gaps[1] > gaps[2]
 
 
@@ -65,9 +65,9 @@ def test_rectangles_without_a_value_are_left_out_and_told() -> None:
     columns = stored(lambda x: np.where(x[:, 0] > 0.6, np.nan, plane(x)), 300)
     found = gap.estimate(case1(), "direct", direct.Options(), columns)
     assert found is not None
-    assert found["without_value"] > 0
-    assert f"{found['without_value']} rectangles whose centre has no value are left out" in found["text"]
-    assert found["slopes"]["vehicle.m"] == pytest.approx(1.0)
+    assert found.without_value > 0
+    assert f"{found.without_value} rectangles whose centre has no value are left out" in found.text
+    assert found.slopes["vehicle.m"] == pytest.approx(1.0)
 
 
 def test_where_there_is_nothing_to_estimate() -> None:
@@ -76,10 +76,11 @@ def test_where_there_is_nothing_to_estimate() -> None:
     assert gap.estimate(case1(), "direct", direct.Options(), nothing) is None
     one = gap.estimate(case1(), "direct", direct.Options(), stored(plane, 1))
     assert one is not None
-    assert one["gap"] == 0.0
+    assert one.gap == 0.0
 
 
 def test_a_search_stage_tells_it_as_an_estimate() -> None:
-    found = search.run(context(asked({"search": [{"method": "direct", "evaluations": 200}]}), evaluate()), 0, 0)
-    assert found["gap"]["lower_bound"] == pytest.approx(0.3)
-    assert found["gap"]["text"].startswith("estimate, no bound: if d_min changes nowhere faster than")
+    found = search.run(context(asked({"search": [{"method": "direct", "evaluations": 200}]}), evaluate()), 0).result.gap
+    assert found is not None
+    assert found.lower_bound == pytest.approx(0.3)
+    assert found.text.startswith("estimate, no bound: if d_min changes nowhere faster than")

@@ -100,11 +100,12 @@ STOPPING = asked(
 
 def test_it_stops_at_the_first_look_at_which_the_interval_is_narrow() -> None:
     run = context(STOPPING)
-    found = search.run(run, 0, 0)
+    found = search.run(run, 0).result
+    assert found.stop is not None
     columns = run.store.evaluations(0)
     assert columns is not None
-    assert found["stop"]["kind"] == "rule"
-    assert found["stop"]["text"].startswith("P(violation) is known to within 0.02")
+    assert found.stop.kind == "rule"
+    assert found.stop.text.startswith("P(violation) is known to within 0.02")
     violated = np.cumsum(columns.costs[:, 0] <= THRESHOLD)
     widths = []
     for looks in range(1, 20):
@@ -116,19 +117,22 @@ def test_it_stops_at_the_first_look_at_which_the_interval_is_narrow() -> None:
             break
     assert widths[-1] < 0.03
     assert min(widths[:-1]) >= 0.03
-    told = found["sample"]
-    assert told["looks"] == len(widths)
-    assert told["upper_bound"] == bound(told["violations"], told["samples"], level)
-    assert "the sample may stop by what it shows, which makes it no fixed sample" in told["text"]
+    told = found.sample
+    assert told is not None
+    assert told.looks == len(widths)
+    assert told.upper_bound == bound(told.violations, told.samples, level)
+    assert "the sample may stop by what it shows, which makes it no fixed sample" in told.text
 
 
 def test_the_bound_of_a_sample_that_stops_early_holds_as_often_as_it_says() -> None:
     held, naive, stopped = 0, 0, []
     for seed in range(400):
-        found = search.run(context(STOPPING, seed=seed), 0, 0)["sample"]
-        held += found["upper_bound"] >= PROBABILITY
-        naive += bound(found["violations"], found["samples"], 0.95) >= PROBABILITY
-        stopped.append(found["samples"])
+        found = search.run(context(STOPPING, seed=seed), 0).result.sample
+        assert found is not None
+        assert found.upper_bound is not None
+        held += found.upper_bound >= PROBABILITY
+        naive += bound(found.violations, found.samples, 0.95) >= PROBABILITY
+        stopped.append(found.samples)
     assert held >= 0.93 * 400
     assert len(set(stopped)) > 2  # it does stop by what it sees
     assert naive < held
@@ -136,17 +140,19 @@ def test_the_bound_of_a_sample_that_stops_early_holds_as_often_as_it_says() -> N
 
 def test_what_ends_by_its_budget_was_looked_at_all_the_same() -> None:
     given = asked({"search": [{"method": "monte_carlo", "evaluations": 300, "options": {"interval": 0.001}}]})
-    told = search.run(context(given), 0, 0)["sample"]
-    assert (told["samples"], told["looks"]) == (300, 4)  # at 100, 150, 225, and now
-    assert told["upper_bound"] == bound(told["violations"], 300, 1 - 0.05 / 20)
+    told = search.run(context(given), 0).result.sample
+    assert told is not None
+    assert (told.samples, told.looks) == (300, 4)  # at 100, 150, 225, and now
+    assert told.upper_bound == bound(told.violations, 300, 1 - 0.05 / 20)
 
 
 def test_failed_and_excluded_flights_while_it_looks() -> None:
     given = asked({"search": [{"method": "monte_carlo", "evaluations": 20_000, "options": {"interval": 0.2}}]})
     flown = evaluate(failing=lambda x: x[:, 0] > 0.9, excluded=lambda x: x[:, 1] > 0.5)
-    told = search.run(context(given, flown), 0, 0)["sample"]
-    assert told["excluded"] > 0.4 * told["samples"]
-    assert told["violations"] >= told["failed"] > 0
+    told = search.run(context(given, flown), 0).result.sample
+    assert told is not None
+    assert told.excluded > 0.4 * told.samples
+    assert told.violations >= told.failed > 0
 
 
 @pytest.mark.parametrize(
@@ -154,8 +160,9 @@ def test_failed_and_excluded_flights_while_it_looks() -> None:
 )
 def test_points_that_are_no_independent_sample_bound_nothing(sampling: str, points: str) -> None:
     given = asked({"search": [{"method": "monte_carlo", "evaluations": 1000, "options": {"sampling": sampling}}]})
-    told = search.run(context(given), 0, 0)["sample"]
-    assert told["upper_bound"] is None
-    assert told["violations"] == pytest.approx(1000 * PROBABILITY, abs=6)
-    assert points in told["text"]
-    assert "they are no independent sample, so no bound on P(violation) follows from them" in told["text"]
+    told = search.run(context(given), 0).result.sample
+    assert told is not None
+    assert told.upper_bound is None
+    assert told.violations == pytest.approx(1000 * PROBABILITY, abs=6)
+    assert points in told.text
+    assert "they are no independent sample, so no bound on P(violation) follows from them" in told.text

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
+from campaigns.results import Verdict
 from tests.audited import audited
 from tests.unit.cases import searching
 from worker.runs.runner import Cancelled, Tally, execute
 from worker.runs.store import MemoryStore
 from worker.search.base import EXCLUDED, Floats
 from worker.stages.parts import base
-from worker.stages.parts.store import Columns, Conclusion, join
+from worker.stages.parts.store import Columns, join
 from worker.systems.evaluate import InProcess
 from worker.systems.problem import Problem
 
@@ -53,13 +54,13 @@ def without_time(value: Any) -> Any:
     return [without_time(v) for v in value] if isinstance(value, list) else value
 
 
-def outcome(store: MemoryStore, conclusion: Conclusion) -> Any:
+def outcome(store: MemoryStore, conclusion: Verdict) -> Any:
     """All that a run found, without the time it took."""
     columns = [join(store.chunks.get(k, [])) for k in range(len(store.stages))]
     return (
         conclusion,
-        [without_time(r.result) for r in store.stages],
-        [without_time(vars(f)) for f in store.findings],
+        [None if r.result is None else without_time(r.result.model_dump()) for r in store.stages],
+        [without_time(f.model_dump()) for f in store.findings],
         [
             None if c is None else (c.points.tobytes(), c.costs.tobytes(), c.status.tobytes(), c.reasons)
             for c in columns
@@ -124,7 +125,7 @@ def test_a_run_is_cancelled_between_any_two_requests() -> None:
 
     with pytest.raises(Cancelled):
         execute(QUICK, store, cancelled=cancelled, threads=1)
-    assert store.conclusion is None
+    assert store.verdict is None
     assert store.stages[2].state == "running"
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from campaigns import Campaign
+from campaigns.results import CertifyResult
 from tests.audited import audited
 from tests.unit.cases import campaign
 from tests.unit.test_resume import Interrupted, Unreliable, outcome
@@ -64,9 +65,9 @@ def test_every_kind_of_stage_is_run(alone: tuple[Any, int]) -> None:
     kinds = [record.plan.kind for record in store.stages]
     assert list(dict.fromkeys(kinds)) == ["nominal", "sensitivity", "search", "certify", "validate"]
     certificate = store.stages[kinds.index("certify")].result
-    assert certificate is not None
-    assert certificate["sample"]["samples"] == 150
-    assert certificate["sample"]["outside"] > 0
+    assert isinstance(certificate, CertifyResult)
+    assert certificate.sample.samples == 150
+    assert certificate.sample.outside > 0
 
 
 def test_eight_threads_give_the_same_bits(alone: tuple[Any, int]) -> None:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from campaigns.asked.spec import MAX_SEED
+from campaigns.results import CertifyResult, Verdict
 from tests.audited import audited
 from tests.unit.cases import searching
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts import offered, seeds
 from worker.stages.parts.base import Context
-from worker.stages.parts.store import Conclusion
 from worker.systems.problem import Problem
 
 NOISE: list[dict[str, Any]] = [{"component": "sensor_noise", "parameters": {"sigma": 0.15}}]
@@ -47,7 +47,7 @@ def test_draws_are_spread_evenly_and_do_not_follow_each_other() -> None:
 
 
 @cache
-def ran() -> tuple[MemoryStore, Conclusion, Problem]:
+def ran() -> tuple[MemoryStore, Verdict, Problem]:
     asked = noisy()
     document = asked.document()
     document["stages"]["certify"] = {"samples": 120}
@@ -61,11 +61,11 @@ def ran() -> tuple[MemoryStore, Conclusion, Problem]:
         return store, conclusion, Problem(campaign)
 
 
-def certified() -> tuple[int, dict[str, Any]]:
+def certified() -> tuple[int, CertifyResult]:
     store = ran()[0]
     (position,) = (i for i, r in enumerate(store.stages) if r.plan.kind == "certify")
     result = store.stages[position].result
-    assert result is not None
+    assert isinstance(result, CertifyResult)
     return position, result
 
 
@@ -74,9 +74,9 @@ def test_the_sample_draws_a_realisation_with_every_flight() -> None:
     position, result = certified()
     columns = store.evaluations(position)
     assert columns is not None
-    assert result["drawn_realisations"] == len(columns.status) == 120
-    assert result["sample"]["noise"] == "drawn"
-    assert "each with a noise realisation of its own" in result["sample"]["text"]
+    assert result.drawn_realisations == len(columns.status) == 120
+    assert result.sample.noise == "drawn"
+    assert "each with a noise realisation of its own" in result.sample.text
     own = seeds.of_draws(problem.campaign.seed, 0, 120)
     again = problem.fly(columns.points, own)[0]
     assert np.array_equal(again.costs, columns.costs, equal_nan=True)
@@ -89,20 +89,22 @@ def test_the_sample_draws_a_realisation_with_every_flight() -> None:
 def test_what_one_mild_realisation_hides_the_sample_shows() -> None:
     _, conclusion, _ = ran()
     _, result = certified()
-    assert result["sample"]["violations"] > 20
+    assert result.sample.violations > 20
     assert conclusion.verdict == "violated"
     assert "with the noise realisation of seed" in conclusion.reason
 
 
 def test_a_finding_under_its_own_noise_has_its_seed_and_its_flight() -> None:
     store, _, _problem = ran()
-    own = [f for f in store.findings if f.validation["realisation"] is not None]
+    own = [f for f in store.findings if f.realisation is not None]
     assert own
     for finding in own:
         trace = store.traces[finding.label]
-        assert trace.meta["cost"] == finding.cost
-        assert trace.meta["realisation"]["seed"] == finding.validation["realisation"]
-        assert finding.validation["cost"] == finding.cost
+        assert trace.meta.cost == finding.cost
+        assert trace.meta.realisation is not None
+        assert finding.validation is not None
+        assert trace.meta.realisation.seed == finding.validation.realisation
+        assert finding.validation.cost == finding.cost
 
 
 def test_evaluations_under_their_own_noise_are_apart_from_those_under_the_stated() -> None:

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 import pytest
 
 from campaigns import Campaign
+from campaigns.results import NominalResult, SearchResult, SensitivityResult, ValidateResult, Verdict
+from campaigns.results.base import Result, Stop
+from campaigns.results.verdict import NominalCost
 from tests.audited import audited
 from tests.unit.cases import campaign, case1, searching
 from worker.reference import Reference
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.stages.parts.store import Conclusion
-from worker.stages.search import stream
+from worker.stages.parts.streams import stream
+
+R = TypeVar("R", bound=Result)
 
 SEARCHES = (
     {"method": "direct", "evaluations": 200},
@@ -25,20 +29,24 @@ SEARCHES = (
 
 
 @cache
-def ran() -> tuple[MemoryStore, Conclusion]:
+def ran() -> tuple[MemoryStore, Verdict]:
     return run(searching(*SEARCHES))
 
 
-def run(asked: Campaign) -> tuple[MemoryStore, Conclusion]:
+def run(asked: Campaign) -> tuple[MemoryStore, Verdict]:
     store = MemoryStore()
     conclusion = execute(asked, store, threads=1)
     audited(store, asked)
     return store, conclusion
 
 
-def result(position: int) -> dict[str, Any]:
-    found = ran()[0].stages[position].result
-    assert found is not None
+def result(position: int, kind: type[R]) -> R:
+    return result_of(ran()[0], position, kind)
+
+
+def result_of(store: MemoryStore, position: int, kind: type[R]) -> R:
+    found = store.stages[position].result
+    assert isinstance(found, kind)
     return found
 
 
@@ -46,26 +54,25 @@ def test_the_stages_of_a_run() -> None:
     store, conclusion = ran()
     assert [r.plan.kind for r in store.stages] == ["nominal", "sensitivity", "search", "search", "search", "validate"]
     assert all(r.state == "done" for r in store.stages)
-    assert store.conclusion is conclusion
+    assert store.verdict is conclusion
     assert conclusion.verdict == "cleared"
 
 
 def test_nominal() -> None:
-    assert result(0) == {
-        "cost": pytest.approx(0.9435644, abs=2e-6), "margin": pytest.approx(0.4435644, abs=2e-6), "status": "ok",
-        "reason": "", "parameters": {"vehicle.m": 5.0, "vehicle.J": 0.05},
+    assert result(0, NominalResult).model_dump() == {
+        "stage": "nominal", "cost": pytest.approx(0.9435644, abs=2e-6), "margin": pytest.approx(0.4435644, abs=2e-6),
+        "status": "ok", "reason": "", "parameters": {"vehicle.m": 5.0, "vehicle.J": 0.05},
     }  # fmt: skip
 
 
 def test_sensitivity_against_the_published_curves() -> None:
-    found = result(1)
-    mass, inertia = found["curves"]
-    assert (mass["path"], inertia["path"]) == ("vehicle.m", "vehicle.J")
-    assert mass["values"] == [4.0, 4.5, 5.0, 5.5, 6.0]
-    assert inertia["values"][0] == 0.04
-    assert inertia["values"][-1] == 0.06
-    assert inertia["costs"] == pytest.approx([0.94426, 0.94391, 0.94356, 0.94322, 0.94287], abs=6e-6)
-    assert mass["status"] == ["ok"] * 5
+    mass, inertia = result(1, SensitivityResult).curves
+    assert (mass.path, inertia.path) == ("vehicle.m", "vehicle.J")
+    assert mass.values == [4.0, 4.5, 5.0, 5.5, 6.0]
+    assert inertia.values[0] == 0.04
+    assert inertia.values[-1] == 0.06
+    assert inertia.costs == pytest.approx([0.94426, 0.94391, 0.94356, 0.94322, 0.94287], abs=6e-6)
+    assert mass.status == ["ok"] * 5
 
 
 def test_sensitivity_over_a_region_that_is_excluded() -> None:
@@ -78,50 +85,53 @@ def test_sensitivity_over_a_region_that_is_excluded() -> None:
             scenario__horizon=1.0,
         )
     )
-    found = store.stages[1].result
-    assert found is not None
-    curve = found["curves"][0]
-    assert curve["status"][-1] == "excluded"
-    assert [cost is None for cost in curve["costs"]] == [status != "ok" for status in curve["status"]]
+    curve = result_of(store, 1, SensitivityResult).curves[0]
+    assert curve.status[-1] == "excluded"
+    assert [cost is None for cost in curve.costs] == [status != "ok" for status in curve.status]
     assert conclusion.verdict == "inconclusive"
 
 
 def test_a_search_tells_its_best_in_the_parameters_units() -> None:
-    problem, found = case1(), result(2)
-    best = found["best"]
-    assert best["cost"] == problem.loop.fly(problem.vector(best["parameters"])[None, :], 0.005, 3000).costs[0]
-    assert best["margin"] == best["cost"] - 0.5
+    problem, found = case1(), result(2, SearchResult)
+    best = found.best
+    assert best is not None
+    assert best.cost == problem.loop.fly(problem.vector(best.parameters)[None, :], 0.005, 3000).costs[0]
+    assert best.margin == best.cost - 0.5
     store = ran()[0]
     columns = store.evaluations(2)
     assert columns is not None
-    assert columns.costs[best["index"], 0] == best["cost"] == columns.costs[columns.status == 0, 0].min()
-    assert (found["method"], found["title"], found["kind"], found["sample"]) == ("direct", "DIRECT", "global", None)
-    assert found["stop"] == {"kind": "budget", "text": "used its budget of 200 evaluations"}
+    assert columns.costs[best.index, 0] == best.cost == columns.costs[columns.status == 0, 0].min()
+    assert (found.method, found.title, found.kind, found.sample) == ("direct", "DIRECT", "global", None)
+    assert found.stop == Stop(kind="budget", text="used its budget of 200 evaluations")
 
 
 def test_a_local_search_tells_its_minima() -> None:
-    found = result(3)
-    (minimum,) = found["minima"]
-    assert minimum["start"] == {"vehicle.m": 4.5, "vehicle.J": 0.05}
-    assert minimum["parameters"] == {"vehicle.m": 6.0, "vehicle.J": 0.06}
-    assert minimum["cost"] == found["best"]["cost"] == pytest.approx(0.9417405, abs=2e-6)
-    assert found["stop"]["kind"] == "rule"
+    found = result(3, SearchResult)
+    (minimum,) = found.minima
+    assert found.best is not None
+    assert found.stop is not None
+    assert minimum.start == {"vehicle.m": 4.5, "vehicle.J": 0.05}
+    assert minimum.parameters == {"vehicle.m": 6.0, "vehicle.J": 0.06}
+    assert minimum.cost == found.best.cost == pytest.approx(0.9417405, abs=2e-6)
+    assert found.stop.kind == "rule"
 
 
 def test_the_sample_of_a_random_search() -> None:
-    found = result(4)
+    drawn = result(4, SearchResult).sample
     columns = ran()[0].evaluations(4)
     assert columns is not None
-    drawn = found["sample"]
+    assert drawn is not None
+    assert drawn.histogram is not None
     costs = columns.costs[:, 0]
-    assert (drawn["samples"], drawn["violations"], drawn["failed"], drawn["confidence"]) == (300, 0, 0, 0.95)
-    assert drawn["upper_bound"] == pytest.approx(1 - 0.05 ** (1 / 300))
-    assert (drawn["lowest"], drawn["mean"]) == (costs.min(), pytest.approx(costs.mean()))
-    assert drawn["deviation"] == pytest.approx(costs.std(ddof=1))
-    assert sum(drawn["histogram"]["counts"]) == 300
-    assert len(drawn["histogram"]["edges"]) == len(drawn["histogram"]["counts"]) + 1
-    assert "0 of 300 flights drawn" in drawn["text"]
-    assert "P(violation) is at most 0.994 % with 95 % confidence" in drawn["text"]
+    assert (drawn.samples, drawn.violations, drawn.failed, drawn.confidence) == (300, 0, 0, 0.95)
+    assert drawn.upper_bound == pytest.approx(1 - 0.05 ** (1 / 300))
+    assert drawn.lowest == costs.min()
+    assert drawn.mean == pytest.approx(costs.mean())
+    assert drawn.deviation == pytest.approx(costs.std(ddof=1))
+    assert sum(drawn.histogram.counts) == 300
+    assert len(drawn.histogram.edges) == len(drawn.histogram.counts) + 1
+    assert "0 of 300 flights drawn" in drawn.text
+    assert "P(violation) is at most 0.994 % with 95 % confidence" in drawn.text
 
 
 def test_excluded_flights_are_no_samples_and_violations_are_counted() -> None:
@@ -129,17 +139,17 @@ def test_excluded_flights_are_no_samples_and_violations_are_counted() -> None:
     changes = {"scenario__start": {"x": 3.0, "y": 3.0}, "scenario__horizon": 1.0, "criterion__threshold": 0.6}
     asked = searching({"method": "monte_carlo", "evaluations": 400}, uncertain=uncertain, **changes)
     store, _ = run(asked)
-    found = store.stages[2].result
+    found = result_of(store, 2, SearchResult)
     columns = store.evaluations(2)
-    assert found is not None
     assert columns is not None
-    drawn = found["sample"]
+    drawn = found.sample
+    assert drawn is not None
     excluded = int((columns.status == 3).sum())
     flown = columns.costs[columns.status == 0, 0]
     assert 50 < excluded < 200
-    assert (found["excluded"], found["evaluations"]) == (excluded, 400)
-    assert drawn["samples"] == 400 - excluded == len(flown)
-    assert drawn["violations"] == int((flown <= 0.6).sum())
+    assert (found.excluded, found.evaluations) == (excluded, 400)
+    assert drawn.samples == 400 - excluded == len(flown)
+    assert drawn.violations == int((flown <= 0.6).sum())
 
 
 def test_failed_flights_count_as_violations() -> None:
@@ -147,11 +157,11 @@ def test_failed_flights_count_as_violations() -> None:
     store, conclusion = run(
         searching({"method": "monte_carlo", "evaluations": 100}, uncertain=uncertain, scenario__horizon=1.0)
     )
-    found = store.stages[2].result
-    assert found is not None
-    drawn = found["sample"]
-    assert 0 < drawn["failed"] < 100
-    assert drawn["violations"] == drawn["failed"] == found["failed"]
+    found = result_of(store, 2, SearchResult)
+    drawn = found.sample
+    assert drawn is not None
+    assert 0 < drawn.failed < 100
+    assert drawn.violations == drawn.failed == found.failed
     assert conclusion.verdict == "inconclusive"
     assert "evaluations failed" in conclusion.reason
 
@@ -164,33 +174,41 @@ def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
         scenario__vehicle__parameters__J=0.001, uncertain={"vehicle.m": {"plus_minus": "20%"}},
     )  # fmt: skip
     store, conclusion = run(asked)
-    assert (conclusion.verdict, conclusion.nominal_cost, conclusion.worst_cost) == ("inconclusive", None, None)
+    assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
+    assert conclusion.nominal == NominalCost(cost=None, margin=None)
     assert (
         "the nominal flight was not evaluated: the flight left the model's envelope at t = 0.005 s" in conclusion.reason
     )
     assert store.findings == []
     assert list(store.traces) == ["nominal"]
-    assert store.traces["nominal"].meta["status"] == "failed"
-    sqp = store.stages[3].result
-    assert sqp is not None
-    assert "could not be evaluated" in sqp["stop"]["text"]
+    assert store.traces["nominal"].meta.status == "failed"
+    stop = result_of(store, 3, SearchResult).stop
+    assert stop is not None
+    assert "could not be evaluated" in stop.text
 
 
 def test_validation_flies_again_by_other_means() -> None:
-    found = result(5)
-    nominal, worst = found["cases"]
-    assert found["ok"]
-    assert (nominal["name"], worst["name"]) == ("nominal", "F1")
+    found = result(5, ValidateResult)
+    nominal, (worst,) = found.nominal, [f.validation for f in ran()[0].findings]
+    assert found.ok
+    assert nominal is not None
+    assert worst is not None
+    assert (nominal.name, worst.name) == ("nominal", "F1")
     for case in (nominal, worst):
-        assert case["half_step"]["step"] == 0.0025
-        assert case["half_step"]["difference"] == case["half_step"]["cost"] - case["cost"]
-        assert 0 < abs(case["half_step"]["difference"]) < 1e-6
-        assert case["integrator"]["name"] == "DOP853"
-        assert abs(case["integrator"]["difference"]) < 1e-6
-        assert case["allowed"] == min(1e-3 * case["cost"], 0.1 * (case["cost"] - 0.5))
-    assert nominal["neighbours"] is None
-    assert worst["neighbours"]["flown"] == 20
-    assert worst["neighbours"]["lower_by"] == 0.0
+        assert case.cost is not None
+        assert case.half_step.cost is not None
+        assert case.half_step.difference is not None
+        assert case.integrator.difference is not None
+        assert case.half_step.step == 0.0025
+        assert case.half_step.difference == case.half_step.cost - case.cost
+        assert 0 < abs(case.half_step.difference) < 1e-6
+        assert case.integrator.name == "DOP853"
+        assert abs(case.integrator.difference) < 1e-6
+        assert case.allowed == min(1e-3 * case.cost, 0.1 * (case.cost - 0.5))
+    assert nominal.neighbours is None
+    assert worst.neighbours is not None
+    assert worst.neighbours.flown == 20
+    assert worst.neighbours.lower_by == 0.0
 
 
 def test_the_finding_is_the_lowest_of_everything() -> None:
@@ -202,7 +220,7 @@ def test_the_finding_is_the_lowest_of_everything() -> None:
     assert found.parameters == {"vehicle.m": 6.0, "vehicle.J": 0.06}
     assert found.at_bounds == {"vehicle.m": "high", "vehicle.J": "high"}
     assert found.methods == ["direct", "sqp"]  # no sample came within 5 % of both ranges
-    assert store.traces["F1"].meta["cost"] == found.cost
+    assert store.traces["F1"].meta.cost == found.cost
 
 
 def test_what_only_polishing_found_names_no_method() -> None:
@@ -211,26 +229,26 @@ def test_what_only_polishing_found_names_no_method() -> None:
     (found,) = store.findings
     assert (found.methods, found.found) == ([], [])
     assert found.point == [1.0, 1.0]
-    result = store.stages[-1].result
-    assert result is not None
-    (row,) = result["comparison"]
-    assert (row["method"], row["findings"], row["to_near_best"]) == ("direct", [], None)
-    assert result["findings"]["complete"]
+    result = result_of(store, -1, ValidateResult)
+    (row,) = result.comparison
+    assert (row.method, row.findings, row.to_near_best) == ("direct", [], None)
+    assert result.findings is not None
+    assert result.findings.complete
 
 
 def test_the_methods_side_by_side() -> None:
-    found = result(5)
-    rows = {row["method"]: row for row in found["comparison"]}
+    rows = {row.method: row for row in result(5, ValidateResult).comparison}
     assert list(rows) == ["direct", "sqp", "monte_carlo"]
     store = ran()[0]
     for position, row in zip((2, 3, 4), rows.values(), strict=True):
         columns = store.evaluations(position)
         assert columns is not None
-        assert row["evaluations"] == len(columns.status)
-        assert row["best"] == columns.costs[:, 0].min()
-        assert row["stop"] == result(position)["stop"]
-    assert rows["direct"]["findings"] == rows["sqp"]["findings"] == ["F1"]
-    near = rows["direct"]["to_near_best"]
+        assert row.evaluations == len(columns.status)
+        assert row.best == columns.costs[:, 0].min()
+        assert row.stop == result(position, SearchResult).stop
+    assert rows["direct"].findings == rows["sqp"].findings == ["F1"]
+    near = rows["direct"].to_near_best
+    assert near is not None
     columns = store.evaluations(2)
     assert columns is not None
     limit = 0.9417405 + 0.01 * (0.9435644 - 0.9417405)

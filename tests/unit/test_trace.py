@@ -14,12 +14,12 @@ WORST = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 
 
 def column(shown: Trace, name: str) -> Floats:
-    return np.asarray(shown.data[:, [c["name"] for c in shown.columns].index(name)])
+    return np.asarray(shown.data[:, [c.name for c in shown.columns].index(name)])
 
 
 def test_the_columns() -> None:
     shown = trace(case1(), "nominal", {})
-    assert [(c["name"], c["unit"], c["group"]) for c in shown.columns] == [
+    assert [(c.name, c.unit, c.group) for c in shown.columns] == [
         ("t", "s", "time"),
         ("x", "m", "pose"), ("y", "m", "pose"), ("z", "m", "pose"),
         ("roll", "rad", "pose"), ("pitch", "rad", "pose"), ("yaw", "rad", "pose"),
@@ -35,16 +35,16 @@ def test_the_columns() -> None:
 
 def test_the_meta() -> None:
     meta = trace(case1(), "F1", WORST).meta
-    (obstacle,) = meta["obstacles"]
+    (obstacle,) = meta.obstacles
     assert {
         "component": "circle",
         "title": "Circle",
         "position": [4.0, 4.0, 0.0],
         "radius": 0.5,
-    }.items() <= obstacle.items()
-    assert (meta["start"], meta["goal"]) == ([0.0, 0.0, 0.0], [6.0, 7.0, 0.0])
-    assert (meta["frame"], meta["vehicle"], meta["threshold"]) == ("enu", "unicycle", 0.5)
-    assert (meta["status"], meta["reason"], meta["parameters"]) == ("ok", "", WORST)
+    }.items() <= obstacle.model_dump().items()
+    assert (meta.start, meta.goal) == ([0.0, 0.0, 0.0], [6.0, 7.0, 0.0])
+    assert (meta.frame, meta.vehicle, meta.threshold) == ("enu", "unicycle", 0.5)
+    assert (meta.status, meta.reason, meta.parameters) == ("ok", "", WORST)
 
 
 @pytest.mark.parametrize("values", [{}, WORST, {"vehicle.m": 4.0, "start.y": -1.0}])
@@ -52,18 +52,20 @@ def test_it_is_the_flight_that_was_counted(values: dict[str, float]) -> None:
     problem = case1()
     shown = trace(problem, "flight", values)
     cost = problem.fly_vectors(problem.vector(values)[None, :])[0].costs[0, 0]
-    assert shown.meta["cost"] == cost
-    closest, separation = shown.meta["closest"], column(shown, "separation")
-    assert closest["value"] == pytest.approx(cost, abs=1e-14)
+    assert shown.meta.cost == cost
+    closest, separation = shown.meta.closest, column(shown, "separation")
+    assert closest is not None
+    assert closest.speed is not None
+    assert closest.value == pytest.approx(cost, abs=1e-14)
     row = int(separation.argmin())
-    assert closest["row"] == row
-    assert 0 <= separation[row] - closest["value"] < 1e-4
-    assert abs(closest["time"] - row * 0.005) <= 0.0025
+    assert closest.row == row
+    assert 0 <= separation[row] - closest.value < 1e-4
+    assert abs(closest.time - row * 0.005) <= 0.0025
     near = np.hypot(*(np.gradient(column(shown, n), 0.005)[row - 1 : row + 2] for n in "xy"))
-    assert near.min() - 1e-6 <= closest["speed"] <= near.max() + 1e-6
-    assert shown.meta["values"] == {"separation": cost}
-    place = np.array(closest["position"])
-    assert np.hypot(*(place - closest["obstacle_position"])[:2]) == pytest.approx(cost, abs=1e-6)
+    assert near.min() - 1e-6 <= closest.speed <= near.max() + 1e-6
+    assert shown.meta.values == {"separation": cost}
+    place = np.array(closest.position)
+    assert np.hypot(*(place - closest.obstacle_position)[:2]) == pytest.approx(cost, abs=1e-6)
 
 
 def test_the_separation_is_the_distance_to_the_centre() -> None:
@@ -91,20 +93,20 @@ def test_thinned_it_keeps_the_ends_and_the_closest_approach(rows: int) -> None:
 
 def test_a_failed_flight_is_shown_up_to_its_failure() -> None:
     shown = trace(case1(), "F1", {"vehicle.J": 0.001})
-    assert (shown.meta["status"], shown.meta["cost"]) == ("failed", None)
-    assert (
-        shown.meta["reason"] == "the flight left the model's envelope at t = 0.005 s: the turn rate exceeds 1000 rad/s"
-    )
+    assert (shown.meta.status, shown.meta.cost) == ("failed", None)
+    assert shown.meta.reason == "the flight left the model's envelope at t = 0.005 s: the turn rate exceeds 1000 rad/s"
     assert column(shown, "t").tolist() == [0.0, 0.005]
     assert abs(column(shown, "omega")[-1]) > 1000
     assert np.isfinite(shown.data).all()
-    assert shown.meta["closest"]["value"] == pytest.approx(32**0.5, abs=1e-3)
+    assert shown.meta.closest is not None
+    assert shown.meta.closest.value == pytest.approx(32**0.5, abs=1e-3)
 
 
 def test_an_excluded_flight_says_so() -> None:
     shown = trace(case1(), "F1", {"start.x": 4.1, "start.y": 4.0})
-    assert (shown.meta["status"], shown.meta["cost"]) == ("excluded", None)
-    assert shown.meta["closest"]["value"] == pytest.approx(0.1)
+    assert (shown.meta.status, shown.meta.cost) == ("excluded", None)
+    assert shown.meta.closest is not None
+    assert shown.meta.closest.value == pytest.approx(0.1)
 
 
 def test_an_unknown_parameter() -> None:

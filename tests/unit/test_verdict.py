@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from campaigns.results.validate import Spread
+from campaigns.results.verdict import NominalCost, Provenance, Worst
 from tests.unit.cases import campaign
 from tests.unit.evidence import (
     NOMINAL,
@@ -17,6 +18,7 @@ from tests.unit.evidence import (
     concluded,
     encountered,
     finding,
+    nominal,
     said_by,
     sample,
     search,
@@ -28,8 +30,8 @@ from tests.unit.evidence import (
 def test_cleared_when_everything_holds() -> None:
     conclusion = concluded()
     assert conclusion.verdict == "cleared"
-    assert all(c["ok"] for c in conclusion.summary["checks"])
-    assert [c["name"] for c in conclusion.summary["checks"]] == [
+    assert all(c.ok for c in conclusion.checks)
+    assert [c.name for c in conclusion.checks] == [
         "nominal", "search", "no violation", "minimum", "agreement", "validation", "evaluations",
         "closest approach", "motion", "avoidance", "influence", "probability",
     ]  # fmt: skip
@@ -44,19 +46,19 @@ def test_the_sentence_states_bounds_methods_evaluations_margin_bound_and_doubt()
         "A search can miss a worse case", "horizon 15 s, step 0.005 s", "1 obstacle;",
     ):  # fmt: skip
         assert part in said
-    assert concluded().summary["scope"] in said
+    assert concluded().scope in said
 
 
 def test_what_stands_with_the_verdict() -> None:
     conclusion = concluded()
-    summary = conclusion.summary
-    assert (conclusion.nominal_cost, conclusion.worst_cost, conclusion.worst_method) == (NOMINAL, WORST, "direct")
-    assert summary["worst"] == {
-        "cost": WORST, "margin": WORST - 0.5, "parameters": {"vehicle.m": 6.0}, "method": "direct", "finding": "F1",
-    }  # fmt: skip
-    assert summary["provenance"] == {"clearance": "test", "digest": campaign().digest, "seed": 1}
-    assert (summary["quantity"], summary["unit"]) == ("d_min", "m")
-    assert summary["statistics"]["upper_bound"] == pytest.approx(0.00299, abs=1e-5)
+    assert conclusion.nominal == NominalCost(cost=NOMINAL, margin=NOMINAL - 0.5)
+    assert conclusion.worst == Worst(
+        cost=WORST, margin=WORST - 0.5, parameters={"vehicle.m": 6.0}, method="direct", finding="F1"
+    )
+    assert conclusion.provenance == Provenance(clearance="test", digest=campaign().digest, seed=1)
+    assert (conclusion.quantity, conclusion.unit) == ("d_min", "m")
+    assert conclusion.statistics is not None
+    assert conclusion.statistics.upper_bound == pytest.approx(0.00299, abs=1e-5)
 
 
 def test_violated_when_a_validated_finding_violates() -> None:
@@ -80,12 +82,12 @@ def test_violated_needs_validation() -> None:
 
 def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
     text = "half the step or DOP853 disagrees beyond tolerance for F1"
-    milder = replace(finding(0.495), label="F2")
+    milder = finding(0.495, label="F2")
     given = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
     conclusion = concluded(**given)
     assert conclusion.verdict == "violated"
     assert "Validation did not confirm it, but F2, which has 0.495 m; both were found" in conclusion.reason
-    harmless = replace(finding(0.6), label="F2")
+    harmless = finding(0.6, label="F2")
     assert concluded(**given | {"others": [harmless]}).verdict == "inconclusive"
 
 
@@ -96,7 +98,7 @@ def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
         {"searches": [search("direct", 0.49), search("ga", 0.9)]},
         {"searches": [search("monte_carlo", 0.49, sample=sample())]},
         {"validation": validation(ok=False, text="half the step disagrees for nominal")},
-        {"nominal": {"cost": None, "margin": None, "status": "failed", "reason": "it diverged"}},
+        {"nominal": nominal(None, "it diverged")},
     ],
 )
 def test_nothing_that_bars_cleared_bars_a_validated_violation(changes: dict[str, Any]) -> None:
@@ -104,26 +106,23 @@ def test_nothing_that_bars_cleared_bars_a_validated_violation(changes: dict[str,
 
 
 def test_a_failed_nominal_flight() -> None:
-    nominal = {"cost": None, "margin": None, "status": "failed", "reason": "the flight diverged at t = 3 s"}
-    conclusion = concluded(nominal=nominal)
+    conclusion = concluded(nominal=nominal(None, "the flight diverged at t = 3 s"))
     assert conclusion.verdict == "inconclusive"
     assert "the nominal flight was not evaluated: the flight diverged at t = 3 s" in conclusion.reason
-    assert conclusion.nominal_cost is None
+    assert conclusion.nominal == NominalCost(cost=None, margin=None)
 
 
 def test_a_nominal_flight_that_violates_unconfirmed() -> None:
-    nominal = {"cost": 0.45, "margin": -0.05, "status": "ok", "reason": ""}
     searches = [search("direct", 0.4), search("sqp", 0.4)]
-    conclusion = concluded(nominal=nominal, searches=searches, finding=finding(0.4, False))
+    conclusion = concluded(nominal=nominal(0.45), searches=searches, finding=finding(0.4, False))
     assert conclusion.verdict == "inconclusive"
     assert "the nominal flight has 0.45 m, margin \u22120.05 m" in conclusion.reason
 
 
 def test_no_flight_at_all() -> None:
-    nominal = {"cost": None, "margin": None, "status": "failed", "reason": "it diverged"}
     searches = [search("direct", None), search("sqp", None)]
-    conclusion = concluded(nominal=nominal, searches=searches, finding=None, failed=3343)
-    assert (conclusion.verdict, conclusion.worst_cost, conclusion.worst_method) == ("inconclusive", None, None)
+    conclusion = concluded(nominal=nominal(None, "it diverged"), searches=searches, finding=None, failed=3343)
+    assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
     assert conclusion.reason.startswith(
         "No flight could be evaluated: the nominal flight was not evaluated: it diverged."
     )
@@ -223,8 +222,12 @@ def test_agreement_is_a_share_of_nominal_minus_worst() -> None:
 
 def test_a_flat_campaign_agrees_up_to_rounding() -> None:
     searches = [search("direct", NOMINAL), search("ga", NOMINAL + 1e-13)]
-    level = encountered(spread={"evaluations": 3343, "lowest": NOMINAL, "highest": NOMINAL + 1e-13})
-    flat = {"searches": searches, "finding": finding(NOMINAL), "validation": validation(encounter=level)}
+    level = encountered(spread=Spread(evaluations=3343, lowest=NOMINAL, highest=NOMINAL + 1e-13))
+    flat: dict[str, Any] = {
+        "searches": searches,
+        "finding": finding(NOMINAL),
+        "validation": validation(encounter=level),
+    }
     assert barred("influence", **flat).startswith("no uncertain parameter changes d_min; choose parameters")
     conclusion = concluded(campaign(encounter={"intended": {"influence": "a drill"}}), **flat)
     assert conclusion.verdict == "cleared"
@@ -235,7 +238,7 @@ def test_a_flat_campaign_agrees_up_to_rounding() -> None:
 def test_the_target_is_met() -> None:
     conclusion = concluded(campaign(target_probability=0.003))
     assert conclusion.verdict == "cleared"
-    assert conclusion.summary["checks"][-1]["text"] == "the bound of 0.299 % meets the target of 0.3 %"
+    assert conclusion.checks[-1].text == "the bound of 0.299 % meets the target of 0.3 %"
 
 
 def test_the_target_is_not_met() -> None:
@@ -268,10 +271,12 @@ def test_without_a_target_the_bound_is_held_to_a_ceiling() -> None:
 
 
 def test_the_certify_stage_speaks_instead_of_a_search() -> None:
-    stands = concluded(certificate=certificate()).summary["statistics"]
-    assert (stands["samples"], stands["source"], stands["quantile"]) == (3000, "certify", QUANTILE)
-    before = concluded().summary["statistics"]
-    assert (before["samples"], before["source"], before["quantile"]) == (1000, "search", None)
+    stands = concluded(certificate=certificate()).statistics
+    assert stands is not None
+    assert (stands.samples, stands.source, stands.quantile) == (3000, "certify", QUANTILE)
+    before = concluded().statistics
+    assert before is not None
+    assert (before.samples, before.source, before.quantile) == (1000, "search", None)
 
 
 def test_what_it_bounds_is_in_the_sentence() -> None:
@@ -293,13 +298,15 @@ def test_a_certify_stage_is_not_passed_over_for_a_better_search() -> None:
 
 
 def test_points_that_are_no_independent_sample_give_no_statement() -> None:
-    even = sample() | {"upper_bound": None, "text": "they are no independent sample"}
+    even = sample(upper_bound=None, text="they are no independent sample")
     searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=even)]
-    assert concluded(searches=searches).summary["statistics"] is None
+    assert concluded(searches=searches).statistics is None
     said = barred("target", campaign(target_probability=0.5), searches=searches)
     assert said == "the target P(violation) of 50 % needs an independent sample; add a certify stage"
     both = [*searches, search("monte_carlo", 0.85, sample=sample(samples=200))]
-    assert concluded(searches=both).summary["statistics"]["samples"] == 200
+    stated = concluded(searches=both).statistics
+    assert stated is not None
+    assert stated.samples == 200
 
 
 def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:

@@ -2,35 +2,42 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from campaigns.results import CertifyResult
+from campaigns.results.base import Stop
+from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost
+from campaigns.results.validate import Spread, Unseen, Violations
 from tests.unit.cases import campaign
 from tests.unit.evidence import (
+    FLOWN,
     NOMINAL,
-    QUANTILE,
     WORST,
     barred,
+    case,
+    certificate,
     concluded,
     encountered,
     evidence,
     finding,
+    gathered,
     said_by,
     sample,
     search,
+    spot_checks,
     validation,
     violation,
 )
 from worker.systems.problem import Problem
 from worker.verdicts.conclude import conclude
 
-STOPPED = {"kind": "budget", "text": "used its budget"}
+STOPPED = Stop(kind="budget", text="used its budget")
 
 
 def test_a_stored_violation_that_no_finding_shows_bars_cleared() -> None:
-    offered = {"stored": 135, "checked": 135, "confirmed": 0, "text": "135 stored evaluations violate the criterion"}
+    offered = Violations(stored=135, checked=135, confirmed=0, text="135 stored evaluations violate the criterion")
     conclusion = concluded(violating=135, lowest=0.3, validation=validation(violations=offered))
     assert conclusion.verdict == "inconclusive"
     assert said_by("no violation", conclusion) == "135 stored evaluations violate the criterion"
@@ -50,8 +57,8 @@ def test_a_lower_evaluation_than_every_finding_bars_cleared() -> None:
 
 
 def test_findings_that_were_not_distinguished_to_the_end_bar_cleared() -> None:
-    gathered = {"complete": False, "text": "used its budget"}
-    assert "not distinguished to the end" in barred("minimum", validation=validation(findings=gathered))
+    unfinished = gathered(complete=False, text="used its budget")
+    assert "not distinguished to the end" in barred("minimum", validation=validation(findings=unfinished))
 
 
 @pytest.mark.parametrize("method", ["direct", "sqp"])
@@ -73,7 +80,7 @@ def test_a_local_search_that_spent_its_budget_confirms_nothing() -> None:
 
 def test_methods_that_found_nothing_below_nominal_do_not_agree() -> None:
     searches = [search("direct", NOMINAL), search("ga", NOMINAL)]
-    spread = {"evaluations": 3343, "lowest": NOMINAL, "highest": 1.3}
+    spread = Spread(evaluations=3343, lowest=NOMINAL, highest=1.3)
     given = validation(encounter=encountered(spread=spread))
     said = barred("agreement", searches=searches, finding=finding(NOMINAL), validation=given)
     assert said.startswith("no method found anything below the nominal case")
@@ -91,21 +98,34 @@ def test_agreement_is_capped() -> None:
     assert "stopped 0.03 m above it" in barred("agreement", campaign(agreement=1.0), searches=searches)
 
 
+def met(**changes: Any) -> dict[str, Any]:
+    return {"validation": validation(encounter=encountered(**changes))}
+
+
+def nearest(**closest: Any) -> dict[str, Any]:
+    return {"finding": finding(closest=ClosestApproach(**closest))}
+
+
+def unseen(cost: float | None, reason: str = "") -> Unseen:
+    return Unseen(cost=cost, status="failed" if cost is None else "ok", reason=reason, deviation=0.7)
+
+
 @pytest.mark.parametrize(
-    ("changes", "name", "said"),
+    ("given", "name", "said"),
     [
-        ({"closest": [{"name": "F1", "time": 15.0, "at": "end"}]}, "closest approach", "at the end of the horizon"),
-        ({"closest": [{"name": "F1", "time": 0.0, "at": "start"}]}, "closest approach", "of F1 is at the start"),
-        ({"closest": [{"name": "F1", "time": None, "at": "none"}]}, "closest approach", "is known of F1"),
-        ({"moved": 0.0}, "motion", "the vehicle moves 0 m in the nominal case; place the goal"),
-        ({"moved": None}, "motion", "has no trace"),
-        ({"unseen": {"cost": NOMINAL, "reason": ""}}, "avoidance", "the avoidance makes no difference"),
-        ({"unseen": {"cost": NOMINAL + 0.1, "reason": ""}}, "avoidance", "the avoidance makes no difference"),
-        ({"unseen": {"cost": None, "reason": "a stall"}}, "avoidance", "without it the nominal case fails (a stall)"),
+        (nearest(time=15.0, at="end"), "closest approach", "of F1 is at the end of the horizon"),
+        (nearest(time=0.0, at="start"), "closest approach", "of F1 is at the start"),
+        (nearest(), "closest approach", "is known of F1"),
+        ({"finding": finding(closest=None)}, "closest approach", "is known of F1"),
+        (met(closest=ClosestApproach(time=15.0, at="end")), "closest approach", "of nominal is at the end of the"),
+        (met(moved=0.0), "motion", "the vehicle moves 0 m in the nominal case; place the goal"),
+        (met(moved=None), "motion", "has no trace"),
+        (met(unseen=unseen(NOMINAL)), "avoidance", "the avoidance makes no difference"),
+        (met(unseen=unseen(NOMINAL + 0.1)), "avoidance", "the avoidance makes no difference"),
+        (met(unseen=unseen(None, "a stall")), "avoidance", "without it the nominal case fails (a stall)"),
     ],
 )  # fmt: skip
-def test_an_encounter_that_did_not_take_place_bars_cleared(changes: dict[str, Any], name: str, said: str) -> None:
-    given = {"validation": validation(encounter=encountered(**changes))}
+def test_an_encounter_that_did_not_take_place_bars_cleared(given: dict[str, Any], name: str, said: str) -> None:
     assert said in barred(name, **given)
     intended = campaign(encounter={"intended": {name.replace(" ", "_"): "a baseline"}})
     conclusion = concluded(intended, **given)
@@ -118,9 +138,9 @@ def test_an_intention_without_need_is_not_mentioned() -> None:
 
 
 def test_random_evaluations_on_the_other_side_of_the_threshold_bar_cleared() -> None:
-    spot = {"checked": 200, "compared": 200, "violating": 1, "text": "1 of them violates there and not here"}
+    spot = spot_checks(violating=1, text="1 of them violates there and not here")
     assert "violates there and not here" in barred("validation", validation=validation(spot_checks=spot))
-    none = {"checked": 200, "compared": 0, "violating": 0, "text": "none could be compared"}
+    none = spot_checks(compared=0, text="none could be compared")
     assert "none could be compared" in barred("validation", validation=validation(spot_checks=none))
 
 
@@ -129,29 +149,28 @@ def noisy(**changes: Any) -> Problem:
     return Problem(campaign(scenario__faults=faults, **changes))
 
 
-def drawn(**changes: Any) -> dict[str, Any]:
-    return {"sample": sample(samples=3000, noise="drawn", **changes) | {"quantile": QUANTILE}, "grid": None}
+def drawn(**changes: Any) -> CertifyResult:
+    return certificate(noise="drawn", **changes)
 
 
 def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
-    stated = {"noise": "stated"}
-    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(**stated))]
-    conclusion = conclude(noisy(), evidence(searches=searches), {})
+    searches = [search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample(noise="stated"))]
+    conclusion = conclude(noisy(), evidence(searches=searches), FLOWN)
     assert conclusion.verdict == "inconclusive"
     assert "only the realisations with seeds 0 were simulated; add a certify stage" in said_by("noise", conclusion)
-    assert conclude(noisy(), evidence(certificate=drawn()), {}).verdict == "cleared"
+    assert conclude(noisy(), evidence(certificate=drawn()), FLOWN).verdict == "cleared"
 
 
 def test_a_target_is_not_met_by_stated_realisations() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", sample=sample(noise="stated"))]
-    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), {})
+    conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), FLOWN)
     assert "given stated noise realisations only" in said_by("target", conclusion)
     assert conclusion.verdict == "inconclusive"
 
 
 def test_a_mean_over_realisations_never_clears() -> None:
     mean = noisy(scenario__realisations={"seeds": [1, 2], "combine": "mean"})
-    conclusion = conclude(mean, evidence(certificate=drawn()), {})
+    conclusion = conclude(mean, evidence(certificate=drawn()), FLOWN)
     assert conclusion.verdict == "inconclusive"
     assert "combine them by worst" in said_by("noise", conclusion)
 
@@ -164,26 +183,24 @@ def test_much_that_is_excluded_bars_cleared() -> None:
 
 
 def test_a_violation_is_confirmed_by_every_integration_and_by_nothing_less() -> None:
-    close = replace(finding(0.49), validation={"ok": True, "violates": False, "realisation": None})
+    close = finding(0.49, validation=case(cost=0.49, violates=False))
     assert concluded(**violation(finding=close, violating=1)).verdict == "inconclusive"
-    apart = replace(finding(0.49), validation={"ok": True, "violates": True, "realisation": None})
+    apart = finding(0.49, validation=case(cost=0.49, agrees=False))
     assert concluded(**violation(finding=apart, violating=1)).verdict == "violated"
 
 
 def test_a_violation_whose_integrations_are_apart_says_how_far() -> None:
-    case = {
-        "ok": True, "violates": True, "agrees": False, "realisation": None, "cost": 0.31,
-        "half_step": {"cost": 0.48}, "integrator": {"cost": 0.49, "name": "DOP853"},
-    }  # fmt: skip
-    apart = replace(finding(0.31), validation=case)
+    half = HalfStep(step=0.0025, cost=0.48, difference=0.17)
+    other = ReferenceCost(name="DOP853", cost=0.49, difference=0.18)
+    apart = finding(0.31, validation=case(cost=0.31, agrees=False, half_step=half, integrator=other))
     said = concluded(**violation(finding=apart, violating=1)).reason
     assert "apart: 0.31 m at the step, 0.48 m at half of it, 0.49 m with DOP853." in said
 
 
 def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:
     text = "135 stored evaluations violate the criterion; all of them were simulated again, and 120 violate there too"
-    own = replace(finding(0.49), validation={"ok": True, "violates": True, "realisation": 77})
-    given = validation(violations={"stored": 135, "checked": 135, "confirmed": 120, "text": text})
+    own = finding(0.49, validation=case(cost=0.49, realisation=77))
+    given = validation(violations=Violations(stored=135, checked=135, confirmed=120, text=text))
     said = concluded(**violation(finding=own, violating=135, validation=given)).reason
     assert f" {text}." in said
     assert "with the noise realisation of seed 77" in said

@@ -44,9 +44,10 @@ def of_folder(folder: Path) -> Record:
         claims, file = json.loads((folder / "result.json").read_text(encoding="utf-8")), folder / "evidence.json"
         stated, evidence = claims["digest"], json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
         claims |= {k: Catalogue.model_validate(v) if k == "components" else v for k, v in evidence.items()}
-        claims["results"], claims["findings"] = earlier.brought_up(
-            [stage["kind"] for stage in claims["stages"]], claims.get("results", []), claims["findings"]
-        )
+        if {"stages", "findings"} <= claims.keys():  # without them it is no record, which the audit says
+            kinds = [stage["kind"] for stage in claims["stages"]]
+            results = earlier.brought_up(kinds, claims.get("results", []), claims["findings"])
+            claims["results"], claims["findings"] = results
         with np.load(folder / "evaluations.npz", allow_pickle=False) as arrays:
             held = sorted(int(name[7:]) for name in arrays.files if name.startswith("status_"))
             stage = np.repeat(held, [len(arrays[f"status_{k}"]) for k in held])

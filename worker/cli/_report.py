@@ -13,9 +13,9 @@ from rich.progress import Progress as Bars
 from rich.table import Table
 from rich.text import Text
 
-from campaigns import Campaign, verdicts
+from campaigns import Campaign
 from campaigns.asked.plan import plan
-from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict
+from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.wording import count, listed, number, signed
 from worker.catalogue.installed import methods

@@ -105,8 +105,7 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
 
 def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[str, Any]:
     """What `--json` prints and result.json holds."""
-    from campaigns import verdicts
-    from campaigns.results import ValidateResult
+    from campaigns.results import ValidateResult, verdicts
 
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed
     validated = store.stages[-1].result

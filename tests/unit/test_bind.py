@@ -39,7 +39,7 @@ FILES = {
         import json
         import numpy as np
         from component_far.near import helped
-        from worker.kernels.bind import bind, compile_loop, filled
+        from worker.kernels.bind import compile_loop, filled
 
         slot = None
 

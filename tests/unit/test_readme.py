@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import sys
 import types
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from campaigns import check
 from campaigns.asked.load import load_text
@@ -37,8 +39,9 @@ def test_the_campaign_can_be_run() -> None:
     assert batch.costs.shape == (3, 3)
 
 
-def test_the_component_flies() -> None:
+def test_the_component_flies(monkeypatch: pytest.MonkeyPatch) -> None:
     module = types.ModuleType("post")
+    monkeypatch.setitem(sys.modules, "post", module)
     exec(compile(block("python"), "post.py", "exec", dont_inherit=True), module.__dict__)
     post: Obstacle = module.component
     assert [p.name for p in declared(post.parameters)] == ["x", "y"]

@@ -39,7 +39,8 @@ def paths(s: Scenario) -> None:
         for prefix, state in s.each(s.faults["actuator"], "a").items():
             change, on = f"d{state[0]}_{len(changes)}" if state != "()" else "_", s.inputs[prefix]
             f.add(f"arrives, {change} = {f.call(prefix, s.component[prefix].kernel, 't', f'u[{on}]', state)}")
-            f.add(f"u = u[0:{on}] + (arrives,) + u[{on + 1}:{len(s.parts.vehicle.inputs)}]")
+            inputs = [f"u[{k}]" if k != on else "arrives" for k in range(len(s.parts.vehicle.inputs))]
+            f.add(f"u = {tupled(inputs)}")
             changes += [change] if state != "()" else []
         f.add(f"return u, {' + '.join(changes) or '()'}")
 

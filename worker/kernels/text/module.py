@@ -22,7 +22,8 @@ def loaded(text: str, name: str) -> ModuleType:
     with suppress(OSError):
         _write(file, text)
     linecache.cache[str(file)] = len(text), None, text.splitlines(keepends=True), str(file)
-    module = ModuleType(name)
+    # Compiled code on disk holds the name of its functions' module, which every later process must be able to import.
+    module = ModuleType(__name__)
     module.__file__ = str(file)
     exec(compile(text, str(file), "exec", dont_inherit=True), vars(module))
     return module

@@ -14,8 +14,7 @@ from typing import Any
 
 from worker.kernels.component import Component
 
-
-OWN = re.compile(r"^..?.?$|_\d+$")
+OWN = re.compile(r"^d?x.$|_\d+$")
 """Names like those of the text's own variables: dxv, obstacle_0."""
 
 

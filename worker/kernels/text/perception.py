@@ -41,12 +41,12 @@ def seen(s: Scenario, f: Function, q: str) -> str:
 
 def summed(s: Scenario, f: Function, path: str, name: str, *arguments: str) -> str:
     """The variable that holds the effects of all faults on a path, which add up."""
+    none, both = ADDED[name]
     prefixes = s.faults.get(path, [])
     for prefix in prefixes:
         effect = f.call(prefix, s.component[prefix].kernel, *arguments)
-        both = s.view(ADDED[name][1])
-        f.add(f"{name} = {effect}" if prefix == prefixes[0] else f"{name} = {both}({name}, {effect})")
-    return name if prefixes else s.view(ADDED[name][0])
+        f.add(f"{name} = {effect if prefix == prefixes[0] else f'{s.view(both)}({name}, {effect})'}")
+    return name if prefixes else s.view(none)
 
 
 def _perceived(s: Scenario) -> None:

@@ -1,4 +1,4 @@
-"""The text between the components and the loop: every campaign of the library, what stands in it, help for debuggers."""
+"""The text between the components and the loop: every campaign of the library, what it calls, help for debuggers."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from tests.unit.assembled import check, parts, vector
 from worker.catalogue.installed import components
 from worker.kernels import assemble, maths
 from worker.kernels.assemble import Loop
+from worker.reference import compiled
 from worker.systems.problem import Problem
 
 EARLIER = json.loads((Path(__file__).parents[1] / "golden" / "closed_loops.json").read_text(encoding="utf-8"))
@@ -122,6 +123,28 @@ def test_the_reference_calls_the_platforms_functions(name: str, monkeypatch: pyt
     assert not any(polynomials.values())
     assert other_slope == pytest.approx(slope, rel=1e-9, abs=1e-9)
     assert other_channels == pytest.approx(channels, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["unicycle_static", "uav_moving_gusts"])
+def test_the_compiled_reference_reaches_no_polynomial(name: str) -> None:
+    loop = Problem(load_file(library()[name]), compiled=False).loop
+    polynomials = {kernel.py_func.__code__ for kernel in assemble.LIBRARY}
+    assert polynomials & reached(loop.kernel("closed_loop"), set()) >= {maths.sincos.py_func.__code__}
+    assert not polynomials & reached(compiled.bound(loop), set())
+
+
+def reached(value: Any, found: set[types.CodeType]) -> set[types.CodeType]:
+    """The code of every function of Python that this one may call, through modules and closures as well."""
+    function = getattr(value, "py_func", value)
+    if isinstance(function, types.FunctionType) and function.__code__ not in found:
+        found.add(function.__code__)
+        names = function.__code__.co_names
+        cells = [cell.cell_contents for cell in function.__closure__ or ()]
+        for each in [*(function.__globals__.get(name) for name in names), *cells]:
+            own = [vars(each).get(name) for name in names] if isinstance(each, types.ModuleType) else [each]
+            for inner in own:
+                reached(inner, found)
+    return found
 
 
 # For debuggers

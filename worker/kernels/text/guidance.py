@@ -21,6 +21,9 @@ def asked(s: Scenario) -> None:
             given = ("weighed", f"{k}.0", f"seen[{k}]", *own, f.own("goal"), "memory")
             f.add(f"weighed = {f.call('avoider', avoider.weigh, *given)}")
     f.add(f"return {f.call('avoider', avoider.steer, *own, f.own('goal'), bodies, 'memory')}")
+
+
+def asked_at(s: Scenario) -> None:
     f = s.function("asked_at(t, x, g, place, p)")
     errors = summed(s, f, "navigation", "errors", "t")
     f.add(f"xm = {f.call('vehicle', s.parts.vehicle.measured, s.state['vehicle'], errors)}")
@@ -63,8 +66,12 @@ def guide(s: Scenario) -> None:
         first = d + s.parts.avoider.memory
         f.add(f"earlier = g[0:{d}] + g[{first}:{first + (KEPT - 1) * d}] if t > 0.0 else {' + '.join(['want'] * KEPT)}")
     f.add(f"return on_sample(xm, want, p) + memory{' + earlier' if late else ''}")
+
+
+def blank(s: Scenario) -> None:
+    d = s.dimension
     f = s.function("blank(p)")
     nothing = [tupled(["0.0"] * d)]
     if s.parts.avoider.memory:
         nothing.append(f.call("avoider", s.parts.avoider.remember))
-    f.add(f"return {' + '.join([*nothing, *([tupled(['0.0'] * (KEPT * d))] if late else [])])}")
+    f.add(f"return {' + '.join([*nothing, *([tupled(['0.0'] * (KEPT * d))] if s.parts.late else [])])}")

@@ -21,28 +21,33 @@ def extend(s: Scenario) -> None:
     f.add(f"return {' + '.join(terms)}")
 
 
-def paths(s: Scenario) -> None:
-    if s.environment:
-        changes: list[str] = []
-        f = s.function("surroundings(t, q, v, e, p)")
-        for prefix, state in s.each(s.environment, "e").items():
-            change = f"d{state[0]}_{len(changes)}" if state != "()" else "_"
-            blow = f.call(prefix, s.component[prefix].blow, "t", s.space("q"), s.space("v"), state)
-            first = prefix == s.environment[0]
-            f.add(f"{'env' if first else 'more'}, {change} = {blow}")
-            f.add(*([] if first else [f"env = {s.view('both_surroundings')}(env, more)"]))
-            changes += [change] if state != "()" else []
-        f.add(f"return env, {' + '.join(changes) or '()'}")
-    if "actuator" in s.faults:
-        changes = []
-        f = s.function("actuated(t, u, a, p)")
-        for prefix, state in s.each(s.faults["actuator"], "a").items():
-            change, on = f"d{state[0]}_{len(changes)}" if state != "()" else "_", s.inputs[prefix]
-            f.add(f"arrives, {change} = {f.call(prefix, s.component[prefix].kernel, 't', f'u[{on}]', state)}")
-            inputs = [f"u[{k}]" if k != on else "arrives" for k in range(len(s.parts.vehicle.inputs))]
-            f.add(f"u = {tupled(inputs)}")
-            changes += [change] if state != "()" else []
-        f.add(f"return u, {' + '.join(changes) or '()'}")
+def surroundings(s: Scenario) -> None:
+    if not s.environment:
+        return
+    changes: list[str] = []
+    f = s.function("surroundings(t, q, v, e, p)")
+    for prefix, state in s.each(s.environment, "e").items():
+        change = f"de_{len(changes)}" if state != "()" else "_"
+        changes += [change] if state != "()" else []
+        blow = f.call(prefix, s.component[prefix].blow, "t", s.space("q"), s.space("v"), state)
+        if prefix == s.environment[0]:
+            f.add(f"env, {change} = {blow}")
+        else:
+            f.add(f"more, {change} = {blow}", f"env = {s.view('both_surroundings')}(env, more)")
+    f.add(f"return env, {' + '.join(changes) or '()'}")
+
+
+def actuated(s: Scenario) -> None:
+    if "actuator" not in s.faults:
+        return
+    changes: list[str] = []
+    f = s.function("actuated(t, u, a, p)")
+    for prefix, state in s.each(s.faults["actuator"], "a").items():
+        change, on = f"da_{len(changes)}" if state != "()" else "_", s.inputs[prefix]
+        changes += [change] if state != "()" else []
+        f.add(f"arrives, {change} = {f.call(prefix, s.component[prefix].kernel, 't', f'u[{on}]', state)}")
+        f.add(f"u = {tupled(f'u[{k}]' if k != on else 'arrives' for k in range(len(s.parts.vehicle.inputs)))}")
+    f.add(f"return u, {' + '.join(changes) or '()'}")
 
 
 def readings(s: Scenario) -> None:
@@ -78,7 +83,8 @@ def initial(s: Scenario) -> None:
         f.add(f"q = {f.call('vehicle', vehicle.position, 'xv')}", f"v = {f.call('vehicle', vehicle.velocity, 'xv')}")
         env = f"surroundings(0.0, q, v, {'xe' if n.environment else '()'}, p)[0]" if s.environment else s.view("STILL")
         f.add(f"xm = {f.call('vehicle', vehicle.felt, 'xm', env)}")
-    f.add(*_at_use(s, f, s.parts.controller.translate is not None))
+    if s.parts.controller.translate:
+        f.add(f"want = {translated(s, f, 'xm')}")
     kind = s.parts.avoider.demand
     f.add(f"xc = {f.call('controller', s.parts.controller.prepare[kind], 'xm', 'want')}")
     if n.actuators:
@@ -94,10 +100,6 @@ def _woken(s: Scenario, f: Function, prefixes: list[str]) -> str:
     return " + ".join(f.call(prefix, s.component[prefix].wake) for prefix in prefixes if s.component[prefix].states)
 
 
-def _at_use(s: Scenario, f: Function, translates: bool) -> list[str]:
-    return [f"want = {translated(s, f, 'xm')}"] if translates else []
-
-
 def _instant(s: Scenario, f: Function) -> str:
     """From the state to what reaches the vehicle, at one instant; what the environment is called in it."""
     vehicle, controller = s.parts.vehicle, s.parts.controller
@@ -108,7 +110,8 @@ def _instant(s: Scenario, f: Function) -> str:
         f.add(f"env, dxe = surroundings(t, q, v, {s.state['environment']}, p)")
     if vehicle.felt:
         f.add(f"xm = {f.call('vehicle', vehicle.felt, 'xm', env)}")
-    f.add(*_at_use(s, f, controller.translate is not None and (s.parts.late or not s.parts.sampled)))
+    if controller.translate and (s.parts.late or not s.parts.sampled):
+        f.add(f"want = {translated(s, f, 'xm')}")
     command = controller.command[s.parts.avoider.demand]
     f.add(f"u, dxc = {f.call('controller', command, 't', 'xm', s.state['controller'], 'want')}")
     if "actuator" in s.faults:
@@ -127,7 +130,10 @@ def loop(s: Scenario) -> None:
             terms.append(f"do_{len(terms)}")
             f.add(f"{terms[-1]} = {f.call(prefix, s.component[prefix].move, 't', state, 'q', 'v')}")
     f.add(f"return {' + '.join(terms)}, readings(t, q, v, xv, u, around, p)")
-    f = s.function("observation(t, x, g, p)")
+
+
+def observation(s: Scenario) -> None:
+    f, vehicle = s.function("observation(t, x, g, p)"), s.parts.vehicle
     _instant(s, f)
     references = s.parts.controller.references[s.parts.avoider.demand]
     centres = [f"centre_{k}" for k in range(len(s.obstacles))]

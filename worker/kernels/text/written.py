@@ -9,8 +9,8 @@ from __future__ import annotations
 import textwrap
 
 from worker.kernels.layout import Parts
-from worker.kernels.text.guidance import asked, demand, guide
-from worker.kernels.text.loop import extend, initial, judgement, loop, paths, readings
+from worker.kernels.text.guidance import asked, asked_at, blank, demand, guide
+from worker.kernels.text.loop import actuated, extend, initial, judgement, loop, observation, readings, surroundings
 from worker.kernels.text.perception import aware, bodies
 from worker.kernels.text.scenario import WIDTH, Scenario
 
@@ -40,7 +40,10 @@ FUNCTIONS = {
 """The functions that a text may have, and what it says of them."""
 
 
-WRITERS = (extend, bodies, aware, asked, demand, guide, paths, readings, initial, loop, judgement)
+WRITERS = (
+    *(extend, bodies, aware, asked, asked_at, demand, guide, blank),
+    *(surroundings, actuated, readings, initial, loop, observation, judgement),
+)
 
 
 def written(parts: Parts) -> str:

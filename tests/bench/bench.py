@@ -22,8 +22,8 @@ import numpy as np
 
 from campaigns import library, load_file
 from tests.bench import methods, reference_pioneer, reference_uav
-from worker.kernels.assemble import Loop
 from worker.runs.provenance import flown
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.problem import Floats, Problem
 
 BUILD = Path("build")

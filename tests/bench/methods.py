@@ -19,9 +19,9 @@ from campaigns import library, load_file
 from tests.unit.functions import PUBLISHED, OnUnitCube, on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.catalogue.installed import methods
-from worker.kernels.assemble import Loop
 from worker.search.base import Floats, Method
 from worker.search.methods import direct
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.problem import Problem
 
 EVALUATIONS = 10_000

@@ -20,9 +20,9 @@ from campaigns.asked.check import flyable
 from campaigns.asked.load import load_document
 from tests.contract.scenes import around, entry, own
 from worker.catalogue.installed import catalogue, components
-from worker.kernels.assemble import Loop
 from worker.kernels.component import Component, Controller, Parameter, Signal, Vehicle
 from worker.kernels.layout import Parts, Placed
+from worker.systems.closed_loop.assemble import Loop
 
 ROLES = ("avoider", "obstacle", "environment", "fault", "criterion")
 MIRRORS = ("z", "xy")
@@ -57,6 +57,38 @@ def _pose(x: Any, p: Any) -> Any:
     return x[0], x[1], x[2], 0.0, -math.atan2(x[5], level), math.atan2(x[4], x[3])
 
 
+def _begin(start: Start, p: Any) -> Any:
+    return tuple(start)
+
+
+def _derivative(t: float, x: Any, u: Any, env: Any, p: Any) -> Any:
+    return env.wind_x, env.wind_y, env.wind_z, *u
+
+
+def _position(x: Any, p: Any) -> Any:
+    return x[0], x[1], x[2]
+
+
+def _velocity(x: Any, p: Any) -> Any:
+    return x[3], x[4], x[5]
+
+
+def _outside(x: Any, p: Any) -> float:
+    return 0.0
+
+
+def _measured(x: Any, e: Any, p: Any) -> Any:
+    return _turned(x, e)
+
+
+def _nothing(x: Any, demand: Any, p: Any) -> Any:
+    return ()
+
+
+def _command(t: float, x: Any, c: Any, demand: Any, p: Any) -> Any:
+    return demand, ()
+
+
 VEHICLE = Vehicle(
     name="anything",
     title="Anything",
@@ -66,13 +98,13 @@ VEHICLE = Vehicle(
     states=tuple(Signal(n, n, "") for n in Start._fields),
     inputs=tuple(Signal(n, n, "") for n in ("ux", "uy", "uz")),
     limits=(),
-    begin=lambda start, p: tuple(start),
-    derivative=lambda t, x, u, env, p: (env.wind_x, env.wind_y, env.wind_z, *u),
-    position=lambda x, p: (x[0], x[1], x[2]),
-    velocity=lambda x, p: (x[3], x[4], x[5]),
+    begin=_begin,
+    derivative=_derivative,
+    position=_position,
+    velocity=_velocity,
     pose=_pose,
-    outside=lambda x, p: 0.0,
-    measured=lambda x, e, p: _turned(x, e),
+    outside=_outside,
+    measured=_measured,
 )
 KINDS = ("force", "velocity")
 CONTROLLER = Controller(
@@ -82,9 +114,9 @@ CONTROLLER = Controller(
     parameters=Nothing,
     states=0,
     signals=(),
-    prepare=dict.fromkeys(KINDS, lambda x, demand, p: ()),
-    command=dict.fromkeys(KINDS, lambda t, x, c, demand, p: (demand, ())),
-    references=dict.fromkeys(KINDS, lambda x, demand, p: ()),
+    prepare=dict.fromkeys(KINDS, _nothing),
+    command=dict.fromkeys(KINDS, _command),
+    references=dict.fromkeys(KINDS, _nothing),
 )
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
-from worker.kernels.assemble import Loop
 from worker.search.base import OK
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.problem import Floats, Problem
 
 

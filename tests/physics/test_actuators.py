@@ -152,7 +152,7 @@ class TestGuidance:
     @pytest.mark.parametrize("periods", [0.0, 1.0, 2.5, 4.0])
     def test_the_demand_that_acts_is_that_many_periods_old(self, periods: float) -> None:
         problem = self.late(periods)
-        waited = plain(problem.loop._glue["closed_loop"]).__globals__["demand"]
+        waited = problem.loop.part("demand")
         g = tuple(float(k) for k in range(10))  # newest (0, 1), before it (2, 3) ... (8, 9)
         p = problem.loop.extend(problem.nominal)
         assert waited(0.0, (), (), (), g, p) == pytest.approx((2 * periods, 2 * periods + 1))

@@ -14,12 +14,12 @@ import pytest
 from campaigns import Campaign, check, library, load_file
 from campaigns.asked.load import load_document
 from worker.catalogue.installed import catalogue, components
-from worker.kernels.assemble import Loop
 from worker.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
 from worker.kernels.layout import Parts
 from worker.kernels.maths import sincos
 from worker.reference import Reference
 from worker.search.base import FAILED, OK
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.closed_loop.trace import trace
 from worker.systems.problem import Problem
 
@@ -52,6 +52,34 @@ def _bank(x: Any, p: Drift) -> float:
     return p.bank * sincos(p.rate * x[3])[0]  # type: ignore[no-any-return]
 
 
+def begin(start: Start, p: Drift) -> Any:
+    return start.x, 0.0, 0.0, 0.0
+
+
+def derivative(t: float, x: Any, u: Any, env: Any, p: Drift) -> Any:
+    return p.vx, p.vy, 0.0, 1.0
+
+
+def position(x: Any, p: Drift) -> Any:
+    return x[0], x[1], x[2]
+
+
+def velocity(x: Any, p: Drift) -> Any:
+    return p.vx, p.vy, 0.0
+
+
+def pose(x: Any, p: Drift) -> Any:
+    return x[0], x[1], x[2], _bank(x, p), 0.0, 0.0
+
+
+def outside(x: Any, p: Drift) -> float:
+    return 0.0
+
+
+def measured(x: Any, e: Any, p: Drift) -> Any:
+    return x
+
+
 VEHICLE = Vehicle(
     name="drift",
     title="Drift",
@@ -61,19 +89,35 @@ VEHICLE = Vehicle(
     states=tuple(Signal(n, n, "") for n in ("x", "y", "z", "t")),
     inputs=(Signal("pull", "pull", ""), Signal("push", "push", "")),
     limits=(),
-    begin=lambda start, p: (start.x, 0.0, 0.0, 0.0),
-    derivative=lambda t, x, u, env, p: (p.vx, p.vy, 0.0, 1.0),
-    position=lambda x, p: (x[0], x[1], x[2]),
-    velocity=lambda x, p: (p.vx, p.vy, 0.0),
-    pose=lambda x, p: (x[0], x[1], x[2], _bank(x, p), 0.0, 0.0),
-    outside=lambda x, p: 0.0,
-    measured=lambda x, e, p: x,
+    begin=begin,
+    derivative=derivative,
+    position=position,
+    velocity=velocity,
+    pose=pose,
+    outside=outside,
+    measured=measured,
 )
 
 
 class Pulls(NamedTuple):
     pull: Annotated[float, Parameter("", "First input after 1.001 s")] = 0.0
     push: Annotated[float, Parameter("", "Second input, always")] = 0.0
+
+
+def prepare(x: Any, demand: Any, p: Pulls) -> Any:
+    return ()
+
+
+def command(t: float, x: Any, c: Any, demand: Any, p: Pulls) -> Any:
+    return (p.pull if x[3] > 1.001 else 0.0, p.push), ()
+
+
+def steer(t: float, q: Any, v: Any, goal: Goal, bodies: Any, m: Any, p: Nothing) -> Any:
+    return (0.0, 0.0, 0.0), ()
+
+
+def remember(p: Nothing) -> Any:
+    return ()
 
 
 CONTROLLER = Controller(
@@ -83,9 +127,9 @@ CONTROLLER = Controller(
     parameters=Pulls,
     states=0,
     signals=(),
-    prepare={"velocity": lambda x, demand, p: ()},
-    command={"velocity": lambda t, x, c, demand, p: ((p.pull if x[3] > 1.001 else 0.0, p.push), ())},
-    references={"velocity": lambda x, demand, p: ()},
+    prepare={"velocity": prepare},
+    command={"velocity": command},
+    references={"velocity": prepare},
 )
 AVOIDER = Avoider(
     name="nothing",
@@ -95,8 +139,8 @@ AVOIDER = Avoider(
     parameters=Nothing,
     goal=Goal,
     memory=0,
-    steer=lambda t, q, v, goal, bodies, m, p: ((0.0, 0.0, 0.0), ()),
-    remember=lambda p: (),
+    steer=steer,
+    remember=remember,
 )
 FAR = {"obstacles.0.position.x": 1e5, "obstacles.0.position.y": 0.0, "obstacles.0.position.z": 0.0}
 

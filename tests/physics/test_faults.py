@@ -253,6 +253,6 @@ class TestInSpace:
         for lag in range(1, 5):
             kept = g[lag:, first + 3 * (lag - 1) : first + 3 * lag]
             assert kept.tolist() == g[: len(g) - lag, 0:3].tolist()
-        waited = plain(problem.loop._glue["closed_loop"]).__globals__["demand"]
+        waited = problem.loop.part("demand")
         p = problem.loop.extend(problem.nominal)
         assert waited(0.0, (), (), (), tuple(g[10].tolist()), p) == pytest.approx(g[8, 0:3].tolist())

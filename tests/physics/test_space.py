@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from worker.catalogue.installed import components
-from worker.kernels.assemble import Loop
 from worker.kernels.component import Controller, Parameter, Signal, Vehicle, declared
 from worker.kernels.layout import Parts
 from worker.kernels.maths import kernel
+from worker.systems.closed_loop.assemble import Loop
 
 
 class Nothing(NamedTuple):

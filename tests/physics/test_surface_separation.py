@@ -14,10 +14,10 @@ from tests.physics.scenes import cost, uncompiled
 from tests.physics.test_criteria import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.test_obstacles import OBSTACLES, _body, centre
 from worker.catalogue.installed import catalogue, components
-from worker.kernels.assemble import Loop
 from worker.kernels.component import Obstacle, declared
 from worker.kernels.layout import Parts
 from worker.reference import Reference
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.closed_loop.trace import trace
 from worker.systems.problem import Problem
 

@@ -39,7 +39,7 @@ FILES = {
         import json
         import numpy as np
         from component_far.near import helped
-        from worker.kernels.bind import bind, compile_loop, filled
+        from worker.kernels.bind import compile_loop, filled
 
         slot = None
 
@@ -193,6 +193,27 @@ def test_the_digest_looks_into_modules_of_modules() -> None:
     assert digest(one) != digest(other)
 
 
+def test_the_digest_looks_into_a_module_again_for_other_names() -> None:
+    def helper(value: float) -> types.ModuleType:
+        made = types.ModuleType("helper")
+        exec(f"def one(x): return x\ndef two(x): return x + {value}", vars(made))
+        return made
+
+    text = "def a(x): return m.one(x)\ndef f(x): return a(x) + m.two(x)"
+    one, other = (loaded(text, m=helper(k)) for k in (1.0, 2.0))
+    assert digest(one) != digest(other)
+
+
+def test_modules_that_name_each_other_end() -> None:
+    one, other = types.ModuleType("one"), types.ModuleType("other")
+    vars(one)["other"], vars(other)["one"] = other, one
+    exec("def g(x): return other.h(x) if x else 0.0", vars(one))
+    exec("def h(x): return one.g(x - 1.0)", vars(other))
+    made = loaded("def f(x): return one.other.one.g(x)", one=one)
+    assert digest(made) == digest(made)
+    assert plain(made)(3.0) == 0.0
+
+
 @pytest.mark.parametrize(
     ("one", "other"),
     [(np.array([1.0, 2.0]), np.array([1.0, 3.0])), (np.int64(1), np.int64(2)), (np.float32(1), np.float32(2))],
@@ -265,6 +286,24 @@ def test_plain_functions_reach_plain_functions() -> None:
     assert isinstance(made, types.FunctionType)
     assert isinstance(made.__globals__["inner"], types.FunctionType)
     assert made(1.5) == outer(1.5) == 4.0
+
+
+def test_what_is_called_instead_is_called_through_modules_and_closures_too() -> None:
+    """Else the reference would check the polynomials against themselves, without a word."""
+
+    def made(inside: Any) -> Any:
+        @kernel
+        def calls(x: float) -> float:
+            return inside(x)  # type: ignore[no-any-return]
+
+        return calls
+
+    module = types.ModuleType("m")
+    vars(module)["far"], vars(module)["calls"] = types.ModuleType("m.far"), made(inner)
+    vars(vars(module)["far"])["inner"] = inner
+    function = loaded("def f(x): return m.calls(x) + m.far.inner(x)", m=module)
+    assert plain(function)(1.5) == 6.0
+    assert plain(function, {inner: lambda x: 100.0 * x})(1.5) == 300.0
 
 
 def test_where_the_cache_is(monkeypatch: pytest.MonkeyPatch) -> None:

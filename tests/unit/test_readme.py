@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
+import sys
 import types
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from campaigns import check
 from campaigns.asked.load import load_text
 from worker.catalogue.installed import catalogue, components
-from worker.kernels.assemble import Loop
 from worker.kernels.component import Obstacle, declared
 from worker.kernels.layout import Parts
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.problem import Problem
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
@@ -37,8 +39,9 @@ def test_the_campaign_can_be_run() -> None:
     assert batch.costs.shape == (3, 3)
 
 
-def test_the_component_flies() -> None:
+def test_the_component_flies(monkeypatch: pytest.MonkeyPatch) -> None:
     module = types.ModuleType("post")
+    monkeypatch.setitem(sys.modules, "post", module)
     exec(compile(block("python"), "post.py", "exec", dont_inherit=True), module.__dict__)
     post: Obstacle = module.component
     assert [p.name for p in declared(post.parameters)] == ["x", "y"]

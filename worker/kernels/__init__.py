@@ -1,4 +1,4 @@
-"""The wall around everything compiled: decorator, lane maths, the one closed loop, and what fills its slots.
+"""The compiler: decorator, lane maths, the one loop, and the text that is written between it and the components.
 
-Imports nothing of ours. Start reading at `loop.fly`, then `glue.closed_loop`, then `bind.bind`.
+Imports nothing of ours. Start reading at `loop.fly`, then `text.written`, then `bind.compile_loop`.
 """

@@ -2,7 +2,7 @@
 
 A slot is a global name of the template: filling rebinds the function's globals, no closure is made, so numba's disk
 cache is hit by every later process. The digest in the bound function's name covers every function and constant
-reachable from it, by value: an edit to a helper three imports away recompiles. Start reading at `bind`.
+reachable from it, by value: an edit to a helper three imports away recompiles. Start reading at `compile_loop`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import os
 import sys
 import types
 from collections.abc import Callable, Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from numba import config
 from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
-from worker.kernels.maths import FLAGS, kernel
+from worker.kernels.maths import FLAGS
 
 Function = Callable[..., Any]
 
@@ -36,18 +35,6 @@ def cache_folder() -> Path:
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
     config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
-
-
-def bind(template: Function, slots: dict[str, Any]) -> Any:
-    """The template as a kernel, with its slots filled; to be used in further slots."""
-    if not slots:
-        return _unfilled(template)
-    return kernel(filled(template, slots))
-
-
-@cache
-def _unfilled(template: Function) -> Any:
-    return kernel(filled(template, {}))
 
 
 def compile_loop(bound: Function, name: str, flags: Mapping[str, Any] = FLAGS) -> Any:
@@ -104,25 +91,46 @@ def _plain(function: Any, done: dict[int, Any], make: Callable[[Function], Any] 
     source = _python(function)
     if id(source) in done:
         return done[id(source)]
-    if not _ours(source):
+    if _foreign(getattr(source, "__module__", "")):
         return function
     scope = dict(source.__globals__)
-    copy = types.FunctionType(source.__code__, scope, source.__name__, source.__defaults__, source.__closure__)
+    cells = tuple(types.CellType() for _ in source.__closure__ or ())
+    copy = types.FunctionType(source.__code__, scope, source.__name__, source.__defaults__, cells or None)
     done[id(source)] = copy
-    for name in source.__code__.co_names:
-        value = scope.get(name)
-        if isinstance(value, (Dispatcher, types.FunctionType)):
-            scope[name] = _plain(value, done, make)
+    names, modules = _names(source.__code__), dict[int, types.ModuleType]()
+    for name in names & scope.keys():
+        scope[name] = _plain_global(scope[name], names, modules, done, make)
+    for cell, old in zip(cells, source.__closure__ or (), strict=True):
+        cell.cell_contents = _plain_global(old.cell_contents, names, modules, done, make)
     done[id(source)] = make(copy)
     return done[id(source)]
 
 
-def _ours(function: types.FunctionType) -> bool:
+def _plain_global(
+    value: Any,
+    names: set[str],
+    modules: dict[int, types.ModuleType],
+    done: dict[int, Any],
+    make: Callable[[Function], Any],
+) -> Any:
+    """What a plain function has in place of a global; of a module of ours a copy, with what its code may name in it."""
+    if isinstance(value, (Dispatcher, types.FunctionType)):
+        return _plain(value, done, make)
+    if not isinstance(value, types.ModuleType) or _foreign(value.__name__):
+        return value
+    if id(value) not in modules:
+        copy = modules[id(value)] = types.ModuleType(value.__name__)
+        for name in names & vars(value).keys():
+            vars(copy)[name] = _plain_global(vars(value)[name], names, modules, done, make)
+    return modules[id(value)]
+
+
+def _foreign(module: str) -> bool:
     """Numpy's and the standard library's functions are known by their versions and stay as they are."""
-    return getattr(function, "__module__", "").partition(".")[0] not in ("numpy", "math", "numba", "builtins")
+    return module.partition(".")[0] in ("numpy", "math", "numba", "builtins")
 
 
-def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[int, int]) -> None:
+def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[Any, int]) -> None:
     """Feed everything a compiled function depends on; `seen` gives a repeated object the number of its first visit."""
     if isinstance(value, _Intrinsic):
         value = value._defn
@@ -167,16 +175,15 @@ def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[int, int]) -> No
         feed(f"{type(value).__module__}.{type(value).__qualname__}:{getattr(value, '__name__', '')};".encode())
 
 
-def _walk_global(value: Any, names: set[str], feed: Callable[[bytes], None], seen: dict[int, int]) -> None:
+def _walk_global(value: Any, names: set[str], feed: Callable[[bytes], None], seen: dict[Any, int]) -> None:
     """A global; of a module of ours, whatever the function's code may name in it and in the modules it holds."""
     if isinstance(value, types.ModuleType):
         feed(f"module:{value.__name__};".encode())
-        if value.__name__.partition(".")[0] in ("numpy", "math", "numba"):
+        # Other code may name other things in the same module: it has been visited only if the names are the same.
+        visit = id(value), frozenset(names)
+        if _foreign(value.__name__) or visit in seen:
             return
-        if id(value) in seen:
-            feed(f"again:{seen[id(value)]};".encode())
-            return
-        seen[id(value)] = len(seen)
+        seen[visit] = len(seen)
         for name in sorted(names & vars(value).keys()):
             feed(f"{name}=".encode())
             _walk_global(vars(value)[name], names, feed, seen)
@@ -192,7 +199,7 @@ def _names(code: types.CodeType) -> set[str]:
     return found
 
 
-def _walk_code(code: types.CodeType, feed: Callable[[bytes], None], seen: dict[int, int]) -> None:
+def _walk_code(code: types.CodeType, feed: Callable[[bytes], None], seen: dict[Any, int]) -> None:
     feed(code.co_code)
     feed(repr((code.co_names, code.co_varnames, code.co_freevars, code.co_argcount)).encode())
     for constant in code.co_consts:

@@ -1,7 +1,8 @@
 """What a component is: typed parameters with unit, limits and text, and the kernels that fill the loop's slots.
 
 One file declares one component as its module attribute `component`; the file's docstring is its documentation.
-Start reading at `Vehicle`; parameters are in `parameters`; CONTRIBUTING in the README shows a whole file.
+Start reading at `Vehicle`; parameters are in `parameters`, the kernels' types with their units in `signatures`;
+CONTRIBUTING in the README shows a whole file.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from worker.kernels import signatures as sig
 from worker.kernels.parameters import Declared, Parameter, declared, extended
 
 __all__ = [
@@ -34,7 +36,6 @@ __all__ = [
     "extended",
 ]
 
-Kernel = Callable[..., Any]
 Switches = Callable[[Any, float], list[float]]
 """switches(parameters or derived constants, horizon [s]) -> instants [s] at which it jumps, in plain Python."""
 
@@ -84,20 +85,12 @@ class Derived:
     """
 
     constants: type
-    derive: Kernel
+    derive: sig.Derive
 
 
 @dataclass(frozen=True)
 class Vehicle:
-    """A vehicle. Its kernels, x being its state and p its parameters or derived constants:
-
-    begin(start, p) -> x; derivative(t, x, u, env, p) -> dx with env as views.Surroundings; position(x, p) and
-    velocity(x, p) in the world frame [m], [m/s]; pose(x, p) -> (x, y, z, roll, pitch, yaw) [m], [rad];
-    outside(x, p) -> 0.0 inside the envelope, else the number of the limit exceeded, from 1.0;
-    measured(x, errors, p) -> x as navigation reports it, errors as views.Errors;
-    settle(x, p) -> x after each step, where the vehicle has stops of its own;
-    felt(x, env, p) -> x as measured, to the controller of a vehicle that feels the air and not the ground.
-    """
+    """A vehicle."""
 
     name: str
     title: str
@@ -107,15 +100,15 @@ class Vehicle:
     states: tuple[Signal, ...]
     inputs: tuple[Signal, ...]
     limits: tuple[Limit, ...]
-    begin: Kernel
-    derivative: Kernel
-    position: Kernel
-    velocity: Kernel
-    pose: Kernel
-    outside: Kernel
-    measured: Kernel
-    settle: Kernel | None = None
-    felt: Kernel | None = None
+    begin: sig.Begin
+    derivative: sig.Derivative
+    position: sig.Located
+    velocity: sig.Moving
+    pose: sig.Posed
+    outside: sig.Outside
+    measured: sig.Measured
+    settle: sig.Settle | None = None
+    felt: sig.Felt | None = None
     derived: Derived | None = None
     trim: Trim | None = None
     frame: Frame = "enu"
@@ -125,12 +118,11 @@ class Vehicle:
 
 @dataclass(frozen=True)
 class Controller:
-    """A controller of the vehicles it fits. Its kernels, c being its own state:
+    """A controller of the vehicles it fits.
 
-    prepare(x, demand, p) -> c; command(t, x, c, demand, p) -> (u, dc); references(x, demand, p) -> what it aims at.
-    `command` holds one kernel per kind of demand it accepts: it owns the mapping from the demand to its references.
-    Where it has translate(x, demand, p) -> as many numbers as a demand has, the others receive these in place of the
-    demand: with sampled guidance they are worked out once a sample and held, as an autopilot holds its references.
+    It has one kernel per kind of demand it accepts: it owns the mapping from the demand to its references. Where it has
+    `translate`, the others receive its result in place of the demand: with sampled guidance it is computed once a
+    sample and held, as an autopilot holds its references.
     """
 
     name: str
@@ -139,24 +131,22 @@ class Controller:
     parameters: type
     states: int
     signals: tuple[Signal, ...]
-    prepare: dict[str, Kernel]
-    command: dict[str, Kernel]
-    references: dict[str, Kernel]
-    translate: dict[str, Kernel] | None = None
+    prepare: dict[str, sig.Prepare]
+    command: dict[str, sig.Command]
+    references: dict[str, sig.References]
+    translate: dict[str, sig.Translate] | None = None
     derived: Derived | None = None
     role: Literal["controller"] = "controller"
 
 
 @dataclass(frozen=True)
 class Avoider:
-    """An avoidance algorithm. Its kernels, m being its memory between samples:
+    """An avoidance algorithm.
 
-    steer(t, position, velocity, goal, bodies, m, p) -> (demand, m); remember(p) -> m at the start.
-    The demand is a world-frame force or velocity of the given dimension. `frame`: the axes that it takes for granted,
-    where it has a sense of up, right or heading of its own; None where it is the same in all.
-    Where it has weigh(so_far, number, body, t, position, velocity, goal, m, p) -> so_far, which every obstacle goes
-    through in turn from first(t, position, velocity, goal, m, p) -> so_far on, steer receives the last so_far in place
-    of the bodies: a loop over bodies with much to do in it would not vectorise.
+    `frame`: the axes that it takes for granted, where it has a sense of up, right or heading of its own; None where it
+    is the same in all. Where it has `weigh`, every obstacle goes through it in turn, from what `first` returns on, and
+    `steer` receives the last result in place of the bodies: a loop over bodies with much to do in it would not
+    vectorise.
     """
 
     name: str
@@ -166,10 +156,10 @@ class Avoider:
     parameters: type
     goal: type
     memory: int
-    steer: Kernel
-    remember: Kernel
-    weigh: Kernel | None = None
-    first: Kernel | None = None
+    steer: sig.Steer
+    remember: sig.Wake
+    weigh: sig.Weigh | None = None
+    first: sig.First | None = None
     derived: Derived | None = None
     frame: Frame | None = None
     role: Literal["avoider"] = "avoider"
@@ -189,10 +179,7 @@ class Reach:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """An obstacle or intruder. Its kernels, o being its own state where it has one:
-
-    body(t, o, q, p) -> views.Body (plane) or views.Body3 (space) as seen from q; wake(p) -> o at the start;
-    move(t, o, q, v, p) -> do, q and v being the true position and velocity of the vehicle.
+    """An obstacle or intruder; with states of its own it has `wake` and `move`.
 
     `reach`: the largest distance of a point inside it from the centre that `body` reports. `frame` as in `Avoider`.
     """
@@ -201,10 +188,10 @@ class Obstacle:
     title: str
     dimension: Literal[2, 3]
     parameters: type
-    body: Kernel
+    body: sig.Shown
     states: int = 0
-    wake: Kernel | None = None
-    move: Kernel | None = None
+    wake: sig.Wake | None = None
+    move: sig.Move | None = None
     moving: bool = False
     derived: Derived | None = None
     reach: Reach | None = None
@@ -214,10 +201,9 @@ class Obstacle:
 
 @dataclass(frozen=True)
 class Environment:
-    """A part of the environment. blow(t, q, v, e, p) -> (views.Surroundings, de); wake(p) -> e at the start.
+    """A part of the environment.
 
-    q and v are the true position and velocity in space, whatever the dimension (z = 0 in the plane).
-    One with noise may have draw(t, p) -> n, so many `draws` that change at its `switches` alone; blow takes n before p.
+    One with noise may have a `draw` of so many `draws`, which change at its `switches` alone; blow takes them before p.
     With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`, `frame`
     as in `Avoider`.
     """
@@ -225,10 +211,10 @@ class Environment:
     name: str
     title: str
     parameters: type
-    blow: Kernel
+    blow: sig.Blow
     states: int = 0
-    wake: Kernel | None = None
-    draw: Kernel | None = None
+    wake: sig.Wake | None = None
+    draw: sig.Draw | None = None
     draws: int = 0
     derived: Derived | None = None
     switches: Switches | None = None
@@ -238,14 +224,7 @@ class Environment:
 
 @dataclass(frozen=True)
 class Fault:
-    """An error or failure in one of the loop's paths. Its kernel, by path:
-
-    perception: see(t, index, own, v, body, p) -> views.Sight; own is (x, y, z, roll, pitch, yaw), v its velocity (3),
-    as the vehicle believes, body the obstacle as views.Body3, whatever the dimension;
-    timing: delay(t, p) -> views.Seen, the instant at which obstacles are seen;
-    navigation: mistake(t, p) -> views.Errors;
-    guidance: wait(p) -> by how many guidance periods the demand is late, guidance.KEPT at most;
-    actuator: act(t, u, a, p) -> (u, da) for the one input it is `on`, a being its own state; rest(u, p) -> a at first.
+    """An error or failure in one of the loop's paths, which decides which kernel it has.
 
     With the defaults of all its parameters it changes nothing: they are its zero magnitude. A parameter named `seed`
     selects a realisation: the campaign gives it, apart for every component and realisation. `switches` tells the
@@ -256,9 +235,9 @@ class Fault:
     title: str
     path: Literal["perception", "timing", "navigation", "guidance", "actuator"]
     parameters: type
-    kernel: Kernel
+    kernel: sig.See | sig.Delay | sig.Mistake | sig.Wait | sig.Act
     states: int = 0
-    rest: Kernel | None = None
+    rest: sig.Rest | None = None
     derived: Derived | None = None
     switches: Switches | None = None
     frame: Frame | None = None
@@ -267,16 +246,14 @@ class Fault:
 
 @dataclass(frozen=True)
 class Criterion:
-    """What a flight is judged by. Its kernels, `sample` one per dimension it has a meaning in:
+    """What a flight is judged by; `sample` has one kernel per dimension it has a meaning in.
 
-    sample(t, position, velocity, x, u, to, p) -> (channel,) at one instant, with the true state x and the inputs u that
-    arrive. `to` is what it is `of`: each obstacle as views.Body or Body3, a channel for each; the goal's place; or the
-    vehicle's pose. value(reading, p) -> its value in its own sign, from what `over` makes of each channel: the lowest
-    over the flight, refined between steps by a parabola (a smooth channel) or at the steps (one that may jump), or the
+    `of`: each obstacle, a channel for each; the goal; or the flight. `over`: what becomes of a channel: the lowest over
+    the flight, refined between steps by a parabola (a smooth channel) or at the steps (one that may jump), or the
     first instant [s] at which it is not above 0, the horizon where there is none.
 
     `worse`: which end is sought. One that is worse when low may decide: its first parameter is `threshold`, its value
-    must stay above it, and excluded(first, p) tells whether the first reading bars the flight.
+    must stay above it, and it has `excluded`.
     `measured_to`: the point of an obstacle that its distances end at; "" where it reads no distances to obstacles.
     """
 
@@ -285,9 +262,9 @@ class Criterion:
     quantity: str
     unit: str
     parameters: type
-    sample: dict[int, Kernel]
-    value: Kernel
-    excluded: Kernel | None = None
+    sample: dict[int, sig.Sample]
+    value: sig.Value
+    excluded: sig.Excluded | None = None
     worse: Literal["low", "high"] = "low"
     of: Literal["obstacles", "goal", "flight"] = "obstacles"
     over: Literal["refined", "steps", "crossing"] = "refined"

@@ -148,15 +148,6 @@ class States:
     def total(self) -> int:
         return self.vehicle + self.controller + self.actuators + self.environment + self.obstacles
 
-    def slots(self) -> dict[str, int]:
-        """The constant slices of the glue."""
-        ends = [self.vehicle]
-        for length in (self.controller, self.actuators, self.environment, self.obstacles):
-            ends.append(ends[-1] + length)
-        names = ("XC", "XA", "XE", "XO")
-        slots = {f"{n}0": a for n, a in zip(names, ends, strict=False)}
-        return slots | {f"{n}1": b for n, b in zip(names, ends[1:], strict=True)} | {"N_V": self.vehicle}
-
 
 def states(parts: Parts) -> States:
     """How many states each part of the loop has."""

@@ -1,7 +1,7 @@
 """The one closed loop: classical Runge-Kutta of order 4 over LANES simulations in lockstep. A template with slots.
 
 Butcher, Numerical Methods for ODEs (2016), section 322; every lane does the same arithmetic whatever the others hold,
-so an evaluation's bits never depend on its batch. Start reading at `fly`; `bind.bind` fills the slots.
+so an evaluation's bits never depend on its batch. Start reading at `fly`; `assemble` fills the slots.
 """
 
 from __future__ import annotations

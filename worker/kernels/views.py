@@ -86,6 +86,12 @@ class Errors(NamedTuple):
     speed: float
 
 
+CLEAR_SIGHT = Sight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+NO_ERRORS = Errors(0.0, 0.0, 0.0, 0.0, 0.0)
+STILL = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""No wind, level ground; without a fault of perception or navigation, the two above."""
+
+
 @kernel
 def moved_by(error: Sight, time: float, vx: float, vy: float, vz: float) -> Sight:
     """A displacement, and more along a velocity for a time."""
@@ -94,60 +100,54 @@ def moved_by(error: Sight, time: float, vx: float, vy: float, vz: float) -> Sigh
     )
 
 
-def point2(q: Any) -> tuple[float, float, float]:
-    """A plane vector in space."""
-    return q[0], q[1], 0.0
+@kernel
+def both_sights(a: Sight, b: Sight) -> Sight:
+    """What two faults of perception add together."""
+    return Sight(a.x + b.x, a.y + b.y, a.z + b.z, a.vx + b.vx, a.vy + b.vy, a.vz + b.vz, a.visible * b.visible)
 
 
-def point3(q: Any) -> tuple[float, float, float]:
-    """A vector in space as it is."""
-    return q  # type: ignore[no-any-return]
+@kernel
+def both_errors(a: Errors, b: Errors) -> Errors:
+    """What two faults of navigation add together."""
+    return Errors(a.x + b.x, a.y + b.y, a.z + b.z, a.heading + b.heading, a.speed + b.speed)
 
 
-def solid2(b: Any) -> Body3:
+@kernel
+def both_surroundings(a: Surroundings, b: Surroundings) -> Surroundings:
+    """What two parts of the environment do together."""
+    return Surroundings(
+        a.wind_x + b.wind_x,
+        a.wind_y + b.wind_y,
+        a.wind_z + b.wind_z,
+        a.slope_x + b.slope_x,
+        a.slope_y + b.slope_y,
+        a.rolling + b.rolling,
+    )
+
+
+@kernel
+def solid2(b: Body) -> Body3:
     """An obstacle in the plane as one in space."""
     return Body3(b.x, b.y, 0.0, b.vx, b.vy, 0.0, b.radius, b.gap, b.nx, b.ny, 0.0)
-
-
-def solid3(b: Any) -> Body3:
-    """An obstacle in space as it is."""
-    return b  # type: ignore[no-any-return]
-
-
-def centre2(b: Any) -> tuple[float, float, float]:
-    """The centre of an obstacle in the plane."""
-    return b.x, b.y, 0.0
-
-
-def centre3(b: Any) -> tuple[float, float, float]:
-    """The centre of an obstacle in space."""
-    return b.x, b.y, b.z
-
-
-def place2(goal: Any) -> tuple[float, float]:
-    """Where a goal in the plane is."""
-    return goal.x, goal.y
-
-
-def place3(goal: Any) -> tuple[float, float, float]:
-    """Where a goal in space is."""
-    return goal.x, goal.y, goal.z
 
 
 FAR = 1e7
 """Where an obstacle that is not seen is shown: beyond the reach of any avoider [m]."""
 
 
+@kernel
 def shifted2(q: Any, error: Sight) -> Any:
     """From where a displaced obstacle in the plane looks as it does."""
     return q[0] - error.x, q[1] - error.y
 
 
+@kernel
 def shifted3(q: Any, error: Sight) -> Any:
     """From where a displaced obstacle in space looks as it does."""
     return q[0] - error.x, q[1] - error.y, q[2] - error.z
 
 
+@kernel
 def shown2(b: Any, error: Sight, q: Any) -> Body:
     """An obstacle in the plane as perceived: displaced, or far away when it is not seen."""
     seen = error.visible > 0.5
@@ -163,6 +163,7 @@ def shown2(b: Any, error: Sight, q: Any) -> Body:
     )
 
 
+@kernel
 def shown3(b: Any, error: Sight, q: Any) -> Body3:
     """An obstacle in space as perceived: displaced, or far away when it is not seen."""
     seen = error.visible > 0.5

@@ -16,10 +16,10 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-from worker.kernels.assemble import LIBRARY, Loop
 from worker.kernels.bind import Function, compile_loop, digest, filled, identity, rebuilt
 from worker.kernels.lanes import lane_ops
 from worker.reference import closed, flight, stepper
+from worker.systems.closed_loop.assemble import LIBRARY, Loop
 
 STRICT: dict[str, Any] = {"error_model": "numpy"}
 """A division by zero gives infinity, which ends the flight as not finite."""

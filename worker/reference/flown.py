@@ -14,10 +14,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from worker.kernels.assemble import Loop
 from worker.reference import flight, plain
 from worker.reference.instants import Stretches, Timetable
 from worker.reference.stepper import CHANNEL_ROWS, ROWS
+from worker.systems.closed_loop.assemble import Loop
 from worker.systems.evaluate import usual_threads
 from worker.systems.problem import Floats, Problem
 

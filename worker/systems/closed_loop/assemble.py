@@ -1,4 +1,5 @@
-"""From components to a compiled loop: lays out the flat parameter vector, fills every slot, compiles or stays plain.
+"""From components to a compiled loop: lays out the flat parameter vector, writes the text that stands between the
+components and the loop, fills the loop's slots, compiles or stays plain.
 
 Start reading at `assemble`; `Loop` is what the rest of the worker flies.
 """
@@ -12,12 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.kernels import glue, guidance, links, loop, maths
-from worker.kernels.bind import Function, bind, compile_loop, digest, filled, plain
-from worker.kernels.chains import chains
+from worker.kernels import guidance, loop, maths
+from worker.kernels.bind import Function, compile_loop, digest, filled, plain
 from worker.kernels.component import Signal
 from worker.kernels.lanes import LaneOps, lane_ops, plain_ops
-from worker.kernels.layout import Parts, channels, derivations, places, sections, states
+from worker.kernels.layout import Parts, channels, places, sections, states
+from worker.kernels.text.module import loaded
+from worker.kernels.text.written import written
 
 Floats = NDArray[np.float64]
 
@@ -60,7 +62,9 @@ class Loop:
         self.n_state = self.states.total
         self.n_held = parts.vehicle.dimension * (1 + guidance.KEPT * parts.late) + parts.avoider.memory
         self.channels = channels(parts)
-        self._glue = _glue(self)
+        self.text = written(parts)
+        """What stands between the components and the loop, as it is simulated."""
+        self.module = loaded(self.text, parts.vehicle.name)
         self._plain: dict[tuple[str, bool], Any] = {}
 
     @cached_property
@@ -113,23 +117,24 @@ class Loop:
         return seen
 
     def part(self, name: str, library: bool = False) -> Function:
-        """A part of the glue in plain Python: bodies, initial, blank, guide, asked_at, closed_loop, envelope, cost, ...
+        """A function of the module in plain Python: bodies, initial, blank, guide, asked_at, closed_loop, cost, ...
 
         All take the extended vector of parameters, which `extend` makes. With `library` they call the platform's
         elementary functions, in place of those of `maths`.
         """
         if (name, library) not in self._plain:
-            self._plain[name, library] = plain(self._glue[name], LIBRARY if library else None)
+            self._plain[name, library] = plain(self.kernel(name), LIBRARY if library else None)
         return self._plain[name, library]  # type: ignore[no-any-return]
 
     def kernel(self, name: str) -> Any:
-        """The same part as a kernel, for other compiled code."""
-        return self._glue[name]
+        """The same function as a kernel, for other compiled code."""
+        return vars(self.module)[name]
 
     @property
     def drawing(self) -> tuple[tuple[Any, int], ...]:
         """Kernels (t, extended parameters) -> noise that changes at known instants alone; each with its count."""
-        return self._glue["drawing"]  # type: ignore[no-any-return]
+        parts = enumerate(self.parts.environment)
+        return tuple((self.kernel(f"drawn_{i}"), part.draws) for i, part in parts if part.draw is not None)
 
     @property
     def digest(self) -> str:
@@ -152,7 +157,7 @@ class Loop:
         return compile_loop(bound, f"{self.parts.vehicle.name}_{template.__name__}_{self.lanes}")
 
     def _filled(self, template: Function, names: tuple[str, ...]) -> Function:
-        return filled(template, {name: self._glue[name] for name in names} | _layout(self))
+        return filled(template, {name: self.kernel(name) for name in names} | _layout(self))
 
 
 def _layout(made: Loop) -> dict[str, Any]:
@@ -184,110 +189,3 @@ def _layout(made: Loop) -> dict[str, Any]:
 
 def _ops(make: Any, rows: int, lanes: int) -> LaneOps:
     return make(rows, lanes)  # type: ignore[no-any-return]
-
-
-def _glue(made: Loop) -> dict[str, Any]:
-    """The parts of the glue that the loop calls, every slot filled."""
-    slots = _constants(made) | _components(made.parts) | chains(made.parts, made.extended)
-    slots["kept"] = _filled(guidance.four_kept if made.parts.late else guidance.none_kept, slots)
-    slots["demand"] = _filled(_demand(made.parts), slots)
-    slots |= _translation(made.parts, slots)
-    parts = {"extend": _extend(made)} | {name: slots[name] for name in ("bodies", "costs_of", "on_sample", "drawing")}
-    names = (
-        "aware",
-        "asked_at",
-        "guide",
-        "blank",
-        "initial",
-        "closed_loop",
-        "settled",
-        "envelope",
-        "cost",
-        "barred",
-        "observation",
-    )
-    for name in names:
-        parts[name] = slots[name] = _filled(getattr(glue, name), slots)
-    return parts
-
-
-def _demand(parts: Parts) -> Function:
-    if not parts.sampled:
-        return guidance.asked
-    return guidance.waited if parts.late else guidance.held
-
-
-def _steer(parts: Parts) -> Any:
-    """The avoider's kernel; of one that weighs the obstacles, with them all in a row."""
-    avoider = parts.avoider
-    if avoider.weigh is None:
-        return avoider.steer
-    weighed = bind(links.unweighed, {"first": avoider.first})
-    for i in range(len(parts.obstacles)):
-        weighed = bind(links.more_weighed, {"weigh": avoider.weigh, "before": weighed, "INDEX": i})
-    return bind(guidance.steered, {"decide": avoider.steer, "weighed": weighed})
-
-
-def _translation(parts: Parts, slots: dict[str, Any]) -> dict[str, Any]:
-    """Where a demand becomes the controller's: at the sample; but one that comes late is blended as it was given."""
-    once = parts.sampled and not parts.late
-    plainly = bind(guidance.as_demanded, {})
-    if parts.controller.translate is None:
-        return {"on_sample": plainly, "on_use": plainly}
-    with_it = _filled(guidance.translated, slots | {"translate": parts.controller.translate[parts.avoider.demand]})
-    return {"on_sample": with_it, "on_use": plainly} if once else {"on_sample": plainly, "on_use": with_it}
-
-
-def _filled(template: Function, slots: dict[str, Any]) -> Any:
-    return bind(template, {k: v for k, v in slots.items() if k in template.__globals__})
-
-
-def _constants(made: Loop) -> dict[str, Any]:
-    dimension, late = made.parts.vehicle.dimension, made.parts.late
-    slots: dict[str, Any] = {
-        **made.states.slots(),
-        "N_X": made.n_state,
-        "N_G": made.n_held,
-        "DIMENSION": dimension,
-        "NO_DEMAND": (0.0,) * dimension,
-        "M1": dimension + made.parts.avoider.memory,
-        "M2": made.n_held - dimension,
-        "NOTHING_KEPT": (0.0,) * (guidance.KEPT * dimension * late),
-    }
-    letters = {"V": "vehicle", "C": "controller", "A": "avoider", "S": "start", "G": "goal", "K": "criterion"}
-    for letter, prefix in letters.items():
-        place = made.extended[prefix]
-        slots[prefix.title()] = place.fields
-        slots[f"{letter}0"], slots[f"{letter}1"] = place.first, place.last
-    slots["Y0"], slots["Y1"] = made.channels.of["criterion"]
-    return slots
-
-
-def _components(parts: Parts) -> dict[str, Any]:
-    kind = parts.avoider.demand
-    names = ("begin", "derivative", "position", "velocity", "outside", "pose", "measured")
-    return {
-        **{name: getattr(parts.vehicle, name) for name in names},
-        "settle": parts.vehicle.settle or glue.settle,
-        "felt": parts.vehicle.felt or bind(glue.as_measured, {}),
-        "prepare": parts.controller.prepare[kind],
-        "command": parts.controller.command[kind],
-        "references": parts.controller.references[kind],
-        "steer": _steer(parts),
-        "remember": parts.avoider.remember,
-        "value": parts.criterion.value,
-        "excluded": parts.criterion.excluded,
-    }
-
-
-def _extend(made: Loop) -> Any:
-    """The kernel that appends what each component derives from its parameters."""
-    extend = bind(links.as_given, {})
-    balance = bind(links.no_balance, {})
-    trim = made.extended.get("trim")
-    if trim is not None:
-        balance = bind(links.balanced, {"Trimmed": trim.fields, "T0": trim.first, "T1": trim.last})
-    for section, derived in derivations(made.parts, made.sections):
-        own = {"Given": section.fields, "derive": derived.derive, "E0": section.first, "E1": section.last}
-        extend = bind(links.with_derived, own | {"before": extend, "balance": balance})
-    return extend

@@ -1,0 +1,25 @@
+"""`clearance explain FILE`: prints the closed loop of a campaign as it is simulated, as plain Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def explain(
+    file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
+) -> None:
+    """Print the closed loop that is simulated: which component is called when, and with what."""
+    from worker.cli import WrongInputError
+    from worker.cli._campaign import read_campaign
+    from worker.kernels.text.names import UnnamedError
+    from worker.systems.problem import CampaignUnusable, Problem
+
+    try:
+        loop = Problem(read_campaign(file), compiled=False).loop
+    except (CampaignUnusable, UnnamedError) as error:
+        raise WrongInputError(str(error)) from None
+    typer.echo(loop.text, nl=False)
+    typer.echo(f"The file to set breakpoints in: {loop.module.__file__}", err=True)

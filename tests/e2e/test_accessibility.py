@@ -77,6 +77,7 @@ VIEW = ViewState(
         axes=("vehicle.m", "vehicle.J", "value"),
     ),
     what_if=None,
+    what_if_seed=None,
 ).model_dump(mode="json")
 """What an open 3D view would answer."""
 

@@ -1,7 +1,7 @@
 """What a component is: typed parameters with unit, limits and text, and the kernels that fill the loop's slots.
 
 One file declares one component as its module attribute `component`; the file's docstring is its documentation.
-Start reading at `Vehicle`; parameters are in `parameters`; CONTRIBUTING in the README shows a whole file.
+Start reading at `Vehicle`; parameters are in `parameters`; docs/your-own-component.md shows a whole file.
 """
 
 from __future__ import annotations

@@ -165,3 +165,16 @@ def test_the_guide_lists_every_method() -> None:
     fixed = re.search(r"can be extended, except (.*)", TEXTS["methods.md"])
     assert fixed is not None
     assert re.findall(r"`(\w+)`", fixed[1]) == sorted(m.name for m in methods().values() if m.extend is None)
+
+
+def test_every_test_that_holds_a_decision_exists() -> None:
+    decisions = (REPOSITORY / "DECISIONS.md").read_text(encoding="utf-8")
+    held = re.findall(r"\*Held\s+by\*\s+(.*?)\.\n(?=- |\n|\Z)", decisions, re.DOTALL)
+    assert len(held) > 50
+    for entry in held:
+        file = ""
+        for name in re.findall(r"`([^`]+)`", entry):
+            if "/" in name:
+                file = (REPOSITORY / name).read_text(encoding="utf-8")
+            else:
+                assert re.search(rf"def {name}\b", file), name

@@ -3,6 +3,7 @@
 FROM node:22-slim AS pages
 WORKDIR /app
 COPY tools tools
+COPY docs docs
 COPY frontend frontend
 RUN tools/image.sh pages
 

@@ -15,7 +15,7 @@ if [ "$(cat "$installed" 2>/dev/null || true)" != "$wanted" ]; then
 fi
 
 built=node_modules/.built
-mapfile -d '' -t sources < <(find . -path ./node_modules -prune -o -path ./dist -prune -o -path ./src/client -prune \
+mapfile -d '' -t sources < <(find . ../docs -path ./node_modules -prune -o -path ./dist -prune -o -path ./src/client -prune \
     -o -type f ! -name '*.tsbuildinfo' -print0 | sort -z)
 wanted="$(digest "${sources[@]}")"
 if [ ! -f dist/index.html ] || [ "$(cat "$built" 2>/dev/null || true)" != "$wanted" ]; then

@@ -32,7 +32,7 @@ check() {
     local folder="$1"
     [ ! -e "$folder" ] || fail "$folder exists already"
     mkdir -p "$folder"
-    git archive HEAD backend campaigns worker tools frontend pyproject.toml requirements.lock README.md |
+    git archive HEAD backend campaigns worker tools frontend docs pyproject.toml requirements.lock README.md |
         tar -x -C "$folder"
     for step in packages pages app; do
         say "== $step"

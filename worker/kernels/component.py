@@ -2,7 +2,7 @@
 
 One file declares one component as its module attribute `component`; the file's docstring is its documentation.
 Start reading at `Vehicle`; parameters are in `parameters`, the kernels' types with their units in `signatures`;
-CONTRIBUTING in the README shows a whole file.
+docs/your-own-component.md shows a whole file.
 """
 
 from __future__ import annotations

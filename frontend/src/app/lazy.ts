@@ -10,6 +10,7 @@ export const lazy = {
   evidence: () => import('../help/EvidencePage'),
   methods: () => import('../help/MethodsPage'),
   components: () => import('../help/ComponentsPage'),
+  guide: () => import('../help/GuidePage'),
 }
 
 /** The code of the page at an address, where it is one of those opened most. */

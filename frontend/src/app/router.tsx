@@ -87,6 +87,12 @@ const components = createRoute({
   component: lazyRouteComponent(lazy.components, 'ComponentsPage'),
 })
 
+const guide = createRoute({
+  getParentRoute: () => root,
+  path: '/help/guides/$name',
+  component: lazyRouteComponent(lazy.guide, 'GuidePage'),
+})
+
 const compare = createRoute({
   getParentRoute: () => root,
   path: '/compare',
@@ -95,7 +101,7 @@ const compare = createRoute({
 })
 
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, evidence, methods, components, compare]),
+  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, evidence, methods, components, guide, compare]),
   defaultPreload: 'intent',
   parseSearch,
   stringifySearch,

@@ -1,6 +1,7 @@
 // The frame of the help pages: what there is, beside what is read.
 import { Link } from '@tanstack/react-router'
 import { type ReactNode, useEffect } from 'react'
+import { GUIDES } from './guides'
 
 export interface Entry {
   id: string
@@ -43,6 +44,18 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
               <li key={topic.to}>
                 <Link to={topic.to} activeOptions={{ exact: true }} activeProps={{ 'aria-current': 'page' }}>
                   {topic.name}
+                </Link>
+              </li>
+            ))}
+          </ul>
+        </section>
+        <section>
+          <h2>Guides</h2>
+          <ul>
+            {GUIDES.filter(({ name }) => name !== 'index').map(({ name, title }) => (
+              <li key={name}>
+                <Link to="/help/guides/$name" params={{ name }} activeProps={{ 'aria-current': 'page' }}>
+                  {title}
                 </Link>
               </li>
             ))}

@@ -1,5 +1,6 @@
 // Where a jump can lead, beside runs: pages, the library's campaigns, and the help's topics. Start reading at `placesOf`.
 import type { Catalogue, LibraryCampaign } from '../client'
+import { GUIDES } from '../help/guides'
 import { idOfComponent } from '../help/links'
 
 export interface Place {
@@ -34,7 +35,8 @@ export function placesOf(library: readonly LibraryCampaign[], catalogue: Catalog
     const note = role.charAt(0).toUpperCase() + role.slice(1) + space
     return { to: `/help/components#${idOfComponent(role, name)}`, group: 'Help', name: title, note }
   })
-  return [...PAGES, ...campaigns, ...methods, ...components]
+  const guides = GUIDES.map(({ name, title }): Place => ({ to: `/help/guides/${name}`, group: 'Help', name: title, note: 'Guide' }))
+  return [...PAGES, ...campaigns, ...methods, ...components, ...guides]
 }
 
 /** Those that have every word, the ones whose names begin with the text first; the pages alone for no text. */

@@ -1,0 +1,50 @@
+// A guide of the folder `docs`, as it was when the pages were built.
+import { getRouteApi, Link } from '@tanstack/react-router'
+import { lazy, Suspense } from 'react'
+import { NotFound } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
+import { GUIDES, parts, shown } from './guides'
+import { HelpFrame } from './HelpFrame'
+
+const TEXTS = import.meta.glob<string>('../../../docs/*.md', { query: '?raw', import: 'default', eager: true })
+const PICTURES = import.meta.glob<string>('../../../docs/images/*.svg', { query: '?url', import: 'default', eager: true })
+
+// The notes of a run bring the parser in the same way, in a file of its own.
+const Markdown = lazy(() => import('../ui/Markdown').then((module) => ({ default: module.Markdown })))
+
+const ALL = (
+  <Link to="/help/guides/$name" params={{ name: 'index' }}>
+    All guides
+  </Link>
+)
+
+const route = getRouteApi('/help/guides/$name')
+
+export function GuidePage() {
+  const { name } = route.useParams()
+  const guide = GUIDES.find((one) => one.name === name)
+  useTitle(guide?.title ?? 'Guide')
+  const text = TEXTS[`../../../docs/${name}.md`]
+  if (!guide || text === undefined) return <NotFound />
+  return (
+    <HelpFrame
+      title={guide.title}
+      lede={guide.name === 'index' ? 'How to use, extend and operate Clearance.' : ALL}
+      contents={[]}
+    >
+      <section className="card">
+        <div className="bd">
+          <Suspense>
+            {parts(shown(text)).map((part, i) =>
+              typeof part === 'string' ? (
+                <Markdown key={i} text={part} />
+              ) : (
+                <img key={i} src={PICTURES[`../../../docs/images/${part.file}`]} alt={part.alt} style={{ maxWidth: '100%' }} />
+              ),
+            )}
+          </Suspense>
+        </div>
+      </section>
+    </HelpFrame>
+  )
+}

@@ -1,0 +1,41 @@
+// The guides as the help shows them: every file has its entry, every link stays within the pages.
+import { readdirSync, readFileSync } from 'node:fs'
+import { fileURLToPath } from 'node:url'
+import { createElement } from 'react'
+import { renderToStaticMarkup } from 'react-dom/server'
+import { expect, test } from 'vitest'
+import { Markdown } from '../ui/Markdown'
+import { GUIDES, parts, shown } from './guides'
+
+const DOCS = fileURLToPath(new URL('../../../docs', import.meta.url))
+const textOf = (name: string): string => readFileSync(`${DOCS}/${name}.md`, 'utf8')
+
+test('every guide is listed under its own title', () => {
+  const files = readdirSync(DOCS).filter((file) => file.endsWith('.md'))
+  expect(GUIDES.map(({ name }) => `${name}.md`).sort()).toEqual(files.sort())
+  for (const { name, title } of GUIDES) expect(textOf(name).split('\n')[0]).toBe(`# ${title}`)
+})
+
+test('links between guides become addresses of the pages', () => {
+  expect(shown('# Title\n\n[a](methods.md), [b](operation.md#set-up)\n')).toBe(
+    '\n[a](/help/guides/methods), [b](/help/guides/operation#set-up)\n',
+  )
+  for (const { name } of GUIDES)
+    for (const [, target = ''] of shown(textOf(name)).matchAll(/[^!]\[[^\]]*\]\(([^)\s]+)\)/g))
+      expect(target).toMatch(/^(https?:|\/help\/guides\/)/)
+})
+
+test('pictures are parts of their own', () => {
+  expect(parts('before\n\n![What](images/a.svg)\n\nafter')).toEqual(['before\n\n', { alt: 'What', file: 'a.svg' }, '\n\nafter'])
+  const pictures = GUIDES.flatMap(({ name }) => parts(textOf(name)).filter((part) => typeof part !== 'string'))
+  expect(pictures).toHaveLength(1)
+  for (const { file } of pictures) expect(readdirSync(`${DOCS}/images`)).toContain(file)
+})
+
+test('every guide is rendered whole: no Markdown is left as it was written', () => {
+  const texts = GUIDES.flatMap(({ name }) => parts(shown(textOf(name)))).filter((part) => typeof part === 'string')
+  const html = texts.map((text) => renderToStaticMarkup(createElement(Markdown, { text }))).join('')
+  const prose = html.replace(/<pre>.*?<\/pre>|<code>.*?<\/code>/gs, '')
+  expect(prose).toContain('<table')
+  expect(prose).not.toMatch(/\]\(|```|\*\*|^#/m)
+})

@@ -1,0 +1,25 @@
+// The guides of the folder `docs` by name and title, in the order of their index. A test compares them with the files.
+
+export const GUIDES = [
+  { name: 'index', title: 'Guides' },
+  { name: 'first-campaign', title: 'A first campaign' },
+  { name: 'your-own-component', title: 'Your own component' },
+  { name: 'methods', title: 'Methods' },
+  { name: 'evidence', title: 'Evidence' },
+  { name: 'ci', title: 'Continuous integration' },
+  { name: 'operation', title: 'Operation' },
+  { name: 'architecture', title: 'Architecture' },
+] as const
+
+/** A guide's text without its title, with links between guides as addresses of these pages. */
+export function shown(text: string): string {
+  return text.replace(/^# .*\n/, '').replace(/\]\(([\w-]+)\.md(#[\w-]+)?\)/g, '](/help/guides/$1$2)')
+}
+
+/** A text and the pictures in it, in their order: a picture as its alternative text and file name. */
+export function parts(text: string): (string | { alt: string; file: string })[] {
+  return text.split(/^(!\[[^\]]*\]\(images\/[\w.-]+\))$/m).map((part) => {
+    const picture = /^!\[([^\]]*)\]\(images\/([\w.-]+)\)$/.exec(part)
+    return picture ? { alt: picture[1] ?? '', file: picture[2] ?? '' } : part
+  })
+}

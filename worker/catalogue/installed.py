@@ -18,6 +18,7 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
+from campaigns.looks import ObstacleLook, VehicleLook
 from worker.kernels.component import (
     Avoider,
     Component,
@@ -130,6 +131,7 @@ def _component_entry(component: Component) -> ComponentEntry:
         of=component.of if isinstance(component, Criterion) else "",
         measured_to=component.measured_to if isinstance(component, Criterion) else "",
         reach=_reach(component),
+        look=_look(component),
         text=inspect.getdoc(source_of(component)) or "",
     )
 
@@ -151,6 +153,16 @@ def _reach(component: Component) -> ReachEntry | None:
     return ReachEntry(of=list(component.reach.of), times=component.reach.times)
 
 
+def _look(component: Component) -> ObstacleLook | VehicleLook | None:
+    if not isinstance(component, Obstacle | Vehicle) or component.look is None:
+        return None
+    known = {p.name for p in declared(component.start if isinstance(component, Vehicle) else component.parameters)}
+    unknown = [name for name in component.look.named if name not in known]
+    if unknown:
+        raise ValueError(f"the look of {component.name} names {unknown[0]!r}, which it does not have")
+    return component.look
+
+
 def _parameter_entry(p: Declared) -> ParameterEntry:
     return ParameterEntry(
         name=p.name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.default, text=p.text
@@ -168,4 +180,5 @@ def _method_entry(method: Method) -> MethodEntry:
         evaluations=method.evaluations,
         starts=method.starts,
         options=TypeAdapter(method.options).json_schema(),
+        look=method.look,
     )

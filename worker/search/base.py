@@ -13,6 +13,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.looks import MethodLook
+
 Floats = NDArray[np.float64]
 
 OK, FAILED, TIMEOUT, EXCLUDED = 0, 1, 2, 3
@@ -76,6 +78,7 @@ class Method:
     `extend`: the options under which a finished search goes on for at least so many evaluations more, the same ones
     first; None where it cannot be continued.
     `compiles`: it compiles parts of itself when it first runs; the driver lets it do so before time is counted.
+    `look`: its colour and marker in charts; grey with a ring without one.
     """
 
     name: str
@@ -90,6 +93,7 @@ class Method:
     starts: bool = False
     extend: Callable[[Any, int], Any] | None = None
     compiles: bool = False
+    look: MethodLook | None = None
 
 
 AT_ONCE = 256

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from campaigns.looks import MethodLook
 from worker.search.base import Batch, Floats, Method, Search, Space
 from worker.search.parts.lowest import Lowest
 
@@ -129,4 +130,5 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: options,
+    look=MethodLook(colour="cma", marker="pentagon"),
 )

@@ -15,6 +15,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from campaigns.looks import MethodLook
 from worker.search.base import Batch, Floats, Method, Search, Space
 from worker.search.parts import breeding
 
@@ -184,4 +185,5 @@ method = Method(
     repeats=True,
     starts=True,
     extend=extend,
+    look=MethodLook(colour="ga", marker="circle", short="GA"),
 )

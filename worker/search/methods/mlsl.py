@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 import nlopt
 from pydantic import Field
 
+from campaigns.looks import MethodLook
 from worker.search.base import Method, Search, Space
 from worker.search.parts.nlopt_calls import optimised
 
@@ -62,4 +63,5 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: options,
+    look=MethodLook(colour="mlsl", marker="right"),
 )

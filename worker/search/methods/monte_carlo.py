@@ -20,6 +20,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from campaigns.looks import MethodLook
 from worker.search.base import EXCLUDED, OK, Batch, Floats, Method, Search, Space
 
 BLOCK = 4096
@@ -131,4 +132,5 @@ method = Method(
     options=Options,
     search=search,
     extend=extend,
+    look=MethodLook(colour="mc", marker="cross", short="MC"),
 )

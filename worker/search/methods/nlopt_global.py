@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 import nlopt
 from pydantic import Field
 
+from campaigns.looks import MethodLook
 from worker.search.base import Method, Search, Space
 from worker.search.parts.nlopt_calls import optimised
 
@@ -62,4 +63,5 @@ method = Method(
     evaluations=2000,
     options=Options,
     search=search,
+    look=MethodLook(colour="nlopt", marker="plus"),
 )

@@ -16,6 +16,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
+from campaigns.looks import MethodLook
 from worker.search.base import OK, Batch, Floats, Method, Search, Space
 
 
@@ -98,4 +99,5 @@ method = Method(
     search=search,
     starts=True,
     extend=extend,
+    look=MethodLook(colour="nsga2", marker="bow"),
 )

@@ -5,7 +5,6 @@ Start reading at `Looks`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sqlalchemy as sa
@@ -49,16 +48,3 @@ class Looks:
 def looks(reader: sa.Connection, run_id: int) -> Looks:
     """Of a run's components and methods."""
     return Looks(snapshots.of_run(reader, run_id), published(reader))
-
-
-def undeclared(names: Mapping[str, float]) -> ObstacleLook:
-    """How an obstacle is drawn that declares nothing, as snapshots of earlier versions have them.
-
-    Its shape is by which of the parameters length, width, height and radius it has.
-    """
-    angle = "angle" if "angle" in names else ""
-    height = "height" if "height" in names else ""
-    if "length" in names:
-        return ObstacleLook(shape="box", height=height, sides=("length", "width"), angle=angle)
-    radius = "radius" if "radius" in names else ""
-    return ObstacleLook(shape="cylinder" if height else "sphere", radius=radius, height=height, angle=angle)

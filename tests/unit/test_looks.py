@@ -37,7 +37,7 @@ ROOT = Path(__file__).parents[2]
 
 METHOD = '''"""Guessing."""
 from dataclasses import replace
-from campaigns.looks import MethodLook
+from worker.search.base import MethodLook
 from worker.search.methods import direct
 method = replace(direct.method, name="guess", title="Guess", look=MethodLook(colour="extra-2", marker="bow"))
 '''

@@ -10,6 +10,7 @@ import importlib
 import inspect
 import pkgutil
 from collections.abc import Iterator
+from dataclasses import asdict
 from functools import cache
 from importlib.metadata import entry_points, version
 from types import ModuleType
@@ -18,7 +19,7 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
-from campaigns.looks import ObstacleLook, VehicleLook
+from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 from worker.kernels.component import (
     Avoider,
     Component,
@@ -157,10 +158,12 @@ def _look(component: Component) -> ObstacleLook | VehicleLook | None:
     if not isinstance(component, Obstacle | Vehicle) or component.look is None:
         return None
     known = {p.name for p in declared(component.start if isinstance(component, Vehicle) else component.parameters)}
-    unknown = [name for name in component.look.named if name not in known]
+    entry = ObstacleLook if isinstance(component, Obstacle) else VehicleLook
+    look: ObstacleLook | VehicleLook = entry.model_validate(asdict(component.look))
+    unknown = [name for name in look.named if name not in known]
     if unknown:
         raise ValueError(f"the look of {component.name} names {unknown[0]!r}, which it does not have")
-    return component.look
+    return look
 
 
 def _parameter_entry(p: Declared) -> ParameterEntry:
@@ -180,5 +183,5 @@ def _method_entry(method: Method) -> MethodEntry:
         evaluations=method.evaluations,
         starts=method.starts,
         options=TypeAdapter(method.options).json_schema(),
-        look=method.look,
+        look=None if method.look is None else MethodLook.model_validate(asdict(method.look)),
     )

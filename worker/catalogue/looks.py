@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from worker.catalogue.installed import methods
 def shipped() -> list[dict[str, Any]]:
     """Name, title and look of every method that is part of this package."""
     own = [m for m in methods().values() if m.search.__module__.startswith("worker.")]
-    return [{"name": m.name, "title": m.title, "look": m.look.model_dump()} for m in own if m.look is not None]
+    return [{"name": m.name, "title": m.title, "look": asdict(m.look)} for m in own if m.look is not None]
 
 
 if __name__ == "__main__":

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from campaigns.looks import ObstacleLook, VehicleLook
 from worker.kernels import signatures as sig
+from worker.kernels.look import ObstacleLook, VehicleLook
 from worker.kernels.parameters import Declared, Parameter, declared, extended
 
 __all__ = [

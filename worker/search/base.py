@@ -13,8 +13,6 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.looks import MethodLook
-
 Floats = NDArray[np.float64]
 
 OK, FAILED, TIMEOUT, EXCLUDED = 0, 1, 2, 3
@@ -65,6 +63,15 @@ class Space:
 
 Search = Generator[Floats, Batch, str]
 """Yields points (m, n), receives their `Batch`, returns the sentence of the rule by which it stopped."""
+
+
+@dataclass(frozen=True)
+class MethodLook:
+    """Its colour token, its marker and its name in narrow tables: see `campaigns.looks.MethodLook`."""
+
+    colour: str
+    marker: str
+    short: str = ""
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.catalog.looks import undeclared
 from backend.scenes.base.axes import Axes, rotated
 from backend.scenes.base.flight import Flight
-from campaigns.looks import ObstacleLook
+from backend.scenes.base.looks import ObstacleLook, undeclared
 
 Floats = NDArray[np.float64]
 

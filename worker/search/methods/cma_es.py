@@ -15,8 +15,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.parts.lowest import Lowest
 
 STEP = 1e-9

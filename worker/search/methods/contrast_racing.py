@@ -18,8 +18,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.racing import finish as racing_finish
 from worker.search.racing.pool import Pool, Rung
 from worker.search.racing.samples import Samples

@@ -13,8 +13,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Floats, Method, Search, Space
+from worker.search.base import Floats, Method, MethodLook, Search, Space
 from worker.search.parts.callback import Ask, called_back
 from worker.search.parts.lowest import Lowest
 

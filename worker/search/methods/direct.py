@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Floats, Method, Search, Space
+from worker.search.base import Floats, Method, MethodLook, Search, Space
 
 Ints = NDArray[np.int64]
 

@@ -7,8 +7,7 @@ where there are few local minima; otherwise as `direct`, which it is made of.
 
 from __future__ import annotations
 
-from campaigns.looks import MethodLook
-from worker.search.base import Method, Search, Space
+from worker.search.base import Method, MethodLook, Search, Space
 from worker.search.methods.direct import Boxes, Options, divided, extend
 
 

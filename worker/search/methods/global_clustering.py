@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Batch, Floats, Method, Minimum, Search, Space, side_by_side
+from worker.search.base import Batch, Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
 from worker.search.parts.descent import End, Settings, descend
 from worker.search.parts.unirandi import unirandi
 

@@ -14,8 +14,7 @@ from typing import Annotated, Any, Literal
 import nlopt
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Method, Search, Space
+from worker.search.base import Method, MethodLook, Search, Space
 from worker.search.parts.nlopt_calls import optimised
 
 LOCAL = {

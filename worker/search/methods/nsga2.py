@@ -16,8 +16,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import OK, Batch, Floats, Method, Search, Space
+from worker.search.base import OK, Batch, Floats, Method, MethodLook, Search, Space
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.methods import cma_es, contrast_racing, differential_evolution, direct, global_clustering, mlsl, sqp
 from worker.search.parts.portfolio_record import Record
 

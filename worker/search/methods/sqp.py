@@ -14,8 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from campaigns.looks import MethodLook
-from worker.search.base import Floats, Method, Minimum, Search, Space, side_by_side
+from worker.search.base import Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
 from worker.search.parts.descent import Settings, descend
 
 

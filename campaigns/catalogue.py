@@ -6,11 +6,25 @@ Start reading at `Catalogue`.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
+
+from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 
 Role = Literal["vehicle", "controller", "avoider", "obstacle", "environment", "fault", "criterion"]
+
+
+def _absent(look: Any) -> bool:
+    return look is None
+
+
+def _no_default(schema: dict[str, Any]) -> None:
+    schema.pop("default", None)
+
+
+_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
+"""Left out where it is not declared: stored snapshots that were made before keep their digests."""
 
 
 class Entry(BaseModel):
@@ -83,6 +97,8 @@ class ComponentEntry(Entry):
     """The point of an obstacle that a criterion's distances end at; empty where it reads none."""
     reach: ReachEntry | None = None
     """How far a point inside an obstacle can be from its centre; None where the obstacle does not declare it."""
+    look: Annotated[ObstacleLook | VehicleLook | None, _LEFT_OUT] = None
+    """How an obstacle or a vehicle is drawn; left out where it does not declare it."""
     text: str
     """Equations, symbols and source, as the component's own file states them."""
 
@@ -104,6 +120,8 @@ class MethodEntry(Entry):
     starts: bool = False
     """Whether it starts from points that the campaign gives."""
     options: dict[str, Any]
+    look: Annotated[MethodLook | None, _LEFT_OUT] = None
+    """Its colour and marker; left out where it does not declare them."""
 
 
 class Catalogue(Entry):

@@ -6,6 +6,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from backend.catalog.colours import METHODS
 from backend.reports import figures, plan_view, plot, words
 from backend.reports.held import Held
 from campaigns.results import CertifyResult, SearchResult, SensitivityResult
@@ -23,7 +24,7 @@ def drawn(held: Held) -> dict[str, Any]:
         "plan_caption": plan_view.caption(held.cases, held.of) if held.cases else "",
         "separation": figures.separation(timed, held.of) if timed else None,
         "convergence": _convergence(held),
-        "keys": [(row[1], figures.METHODS.get(row[0], plot.NOMINAL)) for row in _series(held)],
+        "keys": [(title, colour) for colour, title, _ in _series(held)],
         "sensitivity": _sensitivity(held),
         "through_worst": bool(_slices(held)),
         "tornado": _tornado(held),
@@ -57,15 +58,21 @@ def _holds(held: Held, values: list[float]) -> bool:
 
 
 def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
-    """The best so far of every search: method, title, points."""
+    """The best so far of every search: colour, title, points."""
     titles = {stage.position: result.title for stage, result in held.results(SearchResult)}
     found = []
     for series in held.evaluations.stages:
         if series.kind == "search":
             steps = zip(series.improvements["index"], series.improvements["cost"], strict=True)
             points = [(index + 1.0, cost) for index, cost in steps]
-            found.append((series.method or "", titles.get(series.position) or series.method or "", points))
+            found.append((_colour(held, series.method), titles.get(series.position) or series.method or "", points))
     return [row for row in found if row[2]]
+
+
+def _colour(held: Held, method: str | None) -> str:
+    """Of a method; grey for one that declares none."""
+    look = held.looks.method(method or "")
+    return plot.NOMINAL if look is None else METHODS[look.colour]
 
 
 def _convergence(held: Held) -> Markup | None:

@@ -22,14 +22,6 @@ from campaigns.symbols import is_path
 WIDE = 654
 """The width of a page's text, 173 mm [px at 96 dpi]."""
 
-METHODS = {
-    "direct": "#0072b2", "hybrid_direct": "#2b8fcb", "sqp": "#b8578c", "genetic": "#b97c00",
-    "global_clustering": "#857c00", "monte_carlo": "#4a5563", "contrast_racing": "#5a2fe0", "portfolio": "#1b2733",
-    "cma_es": "#007a6c", "differential_evolution": "#8379ea", "mlsl": "#9a5a44", "nlopt_global": "#5d7d1f",
-    "direct_l": "#003e6b", "nsga2": "#9c1257",
-}  # fmt: skip
-"""The fixed colour of each method, as on the pages."""
-
 
 @dataclass(frozen=True)
 class Case:
@@ -104,8 +96,8 @@ def _label(axes: Axes, value: float, threshold: float | None) -> float:
 
 
 def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) -> Markup:
-    """Best value so far against evaluations, by method: (name, title, points)."""
-    drawn = [(name, title, points) for name, title, points in series if points]
+    """Best value so far against evaluations, by method: (colour, title, points)."""
+    drawn = [row for row in series if row[2]]
     values = [y for _, _, points in drawn for _, y in points]
     most = max((x for _, _, points in drawn for x, _ in points), default=10.0)
     low, high = plot.padded(values)
@@ -118,10 +110,10 @@ def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) ->
     axes.frame("Evaluations of each method (log scale)")
     if not far and of.threshold is not None:
         axes.criterion(of.threshold, f"Criterion, {words.plain(of.threshold)} {of.unit}", right=False)
-    for name, _, points in drawn:
-        axes.line(points, METHODS.get(name, plot.NOMINAL), 1.5, step=True)
-    for name, _, points in drawn:
-        axes.dot(*points[-1], METHODS.get(name, plot.NOMINAL), 3)
+    for colour, _, points in drawn:
+        axes.line(points, colour, 1.5, step=True)
+    for colour, _, points in drawn:
+        axes.dot(*points[-1], colour, 3)
     return axes.svg(f"Best {of.symbol} so far by method")
 
 

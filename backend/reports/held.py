@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import sqlalchemy as sa
 
+from backend.catalog.looks import Looks
 from backend.catalog.service import bounds, published
 from backend.db import snapshots
 from backend.reports.figures import Case, Quantity
@@ -53,6 +54,7 @@ class Held:
     nominal: TraceHead | None
     """The head of the nominal flight; None while it is not stored."""
     signoffs: Signoffs
+    looks: Looks
 
     @property
     def digest(self) -> str:
@@ -119,6 +121,7 @@ def load(reader: sa.Connection, run_id: int) -> Held:
         cases=_cases(reader, run_id, [finding.label for finding in found], set(flown)),
         nominal=flown.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),
+        looks=Looks(kept, installed),
     )
 
 

@@ -89,7 +89,7 @@ def _component(called: str, then: ComponentEntry, now: ComponentEntry | None) ->
     if now is None:
         yield _gone(called)
         return
-    yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name"))
+    yield from _fields(called, then, now, ("parameters", "starts", "goals", "role", "name", "look"))
     for group, of in _GROUPS.items():
         before, after = _by_name(then, group), _by_name(now, group)
         yield from _defaults(called, then, now, group)
@@ -125,7 +125,7 @@ def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator
     if now is None:
         yield _gone(called)
         return
-    yield from _fields(called, then, now, ("name", "options"))
+    yield from _fields(called, then, now, ("name", "options", "look"))
     before, after = _options(then), _options(now)
     for name in {**before, **after}:
         if name not in after or name not in before:
@@ -139,7 +139,7 @@ def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator
 def _fields(
     called: str, then: ComponentEntry | MethodEntry, now: ComponentEntry | MethodEntry, but: tuple[str, ...]
 ) -> Iterator[str]:
-    """Plain fields; of the long text only that it is another one."""
+    """Plain fields; of the long text only that it is another one. A look means nothing for a flight."""
     for field in type(then).model_fields:
         was, is_ = getattr(then, field), getattr(now, field)
         # What the catalogue of then did not record yet says nothing of a change.

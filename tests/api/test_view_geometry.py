@@ -103,7 +103,7 @@ def test_the_relative_velocity_is_that_to_the_nearest_obstacle() -> None:
         for i, at in enumerate([(0, 0, 0), (0, 0, -9)])
         for axis, v in zip("xyz", at, strict=True)
     }
-    bodies = bodies_of(2, values, flight)
+    bodies = bodies_of([None, None], values, flight)
     assert [body.flight is flight for body in bodies] == [True, False]
     place = np.array([0.0, 0.0, 8.0])
     still = nearest(bodies, place, 3.0)

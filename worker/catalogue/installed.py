@@ -10,6 +10,7 @@ import importlib
 import inspect
 import pkgutil
 from collections.abc import Iterator
+from dataclasses import asdict
 from functools import cache
 from importlib.metadata import entry_points, version
 from types import ModuleType
@@ -18,6 +19,7 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
+from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 from worker.kernels.component import (
     Avoider,
     Component,
@@ -130,6 +132,7 @@ def _component_entry(component: Component) -> ComponentEntry:
         of=component.of if isinstance(component, Criterion) else "",
         measured_to=component.measured_to if isinstance(component, Criterion) else "",
         reach=_reach(component),
+        look=_look(component),
         text=inspect.getdoc(source_of(component)) or "",
     )
 
@@ -151,6 +154,18 @@ def _reach(component: Component) -> ReachEntry | None:
     return ReachEntry(of=list(component.reach.of), times=component.reach.times)
 
 
+def _look(component: Component) -> ObstacleLook | VehicleLook | None:
+    if not isinstance(component, Obstacle | Vehicle) or component.look is None:
+        return None
+    known = {p.name for p in declared(component.start if isinstance(component, Vehicle) else component.parameters)}
+    entry = ObstacleLook if isinstance(component, Obstacle) else VehicleLook
+    look: ObstacleLook | VehicleLook = entry.model_validate(asdict(component.look))
+    unknown = [name for name in look.named if name not in known]
+    if unknown:
+        raise ValueError(f"the look of {component.name} names {unknown[0]!r}, which it does not have")
+    return look
+
+
 def _parameter_entry(p: Declared) -> ParameterEntry:
     return ParameterEntry(
         name=p.name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.default, text=p.text
@@ -168,4 +183,5 @@ def _method_entry(method: Method) -> MethodEntry:
         evaluations=method.evaluations,
         starts=method.starts,
         options=TypeAdapter(method.options).json_schema(),
+        look=None if method.look is None else MethodLook.model_validate(asdict(method.look)),
     )

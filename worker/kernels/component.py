@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from worker.kernels import signatures as sig
+from worker.kernels.look import ObstacleLook, VehicleLook
 from worker.kernels.parameters import Declared, Parameter, declared, extended
 
 __all__ = [
@@ -26,12 +27,14 @@ __all__ = [
     "Limit",
     "NoTrim",
     "Obstacle",
+    "ObstacleLook",
     "Parameter",
     "Reach",
     "Signal",
     "Switches",
     "Trim",
     "Vehicle",
+    "VehicleLook",
     "declared",
     "extended",
 ]
@@ -113,6 +116,7 @@ class Vehicle:
     trim: Trim | None = None
     frame: Frame = "enu"
     """The axes that it flies in: the scenario's, which every other component has to share."""
+    look: VehicleLook | None = None
     role: Literal["vehicle"] = "vehicle"
 
 
@@ -182,6 +186,7 @@ class Obstacle:
     """An obstacle or intruder; with states of its own it has `wake` and `move`.
 
     `reach`: the largest distance of a point inside it from the centre that `body` reports. `frame` as in `Avoider`.
+    `look`: how it is drawn; without one it is a ball of its parameter `radius`.
     """
 
     name: str
@@ -196,6 +201,7 @@ class Obstacle:
     derived: Derived | None = None
     reach: Reach | None = None
     frame: Frame | None = None
+    look: ObstacleLook | None = None
     role: Literal["obstacle"] = "obstacle"
 
 

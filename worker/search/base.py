@@ -66,6 +66,15 @@ Search = Generator[Floats, Batch, str]
 
 
 @dataclass(frozen=True)
+class MethodLook:
+    """Its colour token, its marker and its name in narrow tables: see `campaigns.looks.MethodLook`."""
+
+    colour: str
+    marker: str
+    short: str = ""
+
+
+@dataclass(frozen=True)
 class Method:
     """A search method: its options' defaults are the published settings.
 
@@ -76,6 +85,7 @@ class Method:
     `extend`: the options under which a finished search goes on for at least so many evaluations more, the same ones
     first; None where it cannot be continued.
     `compiles`: it compiles parts of itself when it first runs; the driver lets it do so before time is counted.
+    `look`: its colour and marker in charts; grey with a ring without one.
     """
 
     name: str
@@ -90,6 +100,7 @@ class Method:
     starts: bool = False
     extend: Callable[[Any, int], Any] | None = None
     compiles: bool = False
+    look: MethodLook | None = None
 
 
 AT_ONCE = 256

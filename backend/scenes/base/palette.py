@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+from backend.catalog.colours import METHODS, METHODS_DARK
+from campaigns.looks import Colour, MethodLook
 
 Rgb = tuple[int, int, int]
 
@@ -31,7 +35,7 @@ def linear(colour: Rgb) -> Rgb:
 
 @dataclass(frozen=True)
 class Palette:
-    """One theme; flights by role, methods by name."""
+    """One theme; flights by role, methods by the token that the catalogue gives them."""
 
     background: str
     grid: str
@@ -45,11 +49,11 @@ class Palette:
     goal: str
     relative: str
     sampled: str
-    methods: dict[str, str]
+    methods: Mapping[Colour, str]
 
-    def method(self, name: str) -> str:
-        """The fixed colour of a search method; ink for one that has none yet."""
-        return self.methods.get(name, self.soft)
+    def method(self, look: MethodLook | None) -> str:
+        """The fixed colour of a search method; grey for one that declares none."""
+        return self.nominal if look is None else self.methods[look.colour]
 
 
 LIGHT = Palette(
@@ -65,14 +69,7 @@ LIGHT = Palette(
     goal="#009e73",
     relative="#aa3377",
     sampled="#b4bdc8",
-    methods={
-        "direct": "#0072b2",
-        "hybrid": "#2b8fcb",
-        "sqp": "#b8578c",
-        "ga": "#b97c00",
-        "global": "#857c00",
-        "monte_carlo": "#4a5563",
-    },
+    methods=METHODS,
 )
 DARK = Palette(
     background="#10151a",
@@ -87,12 +84,5 @@ DARK = Palette(
     goal="#17b88a",
     relative="#e07fb5",
     sampled="#4a5866",
-    methods={
-        "direct": "#3f9bdb",
-        "hybrid": "#8ccbf2",
-        "sqp": "#d98db8",
-        "ga": "#e69f00",
-        "global": "#d8cd3c",
-        "monte_carlo": "#c3ccd6",
-    },
+    methods=METHODS_DARK,
 )

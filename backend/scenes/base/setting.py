@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
 from numpy.typing import NDArray
 
+from backend.catalog.looks import Looks, looks
 from backend.catalog.service import described
 from backend.db.tables import Finding, Run, Stage, Trace
 from backend.results import service as results
@@ -22,6 +23,7 @@ from backend.scenes.base.noise import seeds
 from campaigns import Campaign, Catalogue
 from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry
+from campaigns.looks import ObstacleLook
 
 OVER = ("done", "failed", "cancelled")
 NOMINAL, WORST = "nominal", "F1"
@@ -76,12 +78,20 @@ class Setting:
     uncertain: list[Uncertain]
     methods: list[tuple[int, str, str]]
     """Position, name and title of each search stage."""
+    drawn: Looks = field(default_factory=Looks)
+    """How its methods, obstacles and vehicle are drawn."""
+    obstacles: tuple[str, ...] = ()
+    """The component of each obstacle."""
 
     @property
     def decimals(self) -> int:
         """Decimals that show the threshold, and so every value near it, with four digits."""
         size = abs(self.threshold)
         return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
+
+    def look(self, number: int) -> ObstacleLook | None:
+        """How the obstacle of that number is drawn; None where it does not declare it."""
+        return self.drawn.obstacle(self.obstacles[number]) if number < len(self.obstacles) else None
 
     def free(self, radius: float) -> float:
         """Radius about the centre of a round obstacle of that radius that must stay free [m]."""
@@ -119,6 +129,8 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         horizon=asked.scenario.horizon,
         uncertain=_uncertain(asked, known),
         methods=_methods(asked, catalogue),
+        drawn=looks(reader, run_id),
+        obstacles=tuple(part.component for part in asked.scenario.obstacles),
     )
 
 

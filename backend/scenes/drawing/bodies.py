@@ -6,7 +6,7 @@ uncertain.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from backend.scenes.base.axes import Axes, rotated
 from backend.scenes.base.flight import Flight
+from backend.scenes.base.looks import ObstacleLook, undeclared
 
 Floats = NDArray[np.float64]
 
@@ -124,9 +125,10 @@ def _apart(one: Body, other: Body) -> float:
     return max(float(np.linalg.norm(one.at(time) - other.at(time))) for time in times)
 
 
-def bodies_of(count: int, values: Mapping[str, float], flight: Flight) -> list[Body]:
-    """So many obstacles as that flight has them; `values` are the nominal parameters by path."""
-    return [body_of(number, {**values, **flight.parameters}, flight.axes, flight) for number in range(count)]
+def bodies_of(looks: Sequence[ObstacleLook | None], values: Mapping[str, float], flight: Flight) -> list[Body]:
+    """The obstacles of these looks as that flight has them; `values` are the nominal parameters by path."""
+    given = {**values, **flight.parameters}
+    return [body_of(number, given, flight.axes, flight, look) for number, look in enumerate(looks)]
 
 
 def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:
@@ -134,22 +136,30 @@ def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:
     return min(bodies, key=lambda body: float(np.linalg.norm(body.at(time) - place)), default=None)
 
 
-def body_of(number: int, values: Mapping[str, float], axes: Axes, flight: Flight | None) -> Body:
-    """The obstacle of that number with these parameters by path, along its track in that flight where it moves."""
+def body_of(
+    number: int, values: Mapping[str, float], axes: Axes, flight: Flight | None, look: ObstacleLook | None = None
+) -> Body:
+    """The obstacle of that number with these parameters by path, along its track in that flight where it moves.
 
-    def value(name: str, otherwise: float = 0.0) -> float:
-        found = values.get(f"obstacles.{number}.{name}", otherwise)
-        return found if np.isfinite(found) else otherwise
+    Its shape is that of its look, the usual one of its parameters where it declares none.
+    """
+    prefix = f"obstacles.{number}."
 
+    def value(name: str) -> float:
+        found = values.get(prefix + name, 0.0)
+        return found if np.isfinite(found) else 0.0
+
+    if look is None:
+        look = undeclared({path.removeprefix(prefix): v for path, v in values.items() if path.startswith(prefix)})
     place = axes.drawn(np.array([value(f"position.{axis}") for axis in "xyz"]))
     moves = flight is not None and number in flight.tracks
     if flight is not None and moves:
         place = flight.tracks[number][0]
-    turn = axes.about_vertical(value("angle"))
+    turn = axes.about_vertical(value(look.angle))
     follows = flight if moves else None
-    if f"obstacles.{number}.length" in values:
-        size = (value("length"), value("width"), value("height"))
-        return Body(number, "box", size, place, turn, follows)
-    if f"obstacles.{number}.height" in values:
-        return Body(number, "cylinder", (value("radius"), value("height")), place, turn, follows)
-    return Body(number, "round", (value("radius"),), place, turn, follows)
+    if look.shape in ("rectangle", "box"):
+        length, width = (value(side) for side in look.sides)
+        return Body(number, "box", (length, width, value(look.height)), place, turn, follows)
+    if look.shape == "cylinder":
+        return Body(number, "cylinder", (value(look.radius), value(look.height)), place, turn, follows)
+    return Body(number, "round", (value(look.radius),), place, turn, follows)

@@ -23,6 +23,8 @@ from backend.scenes.drawing.world import World
 Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "top-left", "top-right"]
 
 
+MESHES = {"robot": shapes.unicycle, "two_wheels": shapes.pioneer, "aircraft": shapes.aircraft}
+"""Of vehicles, by the name that their look has."""
 DOTS = 9
 """About so many dots are on a path, and in space as many stems under it."""
 
@@ -65,7 +67,8 @@ class Drawn:
         if self._vehicle is None:
             self._vehicle = self._build_vehicle()
         self.flight = flight
-        self.bodies = bodies_of(len(self._setting.moving), self._setting.values, flight)
+        count = len(self._setting.moving)
+        self.bodies = bodies_of([self._setting.look(i) for i in range(count)], self._setting.values, flight)
         self._closest(flight.closest)
         self._root.visible = self.visible
         self.move(time)
@@ -218,7 +221,7 @@ def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:
 
 
 def _shape(setting: Setting) -> tuple[shapes.Mesh, shapes.Mesh]:
-    """The vehicle's two meshes: an aircraft in space, else a robot."""
-    if not setting.planar:
-        return shapes.aircraft()
-    return shapes.pioneer() if setting.vehicle.startswith("pioneer") else shapes.unicycle()
+    """The vehicle's two meshes: those of its look; without one an aircraft in space, else a robot."""
+    look = setting.drawn.vehicle(setting.vehicle)
+    mesh = look.mesh if look is not None else "robot" if setting.planar else "aircraft"
+    return MESHES[mesh]()

@@ -136,7 +136,7 @@ class Obstacles:
     def _body(self, number: int, one: Drawn | None) -> Body:
         flight = None if one is None else one.flight
         values = self._setting.values | ({} if flight is None else flight.parameters)
-        return body_of(number, values, self._setting.axes, flight)
+        return body_of(number, values, self._setting.axes, flight, self._setting.look(number))
 
     def _draw(self, group: _Group) -> None:
         body, colour = group.body, self._colour(group)

@@ -108,7 +108,7 @@ class World:
             yield setting.course
         for number, moving in enumerate(setting.moving):
             if not moving:
-                body = body_of(number, setting.values, setting.axes, None)
+                body = body_of(number, setting.values, setting.axes, None, setting.look(number))
                 far = setting.free(body.reach) if setting.to_surface else max(setting.threshold, body.reach)
                 yield from (body.place - far, body.place + far)
         for flight in flights:

@@ -43,7 +43,7 @@ class ConvergenceTab(Part):
 
     def __init__(self, gui: viser.GuiApi, setting: Setting, palette: Palette, curves: dict[int, Improvements]) -> None:
         self._curves = [curves[position] for position, _, _ in setting.methods]
-        self._methods = setting.methods
+        self._methods, self._looks = setting.methods, setting.drawn
         unit = f" [{setting.unit}]" if setting.unit else ""
         self._plot: Any = gui.add_uplot(
             columns(self._curves),
@@ -66,7 +66,7 @@ class ConvergenceTab(Part):
 
     def _series(self, palette: Palette) -> tuple[uplot.Series, ...]:
         lines = [
-            uplot.Series(label=title, stroke=palette.method(name), width=2, points={"show": False})
+            uplot.Series(label=title, stroke=palette.method(self._looks.method(name)), width=2, points={"show": False})
             for _, name, title in self._methods
         ]
         return (uplot.Series(label="evaluation"), *lines)

@@ -1,6 +1,7 @@
 // What the pages keep of the service's answers, by key, and how fresh. The event stream writes into the same cache.
 import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
 import type { RunSummary } from '../client'
+import { learnMethods } from '../ui/methods'
 import * as calls from './calls'
 import { Refusal } from './problems'
 import { signedOut } from './session'
@@ -36,7 +37,7 @@ const untilPublished = {
 export const catalogueQuery = queryOptions({
   ...untilPublished,
   queryKey: ['catalogue'],
-  queryFn: calls.getCatalogue,
+  queryFn: async () => learnMethods(await calls.getCatalogue()),
   staleTime: 300_000,
 })
 
@@ -75,7 +76,16 @@ export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], qu
 
 /** What a run's components mean: kept with it, so that it is told alike whatever is installed. */
 export const componentsQuery = (id: string) =>
-  queryOptions({ ...untilPublished, queryKey: ['components', id], queryFn: () => calls.getComponents(id), staleTime: 300_000 })
+  queryOptions({
+    ...untilPublished,
+    queryKey: ['components', id],
+    queryFn: async () => {
+      const components = await calls.getComponents(id)
+      learnMethods(components.catalogue, true)
+      return components
+    },
+    staleTime: 300_000,
+  })
 
 export const stagesQuery = (id: string) =>
   queryOptions({ queryKey: ['stages', id], queryFn: () => calls.getStages(id) })

@@ -10,11 +10,11 @@ import {
   IconSearch,
   IconSun,
 } from '@tabler/icons-react'
-import { useQuery } from '@tanstack/react-query'
+import { usePrefetchQuery, useQuery } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
 import { lazy, Suspense, useCallback, useState } from 'react'
 import { endSession } from '../api/calls'
-import { sessionQuery } from '../api/queries'
+import { catalogueQuery, sessionQuery } from '../api/queries'
 import { signedOut, useSignedOut } from '../api/session'
 import { toggleTheme, useTheme } from '../theme/useTheme'
 import { useHotkeys } from '../ui/useHotkeys'
@@ -41,6 +41,8 @@ function Frame() {
   })
   const open = useCallback((run: string) => void navigate({ to: '/runs/$id', params: { id: run } }), [navigate])
   useNotifier(open)
+  // Methods of other packages have their colours from here.
+  usePrefetchQuery(catalogueQuery)
   return (
     <>
       <a className="skip" href="#main">

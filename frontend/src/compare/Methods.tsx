@@ -2,7 +2,7 @@
 import { decimalsApart, fixed, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { MethodName } from '../ui/MethodMark'
-import { methodLook } from '../ui/methods'
+import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Compared, unitOf } from './data'
 import { AxisHead, axisOf, Mark, MarkKeys } from './marks'
@@ -11,6 +11,7 @@ import { RunHeads } from './Picks'
 const [WIDTH, EDGE] = [280, 10]
 
 export function Methods({ runs, className }: { runs: Compared[]; className: string }) {
+  const methodLook = useMethodLook()
   const unit = unitOf(runs)
   const two = runs.length === 2 && unit !== null
   const bests = runs.map(({ run }) => {

@@ -9,7 +9,7 @@ import type { TraceData } from '../client'
 import { count, decimalsFor, fixed, plain } from '../format/numbers'
 import { convergenceOf, searchesOf } from '../run/data/data'
 import { MethodName } from '../ui/MethodMark'
-import { methodLook } from '../ui/methods'
+import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { type Compared, unitOf } from './data'
@@ -164,6 +164,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
 }
 
 export function ConvergenceOverlay({ runs, className }: CardProps) {
+  const methodLook = useMethodLook()
   const unit = unitOf(runs) ?? ''
   const searches = useMemo(
     () =>
@@ -207,7 +208,7 @@ export function ConvergenceOverlay({ runs, className }: CardProps) {
       xText: (x) => `Evaluation ${count(x)}`,
       yText: (y) => `${fixed(y, decimals)} ${unit}`,
     }
-  }, [searches, runs, unit])
+  }, [searches, runs, unit, methodLook])
   const table = () => ({
     name: 'convergence',
     columns: ['run', 'method', 'evaluations', `best so far, ${unit}`],

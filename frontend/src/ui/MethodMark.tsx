@@ -1,8 +1,8 @@
 // A method's marker and name.
-import { isOpen, methodLook, OUTLINE } from './methods'
+import { isOpen, OUTLINE, useMethodLook } from './methods'
 
 export function Mark({ method }: { method: string | null }) {
-  const { colour, shape } = methodLook(method)
+  const { colour, shape } = useMethodLook()(method)
   const stroke = `var(${colour})`
   return (
     <svg className="mk" viewBox="0 0 10 10" aria-hidden="true">
@@ -17,7 +17,7 @@ export function Mark({ method }: { method: string | null }) {
 }
 
 export function MethodName({ method, title, short }: { method: string | null; title?: string; short?: boolean }) {
-  const look = methodLook(method)
+  const look = useMethodLook()(method)
   return (
     <span className="meth" title={short ? (title ?? look.title) : undefined}>
       <Mark method={method} />

@@ -1,7 +1,8 @@
 // Every method can be told from every other: by its mark's shape without colour, by colour on both themes.
 import { readFileSync } from 'node:fs'
 import { expect, it } from 'vitest'
-import { METHODS, methodLook, OUTLINE } from './methods'
+import type { Catalogue, MethodEntry } from '../client'
+import { learnMethods, METHODS, methodLook, OUTLINE } from './methods'
 
 const CSS = readFileSync(new URL('../theme/tokens.css', import.meta.url), 'utf8')
 const [LIGHT = '', DARK = ''] = CSS.split(':root[data-theme="dark"]')
@@ -41,4 +42,25 @@ it('knows the names that campaigns use', () => {
   const names = ['genetic', 'hybrid_direct', 'global_clustering', 'sqp_multistart', 'monte_carlo']
   expect(names.map((name) => methodLook(name).shape)).toEqual(['circle', 'diamond', 'hexagon', 'triangle', 'cross'])
   expect(methodLook('of_a_package')).toMatchObject({ shape: 'ring', title: 'Of a package' })
+})
+
+it('learns the methods of other packages from a catalogue', () => {
+  const entry = (name: string, look?: MethodEntry['look']) => ({ name, title: name.toUpperCase(), look }) as MethodEntry
+  const catalogue = (...methods: MethodEntry[]) => ({ version: '', components: [], methods }) as Catalogue
+  const guess = entry('guess', { colour: 'extra-2', marker: 'bow', short: 'G' })
+  const cma = methodLook('cma_es')
+  learnMethods(catalogue(guess, entry('cma_es'), entry('plain')))
+  expect(methodLook('guess')).toEqual({ colour: '--m-extra-2', shape: 'bow', title: 'GUESS', short: 'G' })
+  expect(methodLook('cma_es')).toEqual(cma)
+  expect(methodLook('plain')).toMatchObject({ colour: '--c-nom', shape: 'ring', title: 'PLAIN' })
+  learnMethods(catalogue(entry('guess', { colour: 'extra-1', marker: 'star', short: '' })), true)
+  expect(methodLook('guess').colour).toBe('--m-extra-2')
+  learnMethods(catalogue(entry('guess', { colour: 'extra-1', marker: 'star', short: '' })))
+  expect(methodLook('guess')).toMatchObject({ colour: '--m-extra-1', shape: 'star', short: 'GUESS' })
+})
+
+it.each(['extra-1', 'extra-2', 'extra-3'])('shows the colour %s at 3:1 on every ground of both themes', (name) => {
+  for (const theme of [LIGHT, DARK])
+    for (const ground of ['--surface', '--bg', '--sunken'])
+      expect(contrast(token(theme, `--m-${name}`), token(theme, ground))).toBeGreaterThanOrEqual(3)
 })

@@ -1,21 +1,11 @@
-// The fixed colour and marker of every search method, the same in every table, chart and list.
+// The fixed colour and marker of every search method, the same in every table, chart and list, as the catalogue has them.
+// Those of the shipped methods are known from the start; a catalogue that is read adds those of other packages. Start
+// reading at `methodLook`.
+import { useSyncExternalStore } from 'react'
+import type { Catalogue, MethodEntry } from '../client'
+import shipped from './shipped.json'
 
-export type Shape =
-  | 'square'
-  | 'box'
-  | 'diamond'
-  | 'triangle'
-  | 'down'
-  | 'right'
-  | 'circle'
-  | 'hexagon'
-  | 'pentagon'
-  | 'star'
-  | 'plus'
-  | 'bow'
-  | 'asterisk'
-  | 'cross'
-  | 'ring'
+export type Shape = NonNullable<MethodEntry['look']>['marker']
 
 export interface MethodLook {
   /** The CSS variable of the colour. */
@@ -25,42 +15,62 @@ export interface MethodLook {
   short: string
 }
 
-const LOOKS: Record<string, MethodLook> = {
-  direct: { colour: '--m-direct', shape: 'square', title: 'DIRECT', short: 'DIRECT' },
-  hybrid: { colour: '--m-hybrid', shape: 'diamond', title: 'Hybrid DIRECT', short: 'H-DIRECT' },
-  sqp: { colour: '--m-sqp', shape: 'triangle', title: 'SQP multistart', short: 'SQP' },
-  ga: { colour: '--m-ga', shape: 'circle', title: 'Genetic algorithm', short: 'GA' },
-  global: { colour: '--m-global', shape: 'hexagon', title: 'GLOBAL', short: 'GLOBAL' },
-  mc: { colour: '--m-mc', shape: 'cross', title: 'Monte Carlo', short: 'MC' },
-  contrast_racing: { colour: '--m-racing', shape: 'star', title: 'Contrast racing', short: 'Racing' },
-  portfolio: { colour: '--m-portfolio', shape: 'asterisk', title: 'Portfolio', short: 'Portfolio' },
-  cma_es: { colour: '--m-cma', shape: 'pentagon', title: 'CMA-ES', short: 'CMA-ES' },
-  differential_evolution: { colour: '--m-de', shape: 'down', title: 'Differential evolution', short: 'DE' },
-  mlsl: { colour: '--m-mlsl', shape: 'right', title: 'MLSL', short: 'MLSL' },
-  nlopt_global: { colour: '--m-nlopt', shape: 'plus', title: 'NLopt global', short: 'NLopt' },
-  direct_l: { colour: '--m-direct-l', shape: 'box', title: 'DIRECT-L', short: 'DIRECT-L' },
-  nsga2: { colour: '--m-nsga2', shape: 'bow', title: 'NSGA-II', short: 'NSGA-II' },
-}
+type Lookup = (name: string | null | undefined) => MethodLook
+type Declared = Pick<MethodEntry, 'name' | 'title' | 'look'>
 
-const OTHER_NAMES: Record<string, string> = {
-  hybrid_direct: 'hybrid',
-  sqp_multistart: 'sqp',
-  genetic: 'ga',
-  genetic_algorithm: 'ga',
-  global_clustering: 'global',
-  monte_carlo: 'mc',
-}
+const NO_LOOK = { colour: '--c-nom', shape: 'ring' } as const
+
+const lookOf = ({ title, look }: Declared): MethodLook => ({
+  ...(look ? { colour: `--m-${look.colour}`, shape: look.marker } : NO_LOOK),
+  title,
+  short: look?.short || title,
+})
 
 const sentence = (name: string): string => {
   const words = name.replaceAll('_', ' ')
   return words.charAt(0).toUpperCase() + words.slice(1)
 }
 
-/** How a method looks; a stage that is no search has a grey ring. */
-export function methodLook(name: string | null | undefined): MethodLook {
-  const key = name ? (OTHER_NAMES[name] ?? name) : ''
-  return LOOKS[key] ?? { colour: '--c-nom', shape: 'ring', title: sentence(name ?? ''), short: sentence(name ?? '') }
+/** Names that methods had in earlier versions. */
+const EARLIER: Record<string, string> = { sqp_multistart: 'sqp' }
+
+const lookupIn =
+  (known: ReadonlyMap<string, MethodLook>): Lookup =>
+  (name) =>
+    known.get(EARLIER[name ?? ''] ?? name ?? '') ?? { ...NO_LOOK, title: sentence(name ?? ''), short: sentence(name ?? '') }
+
+const byName = (methods: readonly Declared[]) => methods.map((method) => [method.name, lookOf(method)] as const)
+
+const SHIPPED = shipped as readonly Declared[]
+let known: ReadonlyMap<string, MethodLook> = new Map(byName(SHIPPED))
+let lookup = lookupIn(known)
+const listeners = new Set<() => void>()
+
+/**
+ * Takes in the methods of a catalogue. One without a look keeps the look that is known of it; what a run kept adds only
+ * methods that are not known, as a method has its colour of today in every run.
+ */
+export function learnMethods(catalogue: Catalogue, kept = false): Catalogue {
+  const news = byName(catalogue.methods.filter(({ name, look }) => (look && !kept) || !known.has(name)))
+  const before = known
+  if (news.some(([name, look]) => JSON.stringify(before.get(name)) !== JSON.stringify(look))) {
+    known = new Map([...known, ...news])
+    lookup = lookupIn(known)
+    listeners.forEach((listener) => listener())
+  }
+  return catalogue
 }
+
+/** How a method looks; a stage that is no search has a grey ring. */
+export const methodLook: Lookup = (name) => lookup(name)
+
+function subscribe(listener: () => void): () => void {
+  listeners.add(listener)
+  return () => listeners.delete(listener)
+}
+
+/** `methodLook` for what is drawn on: another function, so that it is drawn again, once a catalogue has told more. */
+export const useMethodLook = (): Lookup => useSyncExternalStore(subscribe, () => lookup)
 
 /** The outline of a marker in a box of 10 by 10, as SVG path data. */
 export const OUTLINE: Record<Shape, string> = {
@@ -85,5 +95,5 @@ const OPEN: readonly Shape[] = ['cross', 'ring', 'box', 'asterisk']
 
 export const isOpen = (shape: Shape): boolean => OPEN.includes(shape)
 
-/** Every method that has a look of its own. */
-export const METHODS: readonly string[] = Object.keys(LOOKS)
+/** Every shipped method. */
+export const METHODS: readonly string[] = SHIPPED.map(({ name }) => name)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter, Reach
+from worker.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel, norm2, sincos
 from worker.kernels.views import Body
 from worker.physics.shapes import outward, rectangle
@@ -59,4 +59,5 @@ component = Obstacle(
     body=body,
     derived=Derived(Constants, derive),
     reach=Reach(("length", "width"), 0.5),
+    look=ObstacleLook(shape="rectangle", sides=("length", "width"), angle="angle"),
 )

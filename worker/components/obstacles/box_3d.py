@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter, Reach
+from worker.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.views import Body3
 from worker.physics.shapes import cuboid, outward
@@ -70,4 +70,5 @@ component = Obstacle(
     body=body,
     derived=Derived(Constants, derive),
     reach=Reach(("length", "width", "height"), 0.5),
+    look=ObstacleLook(shape="box", height="height", sides=("length", "width"), angle="angle"),
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter, Reach
+from worker.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel, norm2
 from worker.kernels.views import Body
 
@@ -27,4 +27,12 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Circle) -> Body:
     return Body(p.position_x, p.position_y, 0.0, 0.0, p.radius, d - p.radius, dx / near, dy / near)
 
 
-component = Obstacle(name="circle", title="Circle", dimension=2, parameters=Circle, body=body, reach=Reach(("radius",)))
+component = Obstacle(
+    name="circle",
+    title="Circle",
+    dimension=2,
+    parameters=Circle,
+    body=body,
+    reach=Reach(("radius",)),
+    look=ObstacleLook(shape="circle", radius="radius"),
+)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter, Reach
+from worker.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel, norm2
 from worker.kernels.views import Body
 from worker.physics.closest import NEVER, Rules, resolve
@@ -90,4 +90,5 @@ component = Obstacle(
     move=move,
     moving=True,
     reach=Reach(("radius",)),
+    look=ObstacleLook(shape="circle", radius="radius", way="goal"),
 )

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter, Reach
+from worker.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel, norm2
 from worker.kernels.views import Body3
 from worker.physics.closest import NEVER, Rules, resolve
@@ -99,4 +99,5 @@ component = Obstacle(
     moving=True,
     reach=Reach(("radius",)),
     frame="ned",
+    look=ObstacleLook(shape="sphere", radius="radius", way="goal"),
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter, Reach
+from worker.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import clip, kernel, norm2
 from worker.kernels.views import Body3
 from worker.physics.shapes import outward, rectangle
@@ -39,5 +39,11 @@ def body(t: float, o: tuple[()], q: tuple[float, float, float], p: Cylinder) -> 
 
 
 component = Obstacle(
-    name="cylinder", title="Cylinder", dimension=3, parameters=Cylinder, body=body, reach=Reach(("radius",))
+    name="cylinder",
+    title="Cylinder",
+    dimension=3,
+    parameters=Cylinder,
+    body=body,
+    reach=Reach(("radius",)),
+    look=ObstacleLook(shape="cylinder", radius="radius", height="height"),
 )

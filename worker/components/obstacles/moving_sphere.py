@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter, Reach
+from worker.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel
 from worker.kernels.views import Body3
 from worker.physics.space import Vector, ball, course
@@ -57,4 +57,5 @@ component = Obstacle(
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
     frame="ned",
+    look=ObstacleLook(shape="sphere", radius="radius", way="heading"),
 )

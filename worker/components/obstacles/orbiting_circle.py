@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter, Reach
+from worker.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.views import Body
 from worker.physics.shapes import disc
@@ -54,4 +54,5 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    look=ObstacleLook(shape="circle", radius="radius", way="orbit"),
 )

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Obstacle, Parameter, Reach
+from worker.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel, sincos
 from worker.kernels.views import Body3
 from worker.physics.space import Vector, ball
@@ -60,4 +60,5 @@ component = Obstacle(
     moving=True,
     derived=Derived(Constants, derive),
     reach=Reach(("radius",)),
+    look=ObstacleLook(shape="sphere", radius="radius", way="orbit"),
 )

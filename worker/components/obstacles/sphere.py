@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Obstacle, Parameter, Reach
+from worker.kernels.component import Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel
 from worker.kernels.views import Body3
 from worker.physics.space import Vector, ball
@@ -25,4 +25,12 @@ def body(t: float, o: tuple[()], q: Vector, p: Sphere) -> Body3:
     return ball((p.position_x, p.position_y, p.position_z), (0.0, 0.0, 0.0), p.radius, q)
 
 
-component = Obstacle(name="sphere", title="Sphere", dimension=3, parameters=Sphere, body=body, reach=Reach(("radius",)))
+component = Obstacle(
+    name="sphere",
+    title="Sphere",
+    dimension=3,
+    parameters=Sphere,
+    body=body,
+    reach=Reach(("radius",)),
+    look=ObstacleLook(shape="sphere", radius="radius"),
+)

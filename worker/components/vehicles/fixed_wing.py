@@ -34,7 +34,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from worker.kernels.component import Derived, Trim, Vehicle, extended
+from worker.kernels.component import Derived, Trim, Vehicle, VehicleLook, extended
 from worker.kernels.maths import kernel
 from worker.kernels.views import Surroundings
 from worker.physics import aircraft, trim
@@ -97,4 +97,5 @@ component = Vehicle(
     derived=Derived(FixedWing, derive),
     trim=Trim(Trimmed, solve),
     frame="ned",
+    look=VehicleLook(mesh="aircraft", heading="psi"),
 )

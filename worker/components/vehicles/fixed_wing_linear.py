@@ -27,7 +27,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
-from worker.kernels.component import Derived, Parameter, Trim, Vehicle, extended
+from worker.kernels.component import Derived, Parameter, Trim, Vehicle, VehicleLook, extended
 from worker.kernels.maths import kernel
 from worker.kernels.views import Surroundings
 from worker.physics import aircraft, trim
@@ -206,4 +206,5 @@ component = Vehicle(
     derived=Derived(Constants, derive),
     trim=Trim(Trimmed, solve),
     frame="ned",
+    look=VehicleLook(mesh="aircraft", heading="psi"),
 )

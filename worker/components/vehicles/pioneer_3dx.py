@@ -30,7 +30,7 @@ from collections.abc import Mapping
 from typing import Annotated, NamedTuple
 
 from worker.kernels.bind import plain
-from worker.kernels.component import Derived, Parameter, Signal, Trim, Vehicle
+from worker.kernels.component import Derived, Parameter, Signal, Trim, Vehicle, VehicleLook
 from worker.kernels.maths import clip, kernel, sincos
 from worker.kernels.views import Errors, Surroundings
 
@@ -209,4 +209,5 @@ component = Vehicle(
     settle=settle,
     derived=Derived(Constants, derive),
     trim=Trim(Constants, model),
+    look=VehicleLook(mesh="two_wheels", heading="psi"),
 )

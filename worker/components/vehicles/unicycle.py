@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
-from worker.kernels.component import Derived, Limit, Parameter, Signal, Vehicle
+from worker.kernels.component import Derived, Limit, Parameter, Signal, Vehicle, VehicleLook
 from worker.kernels.maths import clip, kernel, sincos
 from worker.kernels.views import Errors, Surroundings
 
@@ -121,4 +121,5 @@ component = Vehicle(
     outside=outside,
     measured=measured,
     derived=Derived(Constants, derive),
+    look=VehicleLook(mesh="robot", heading="theta"),
 )

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.parts.lowest import Lowest
 
 STEP = 1e-9
@@ -129,4 +129,5 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: options,
+    look=MethodLook(colour="cma", marker="pentagon"),
 )

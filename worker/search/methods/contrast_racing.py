@@ -18,7 +18,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.racing import finish as racing_finish
 from worker.search.racing.pool import Pool, Rung
 from worker.search.racing.samples import Samples
@@ -205,4 +205,5 @@ method = Method(
     options=Options,
     search=search,
     compiles=True,
+    look=MethodLook(colour="racing", marker="star", short="Racing"),
 )

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Floats, Method, Search, Space
+from worker.search.base import Floats, Method, MethodLook, Search, Space
 from worker.search.parts.callback import Ask, called_back
 from worker.search.parts.lowest import Lowest
 
@@ -96,4 +96,5 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: replace(options, restarts=1_000_000),
+    look=MethodLook(colour="de", marker="down", short="DE"),
 )

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from worker.search.base import Floats, Method, Search, Space
+from worker.search.base import Floats, Method, MethodLook, Search, Space
 
 Ints = NDArray[np.int64]
 
@@ -238,4 +238,5 @@ method = Method(
     options=Options,
     search=search,
     extend=extend,
+    look=MethodLook(colour="direct", marker="square"),
 )

@@ -7,7 +7,7 @@ where there are few local minima; otherwise as `direct`, which it is made of.
 
 from __future__ import annotations
 
-from worker.search.base import Method, Search, Space
+from worker.search.base import Method, MethodLook, Search, Space
 from worker.search.methods.direct import Boxes, Options, divided, extend
 
 
@@ -26,4 +26,5 @@ method = Method(
     options=Options,
     search=search,
     extend=extend,
+    look=MethodLook(colour="direct-l", marker="box"),
 )

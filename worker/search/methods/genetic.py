@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.parts import breeding
 
 
@@ -184,4 +184,5 @@ method = Method(
     repeats=True,
     starts=True,
     extend=extend,
+    look=MethodLook(colour="ga", marker="circle", short="GA"),
 )

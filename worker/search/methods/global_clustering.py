@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, Minimum, Search, Space, side_by_side
+from worker.search.base import Batch, Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
 from worker.search.parts.descent import End, Settings, descend
 from worker.search.parts.unirandi import unirandi
 
@@ -221,4 +221,5 @@ method = Method(
     options=Options,
     search=search,
     repeats=True,
+    look=MethodLook(colour="global", marker="hexagon"),
 )

@@ -16,7 +16,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.methods import direct, sqp
 from worker.search.parts import basins
 
@@ -80,4 +80,5 @@ method = Method(
     options=Options,
     search=search,
     repeats=True,
+    look=MethodLook(colour="hybrid", marker="diamond", short="H-DIRECT"),
 )

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 import nlopt
 from pydantic import Field
 
-from worker.search.base import Method, Search, Space
+from worker.search.base import Method, MethodLook, Search, Space
 from worker.search.parts.nlopt_calls import optimised
 
 LOCAL = {
@@ -62,4 +62,5 @@ method = Method(
     options=Options,
     search=search,
     extend=lambda options, more: options,
+    look=MethodLook(colour="mlsl", marker="right"),
 )

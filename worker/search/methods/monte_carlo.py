@@ -20,7 +20,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import EXCLUDED, OK, Batch, Floats, Method, Search, Space
+from worker.search.base import EXCLUDED, OK, Batch, Floats, Method, MethodLook, Search, Space
 
 BLOCK = 4096
 FIRST_LOOK, GROWTH = 100, 1.5
@@ -131,4 +131,5 @@ method = Method(
     options=Options,
     search=search,
     extend=extend,
+    look=MethodLook(colour="mc", marker="cross", short="MC"),
 )

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 import nlopt
 from pydantic import Field
 
-from worker.search.base import Method, Search, Space
+from worker.search.base import Method, MethodLook, Search, Space
 from worker.search.parts.nlopt_calls import optimised
 
 AGS_PARAMETERS = 10
@@ -62,4 +62,5 @@ method = Method(
     evaluations=2000,
     options=Options,
     search=search,
+    look=MethodLook(colour="nlopt", marker="plus"),
 )

@@ -16,7 +16,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import OK, Batch, Floats, Method, Search, Space
+from worker.search.base import OK, Batch, Floats, Method, MethodLook, Search, Space
 
 
 @dataclass(frozen=True)
@@ -98,4 +98,5 @@ method = Method(
     search=search,
     starts=True,
     extend=extend,
+    look=MethodLook(colour="nsga2", marker="bow"),
 )

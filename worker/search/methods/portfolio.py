@@ -18,7 +18,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.methods import cma_es, contrast_racing, differential_evolution, direct, global_clustering, mlsl, sqp
 from worker.search.parts.portfolio_record import Record
 
@@ -221,4 +221,5 @@ method = Method(
     compiles=True,
     repeats=True,
     extend=lambda options, more: options,
+    look=MethodLook(colour="portfolio", marker="asterisk"),
 )

@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Floats, Method, Minimum, Search, Space, side_by_side
+from worker.search.base import Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
 from worker.search.parts.descent import Settings, descend
 
 
@@ -70,4 +70,5 @@ method = Method(
     search=search,
     repeats=True,
     starts=True,
+    look=MethodLook(colour="sqp", marker="triangle", short="SQP"),
 )

@@ -1,7 +1,7 @@
 // What a library card draws of a scenario.
 import { describe, expect, it } from 'vitest'
 import type { Campaign, Part } from '../../api/campaign'
-import type { Catalogue, ComponentEntry } from '../../client'
+import type { Catalogue, ComponentEntry, ObstacleLook } from '../../client'
 import { extentOf, fit, planOf } from './plan'
 import { at } from './ways'
 
@@ -29,6 +29,10 @@ const CATALOGUE = {
       moving: true,
       parameters: ['position.x', 'position.y', 'goal.x', 'goal.y', 'speed'].map((name) => parameter(name, 1)),
     }),
+    component('obstacle', 'pillar', {
+      look: { shape: 'rectangle', radius: '', height: 'rise', sides: ['long', 'wide'], angle: 'turn', way: 'velocity' } satisfies ObstacleLook,
+    }),
+    component('vehicle', 'sled', { look: { mesh: 'robot', heading: 'yaw' } }),
   ],
 } as Catalogue
 
@@ -74,6 +78,13 @@ describe('a plan of robots', () => {
     expect(at).toMatchObject({ x: 6, y: 1 })
     expect(track.at(-1)?.x).toBeCloseTo(1, 9)
     expect(track.at(-1)?.y).toBeCloseTo(6, 9)
+  })
+  it('draws by the look that an obstacle declares, whatever its parameters are called', () => {
+    const place = { 'position.x': 1, 'position.y': 1, 'velocity.x': 2, 'velocity.y': 0, 'goal.x': 9, 'goal.y': 9 }
+    const body = one(obstacle({ ...place, long: 4, wide: 2, turn: 0.3, rise: 5, radius: 7, speed: 1, length: 8 }, 'pillar'))
+    expect(body).toMatchObject({ radius: 0, rectangle: { length: 4, width: 2, angle: 0.3 }, height: 5 })
+    expect(body.track).toMatchObject([{ x: 1, y: 1 }, { x: 21, y: 1, t: 10 }])
+    expect(planOf(campaign('sled', [], { x: 6, y: 7 }, { yaw: 0.4, theta: 1 }), CATALOGUE).heading).toBe(0.4)
   })
   it('turns a box', () => {
     const body = one(obstacle({ 'position.x': 1, 'position.y': 1, length: 4, width: 2, angle: 0.3 }))

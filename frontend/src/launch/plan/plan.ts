@@ -2,9 +2,9 @@
 // the way it means to go. Places are in the picture's axes, x to the right and y up, with their height; for axes north,
 // east, down that is north up. Start reading at `planOf`.
 import type { Campaign } from '../../api/campaign'
-import type { Catalogue } from '../../client'
+import type { Catalogue, ComponentEntry, ObstacleLook } from '../../client'
 import { numberOf, parametersOf } from '../campaign/parameters'
-import { courseOf, liftOf, placeOf, type Step, type Values, wayOf } from './ways'
+import { courseOf, liftOf, placeOf, type Step, type Values, wayLike, wayOf } from './ways'
 
 export interface Place {
   x: number
@@ -73,13 +73,15 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
   const end = goal ?? courseOf(of('goal'), from, horizon, liftOf(avoider?.written_in, axes.ned))
   return {
     start: axes.map(from),
-    heading: axes.turned(start('psi') ?? start('theta') ?? start('heading') ?? 0),
+    heading: axes.turned(headingOf(vehicle, start)),
     goal: goal && axes.map(goal),
     way: end ? [axes.map(from), axes.map(end)] : [],
     bodies: (scenario.obstacles ?? []).map((part, i) => {
       const values = of(`obstacles.${i}`)
       const known = entry('obstacle', part.component)
-      return bodyOf(values, wayOf(values, horizon, sign, liftOf(known?.written_in, axes.ned)), known?.moving, axes)
+      const look = known?.look && 'shape' in known.look ? known.look : undeclared(values, sign)
+      const way = wayOf(look.way, values, horizon, sign, liftOf(known?.written_in, axes.ned))
+      return bodyOf(look, values, way, known?.moving, axes)
     }),
     axes,
     surface: entry('criterion', campaign.criterion.component)?.measured_to === 'surface',
@@ -88,15 +90,32 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
   }
 }
 
-function bodyOf(values: Values, way: Step[], declared: boolean | undefined, axes: Axes): PlanBody {
-  const [length, width] = [values('length'), values('width')]
-  const angle = axes.turned(values('angle') ?? 0)
+/** At the start: the state that the vehicle names, the usual ones of an unknown vehicle. */
+function headingOf(vehicle: ComponentEntry | undefined, start: Values): number {
+  if (vehicle?.look && 'mesh' in vehicle.look) return vehicle.look.heading ? (start(vehicle.look.heading) ?? 0) : 0
+  return start('psi') ?? start('theta') ?? start('heading') ?? 0
+}
+
+/** How an obstacle is drawn that the catalogue does not know, or that declares nothing: by the usual names. */
+const undeclared = (values: Values, sign: number): ObstacleLook => ({
+  shape: values('length') === null ? 'sphere' : 'box',
+  radius: 'radius',
+  height: 'height',
+  sides: values('length') === null ? [] : ['length', 'width'],
+  angle: 'angle',
+  way: wayLike(values, sign),
+})
+
+function bodyOf(look: ObstacleLook, values: Values, way: Step[], declared: boolean | undefined, axes: Axes): PlanBody {
+  const of = (name: string | undefined) => (name ? values(name) : null)
+  const [length, width] = [of(look.sides[0]), of(look.sides[1])]
+  const angle = axes.turned(of(look.angle) ?? 0)
   const moving = declared ?? way.length > 1
   const place = way[0] ?? placeOf(values, 'position', axes.ned ? -1 : 1) ?? { x: 0, y: 0, up: 0, t: 0 }
   return {
-    radius: values('radius') ?? 0,
+    radius: of(look.radius) ?? 0,
     rectangle: length !== null && width !== null ? { length, width, angle } : null,
-    height: values('height'),
+    height: of(look.height),
     at: axes.map(place),
     track: moving ? way.map(axes.map) : [],
     moving,

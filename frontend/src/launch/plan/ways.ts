@@ -1,5 +1,9 @@
-// The way of an obstacle that gives way to nothing, by what its parameters are called: a round, waypoints, a goal, a
+// The way of an obstacle that gives way to nothing, of the kind that its look declares: a round, waypoints, a goal, a
 // heading or a velocity. In the vehicle's own axes; `up` is the height. Start reading at `wayOf`.
+
+import type { ObstacleLook } from '../../client'
+
+export type Way = ObstacleLook['way']
 
 /** A place on a way [m], and when it is reached [s]. */
 export interface Step {
@@ -17,20 +21,30 @@ export const degrees = (angle: number): number => (angle * 180) / Math.PI
 
 const POINTS = 64
 
+/** By which parameters an obstacle moves that does not declare it. */
+export function wayLike(values: Values, sign: number): Way {
+  if (placeOf(values, 'centre', sign)) return 'orbit'
+  if (placeOf(values, 'waypoint1', sign)) return 'waypoints'
+  if (placeOf(values, 'goal', sign)) return 'goal'
+  if (values('speed') !== null && values('heading') !== null) return 'heading'
+  return placeOf(values, 'velocity', sign) ? 'velocity' : 'still'
+}
+
 /** `sign` turns z into height: -1 where z points down. `lift`: what a climb angle does to the height, see `liftOf`. */
-export function wayOf(values: Values, horizon: number, sign: number, lift: number): Step[] {
-  if (placeOf(values, 'centre', sign)) return roundOf(values, horizon, sign)
+export function wayOf(way: Way, values: Values, horizon: number, sign: number, lift: number): Step[] {
+  if (way === 'orbit') return roundOf(values, horizon, sign)
   const from = placeOf(values, 'position', sign)
-  if (!from) return []
+  if (!from || way === 'still') return []
   const speed = values('speed') ?? 0
-  const legs = Math.round(values('legs') ?? 4)
-  const points = Array.from({ length: legs }, (_, i) => placeOf(values, `waypoint${i + 1}`, sign))
-  const given = points.filter((p) => p !== null)
-  if (given.length > 0) return within([from, ...given], speed, horizon)
-  const goal = placeOf(values, 'goal', sign)
-  if (goal) return within([from, goal], speed, horizon)
-  const course = courseOf(values, from, horizon, lift)
-  if (course) return course.x !== from.x || course.y !== from.y || course.up !== from.up ? [from, course] : []
+  if (way === 'waypoints' || way === 'goal') {
+    const legs = Math.round(values('legs') ?? 4)
+    const names = way === 'goal' ? ['goal'] : Array.from({ length: legs }, (_, i) => `waypoint${i + 1}`)
+    return within([from, ...names.map((name) => placeOf(values, name, sign)).filter((p) => p !== null)], speed, horizon)
+  }
+  if (way === 'heading') {
+    const course = courseOf(values, from, horizon, lift)
+    return course && (course.x !== from.x || course.y !== from.y || course.up !== from.up) ? [from, course] : []
+  }
   const velocity = placeOf(values, 'velocity', sign)
   if (!velocity || !(velocity.x || velocity.y || velocity.up)) return []
   const gone = (at: number, per: number) => at + per * horizon

@@ -11,7 +11,7 @@ import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { NumHead, Seg } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
-import { methodLook } from '../../ui/methods'
+import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { criteriaOf, frontOf, type Placed, someOf } from './front'
@@ -19,6 +19,7 @@ import { criteriaOf, frontOf, type Placed, someOf } from './front'
 const ROWS = 12
 
 export function FrontCard({ data, className }: { data: RunData; className: string }) {
+  const methodLook = useMethodLook()
   const { run, parameters, stages } = data
   const searches = useMemo(() => stages.flatMap((stage) => resultOf(stage, 'search') ?? []), [stages])
   const criteria = useMemo(() => criteriaOf(searches), [searches])
@@ -29,8 +30,8 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   const x = criteria.find((c) => c.name === across) ?? criteria[1]
   const y = criteria.find((c) => c.name === up) ?? criteria[0]
   const spec = useMemo(
-    () => (x && y ? specOf(points, x, y, y === criteria[0] ? run.threshold : null) : null),
-    [points, x, y, criteria, run.threshold],
+    () => (x && y ? specOf(points, x, y, y === criteria[0] ? run.threshold : null, (method) => methodLook(method).colour) : null),
+    [points, x, y, criteria, run.threshold, methodLook],
   )
   if (!x || !y || !spec) return null
   const sizes = searches.map((search) => search.front_size ?? 0)
@@ -93,7 +94,13 @@ function axisTitle(c: FrontCriterion) {
   )
 }
 
-function specOf(points: readonly Placed[], x: FrontCriterion, y: FrontCriterion, threshold: number | null): PlotSpec {
+function specOf(
+  points: readonly Placed[],
+  x: FrontCriterion,
+  y: FrontCriterion,
+  threshold: number | null,
+  colourOf: (method: string) => string,
+): PlotSpec {
   const valueOf = (point: Placed, c: FrontCriterion): number => point.values[c.name] ?? Number.NaN
   const sorted = [...points].sort((a, b) => valueOf(a, x) - valueOf(b, x))
   const xs = sorted.map((point) => valueOf(point, x))
@@ -108,7 +115,7 @@ function specOf(points: readonly Placed[], x: FrontCriterion, y: FrontCriterion,
     lines: [...new Set(points.map((point) => point.method))].map((method) => ({
       key: method,
       label: points.find((point) => point.method === method)?.title ?? method,
-      colour: methodLook(method).colour,
+      colour: colourOf(method),
       y: sorted.map((point, i) => (point.method === method ? (ys[i] as number) : null)),
       dots: true,
     })),

@@ -8,7 +8,7 @@ import { stepsOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { count, decimalsApart, decimalsFor, fixed, plain } from '../../format/numbers'
 import { Seg } from '../../ui/Card'
-import { methodLook } from '../../ui/methods'
+import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
 import { convergenceOf, type RunData, searchesOf } from '../data/data'
 
@@ -20,6 +20,7 @@ interface ConvergenceProps {
 }
 
 export function Convergence({ data, className, height = 300, id }: ConvergenceProps) {
+  const methodLook = useMethodLook()
   const { run } = data
   const [by, setBy] = useState<'evaluations' | 'seconds'>('evaluations')
   const [scale, setScale] = useState<'log' | 'linear'>('log')
@@ -78,7 +79,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       xText: (x) => (by === 'evaluations' ? `Evaluation ${count(x)}` : `${fixed(x, 3)} s`),
       yText: (y) => `${fixed(y, decimals)} ${run.unit}`,
     }
-  }, [curves, criterion, run.quantity, run.unit, by, log, height])
+  }, [curves, criterion, run.quantity, run.unit, by, log, height, methodLook])
 
   const keys: Key[] = curves.map(({ search }) => ({
     key: String(search.stage.position),

@@ -5,12 +5,13 @@ import { count, decimalsApart, duration, fixed, NONE, signed } from '../../forma
 import { HelpLink } from '../../help/links'
 import { Card, NumHead, Progress } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
-import { methodLook } from '../../ui/methods'
+import { useMethodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
 import { type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
 import { Said } from '../data/Said'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
+  const methodLook = useMethodLook()
   const { run } = data
   const searches = searchesOf(data)
   const bests = searches.map(({ stage }) => stage.best)

@@ -1,0 +1,24 @@
+"""The looks of the shipped methods for the pages; `python -m worker.catalogue.looks FILE` writes them.
+
+The pages draw with them before they have read a catalogue, which has those of other packages too. Start at `shipped`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from worker.catalogue.installed import methods
+
+
+def shipped() -> list[dict[str, Any]]:
+    """Name, title and look of every method that is part of this package."""
+    own = [m for m in methods().values() if m.search.__module__.startswith("worker.")]
+    return [{"name": m.name, "title": m.title, "look": asdict(m.look)} for m in own if m.look is not None]
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(json.dumps(shipped(), indent=2) + "\n", encoding="utf-8")

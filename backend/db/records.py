@@ -23,9 +23,8 @@ StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 class Columns(NamedTuple):
     """Consecutive evaluations of one stage, a row each.
 
-    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as
-    `worker.search.base` numbers it; seconds (m,) working time of the stage when each was known; reasons {index in the
-    stage: sentence}.
+    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as `campaigns.results.base`
+    numbers it; seconds (m,) working time of the stage when each was known; reasons {index in the stage: sentence}.
     """
 
     points: Floats

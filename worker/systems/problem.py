@@ -18,11 +18,12 @@ from campaigns.asked.check import flyable
 from campaigns.asked.load import Problem as Wrong
 from campaigns.asked.spec import Part
 from campaigns.catalogue import Role
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.catalogue.installed import catalogue, components
 from worker.kernels import loop as closed_loop
 from worker.kernels.component import Criterion, NoTrim
 from worker.kernels.layout import Parts, Placed
-from worker.search.base import EXCLUDED, FAILED, OK, Batch
+from worker.search.base import Batch
 from worker.systems.closed_loop.assemble import LANES, Loop
 from worker.systems.closed_loop.realisations import Realisations, Seeds
 from worker.systems.distributions import Distributions, Range

@@ -13,9 +13,8 @@ from typing import Any, Literal
 import numpy as np
 
 from backend.db.records import Trace
-from campaigns.results.base import STATUS
+from campaigns.results.base import FAILED, STATUS
 from campaigns.results.trace import Closest, Realisation, TraceColumn, TraceHead, TraceObstacle
-from worker.search.base import FAILED
 from worker.systems.criteria import criteria
 from worker.systems.criteria import values as criterion_values
 from worker.systems.problem import Floats, Problem

@@ -16,9 +16,9 @@ from backend.catalog.service import bounds, described
 from backend.db.records import Columns, join
 from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
-from backend.results import thin
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
+from campaigns import cube, thin
 from campaigns.results.base import EXCLUDED, OK, STATUS, TIMEOUT
 
 MOST_FAILURES = 200
@@ -110,14 +110,8 @@ def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> d
     found = {}
     for column, path in enumerate(paths):
         if path in limits and column < points.shape[1]:
-            found[path] = _natural(points[:, column], *limits[path]).tolist()
+            found[path] = cube.natural(points[:, column], *limits[path]).tolist()
     return found
-
-
-def _natural(share: thin.Floats, nominal: float, low: float, high: float) -> thin.Floats:
-    """The bounds and the nominal value exactly, what is between by their share of the range."""
-    values = np.where(share == (nominal - low) / (high - low), nominal, low + share * (high - low))
-    return np.where(share <= 0.0, low, np.where(share >= 1.0, high, values))
 
 
 def improved(costs: thin.Floats, seconds: thin.Floats, better: thin.Indices) -> dict[str, list[float]]:

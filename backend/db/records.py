@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.asked.plan import StageKind
 from campaigns.results import StageResult, TraceHead
 from campaigns.results.trace import TraceColumn
+from campaigns.runs import StageState
 
 Floats = NDArray[np.float64]
-StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
 class Columns(NamedTuple):
@@ -48,7 +49,7 @@ class StageRecord:
     """A stage as it stands in the store; `seconds` is the working time so far."""
 
     plan: StagePlan
-    state: Literal["waiting", "running", "done"] = "waiting"
+    state: StageState = "waiting"
     seconds: float = 0.0
     result: StageResult | None = None
 

@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run test nightly lint types bench bench-pages search-bench reproduce frontend clean distclean
+.PHONY: help install run check test nightly lint types bench bench-pages search-bench reproduce frontend clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-12s %s\n", part[1], $$0}' Makefile
@@ -12,6 +12,9 @@ install: ## create .venv from the lock file and build the pages
 
 run: install ## start the service and one worker on ./data; Ctrl-C stops everything
 	@exec .venv/bin/clearance serve --data ./data --workers 1
+
+check: install ## ruff, types and the quick tests: less than a minute and a half from warm caches
+	@tools/check.sh
 
 test: install ## run every check and every test
 	@tools/chromium.sh

@@ -1,6 +1,6 @@
 """The criteria of a campaign as the catalogue describes them: the one that decides, then the objectives.
 
-They are named as results name them (`worker.stages.parts.front.criteria`), in the order of the costs' columns.
+They are named as results name them (`campaigns.asked.criteria.named`), in the order of the costs' columns.
 Start reading at `criteria`.
 """
 
@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from backend.catalog.schemas import CriterionOut
 from campaigns import Catalogue
+from campaigns.asked.criteria import named
 
 EARLIER: dict[str, Literal["centre"]] = {"separation": "centre"}
 """What snapshots from before a criterion declared it do not say."""
@@ -19,12 +20,12 @@ EARLIER: dict[str, Literal["centre"]] = {"separation": "centre"}
 def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[CriterionOut]:
     """Every criterion of a campaign's document, each name once; what the catalogue does not know (any more) is bare."""
     found: list[CriterionOut] = []
-    for component in _components(document):
-        alike = sum(c.component == component for c in found)
+    components = _components(document)
+    for name, component in zip(named(components), components, strict=True):
         entry = None if catalogue is None else catalogue.component("criterion", component)
         found.append(
             CriterionOut(
-                name=f"{component}#{alike + 1}" if alike else component,
+                name=name,
                 component=component,
                 title=entry.title if entry else component,
                 quantity=entry.quantity if entry else "",

@@ -27,8 +27,6 @@ from campaigns.results import Finding, TraceHead
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.results.trace import TraceColumn
 
-ENDED = ("done", "failed", "cancelled")
-
 
 def state(connection: sa.Connection, run_id: int) -> tuple[str, dict[str, Any]] | None:
     """A run's state and the document of its campaign; None when there is no such run."""

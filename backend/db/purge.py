@@ -17,6 +17,7 @@ from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import EvaluationChunk, Finding, Run, RunText, Signoff, Stage, Trace
+from campaigns.runs import run_name
 
 _EMPTY: dict[str, Any] = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
@@ -65,7 +66,7 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
         left = {**_EMPTY, "purged": now(writer), "purged_by": user[:64], "purged_digest": digest}
         writer.execute(sa.update(Run).where(Run.id == run_id).values(**left))
         told = {"results_digest": digest, "evaluations": row.evaluations}
-        audit.note_command(writer, user, "run.purged", f"R-{run_id:04d}", told)
+        audit.note_command(writer, user, "run.purged", run_name(run_id), told)
         return True
 
 

@@ -20,12 +20,10 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.runs import HELD
 
 LEASE = 10.0
 """How long a worker may be silent before its run is given to another [s]."""
-
-HELD = ("running", "cancelling")
-"""The states in which a worker holds a run."""
 
 LONGEST_ERROR = 4000
 """Characters kept of a sentence that says why an attempt failed."""

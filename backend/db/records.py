@@ -8,24 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.asked.plan import StageKind
 from campaigns.results import StageResult, TraceHead
 from campaigns.results.trace import TraceColumn
+from campaigns.runs import StageState
 
 Floats = NDArray[np.float64]
-StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
 class Columns(NamedTuple):
     """Consecutive evaluations of one stage, a row each.
 
-    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as
-    `worker.search.base` numbers it; seconds (m,) working time of the stage when each was known; reasons {index in the
-    stage: sentence}.
+    points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as `campaigns.results.base`
+    numbers it; seconds (m,) working time of the stage when each was known; reasons {index in the stage: sentence}.
     """
 
     points: Floats
@@ -49,7 +49,7 @@ class StageRecord:
     """A stage as it stands in the store; `seconds` is the working time so far."""
 
     plan: StagePlan
-    state: Literal["waiting", "running", "done"] = "waiting"
+    state: StageState = "waiting"
     seconds: float = 0.0
     result: StageResult | None = None
 

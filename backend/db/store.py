@@ -28,6 +28,7 @@ from campaigns.catalogue import Catalogue
 from campaigns.flown import Code, Flown, other_code
 from campaigns.results import Finding, NominalResult, StageResult, Verdict, stage_result
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from campaigns.runs import run_name
 
 PATIENCE = 120.0
 """How long a write is tried again while the database cannot be reached or stays locked [s]."""
@@ -156,7 +157,7 @@ class RunStore:
         stored = connection.scalar(sa.select(Run.flown).where(Run.id == self._run))
         others = codes.others(connection, Flown.of(stored), flown, code)
         if others:
-            raise OtherCode(other_code(f"R-{self._run:04d}", others))
+            raise OtherCode(other_code(run_name(self._run), others))
 
     def _plan(self, connection: sa.Connection, stages: Sequence[StagePlan]) -> list[StageRecord]:
         fenced(connection, self.claim, planned=sum(stage.planned for stage in stages))

@@ -15,7 +15,8 @@ from backend.db.tables import Draft as Row
 from backend.db.tables import Run
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
 from backend.http.errors import RefusedError, not_found
-from backend.runs import listing, service
+from backend.runs import service
+from campaigns.runs import run_name
 
 MOST = 1000
 """So many drafts are kept at most: a program that saves one each time is stopped before it fills the disk."""
@@ -106,4 +107,4 @@ def _overtaken(draft: Draft, version: int) -> RefusedError:
 
 def _told(row: dict[str, Any]) -> dict[str, Any]:
     run_id = row.pop("run_id")
-    return row | {"id": name(row["id"]), "run": None if run_id is None else listing.name(run_id)}
+    return row | {"id": name(row["id"]), "run": None if run_id is None else run_name(run_id)}

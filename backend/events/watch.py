@@ -22,8 +22,7 @@ from backend.results.evaluations import Bounds, in_units
 from backend.results.improvements import Improvements
 from backend.runs import listing, service
 from backend.runs.schemas import RunSummary, StageProgress
-
-ACTIVE = ("queued", "running", "cancelling")
+from campaigns.runs import ACTIVE
 
 LATE = 10.0
 """What ended so long before a mark is told again: a transaction is seen later than the time it wrote down [s]."""

@@ -30,9 +30,9 @@ from backend.runs import service as runs
 from backend.runs.components import components
 from backend.runs.schemas import RunSummary
 from backend.signoffs import service as signoffs
+from campaigns.runs import ENDED
 
 FORMAT = "clearance-run/1"
-ENDED = ("done", "failed", "cancelled")
 
 
 @dataclass(frozen=True)

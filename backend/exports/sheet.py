@@ -19,9 +19,10 @@ from backend.catalog.service import bounds, described
 from backend.db.engine import read
 from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
-from backend.results.evaluations import STATUS, Bounds, in_units
+from backend.results.evaluations import Bounds, in_units
 from campaigns import Campaign
 from campaigns.asked.check import parameters
+from campaigns.results.base import OK, STATUS
 
 BLOCK = 16
 """Chunks read at a time."""
@@ -74,7 +75,7 @@ class Sheet:
 
     def _block(self, chunk: Any) -> list[list[Any]]:
         columns = as_columns(chunk)
-        ok = columns.status == 0
+        ok = columns.status == OK
         units = in_units(columns.points, [path for path, _ in self.parameters], self.limits)
         shares = {path: columns.points[:, k].tolist() for k, (path, _) in enumerate(self.parameters)}
         values = [units.get(path, shares[path]) for path, _ in self.parameters]

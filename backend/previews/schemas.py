@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from backend.http.schema import Schema
+from campaigns.results.base import Status
 
 
 class PreviewClosest(Schema):
@@ -40,7 +41,7 @@ class Preview(Schema):
 
     digest: str
     """Of the campaign that was flown."""
-    status: Literal["ok", "failed", "timeout", "excluded"]
+    status: Status
     reason: str
     """Why the status is not ok, a sentence."""
     value: float | None

@@ -16,11 +16,11 @@ from backend.catalog.service import bounds, described
 from backend.db.records import Columns, join
 from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
-from backend.results import thin
 from backend.results.schemas import EvaluationFailure, Evaluations, EvaluationSeries
 from backend.runs.service import campaign
+from campaigns import cube, thin
+from campaigns.results.base import EXCLUDED, OK, STATUS, TIMEOUT
 
-STATUS = ("ok", "failed", "timeout", "excluded")
 MOST_FAILURES = 200
 
 Bounds = Mapping[str, tuple[float, float, float]]
@@ -53,7 +53,7 @@ def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) ->
     found: list[tuple[int, dict[str, float]]] = []
     for row in reader.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first)):
         columns = as_columns(row)
-        flown = np.flatnonzero(columns.status != STATUS.index("excluded"))[: most - len(found)]
+        flown = np.flatnonzero(columns.status != EXCLUDED)[: most - len(found)]
         values = in_units(columns.points[flown], list(asked.uncertain), bounds(asked, described(reader, run_id)))
         rows = [dict(zip(values, one, strict=True)) for one in zip(*values.values(), strict=True)]
         found += zip((row.first + flown).tolist(), rows, strict=True)
@@ -71,7 +71,7 @@ def _columns(reader: sa.Connection, run_id: int, position: int) -> Columns | Non
 def _series(
     stage: Any, columns: Columns, most: int, paths: list[str], limits: Bounds, told: list[CriterionOut]
 ) -> EvaluationSeries:
-    costs = np.where(columns.status == 0, columns.costs[:, 0], np.nan)
+    costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)
     better = thin.improvements(costs)
     chosen = thin.with_kept(len(costs), most, better)
     return EvaluationSeries(
@@ -80,13 +80,13 @@ def _series(
         method=stage.method,
         total=stage.evaluations,
         failed=stage.failed,
-        timeouts=int((columns.status == STATUS.index("timeout")).sum()),
+        timeouts=int((columns.status == TIMEOUT).sum()),
         excluded=stage.excluded,
         index=chosen.tolist(),
         seconds=columns.seconds[chosen].tolist(),
         cost=_known(costs[chosen]),
         further=_further(columns, chosen, told),
-        status=[cast(Any, STATUS[code]) for code in columns.status[chosen].tolist()],
+        status=[STATUS[code] for code in columns.status[chosen].tolist()],
         parameters=in_units(columns.points[chosen], paths, limits),
         improvements=improved(costs, columns.seconds, better),
     )
@@ -96,7 +96,7 @@ def _further(columns: Columns, chosen: thin.Indices, told: list[CriterionOut]) -
     """What the other criteria say of the chosen evaluations; costs are all lower when worse, values have their sign."""
     found = {}
     for k, criterion in enumerate(told[1 : columns.costs.shape[1]], 1):
-        costs = np.where(columns.status[chosen] == 0, columns.costs[chosen, k], np.nan)
+        costs = np.where(columns.status[chosen] == OK, columns.costs[chosen, k], np.nan)
         found[criterion.name] = _known(0.0 - costs if criterion.worse == "high" else costs)
     return found
 
@@ -110,14 +110,8 @@ def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> d
     found = {}
     for column, path in enumerate(paths):
         if path in limits and column < points.shape[1]:
-            found[path] = _natural(points[:, column], *limits[path]).tolist()
+            found[path] = cube.natural(points[:, column], *limits[path]).tolist()
     return found
-
-
-def _natural(share: thin.Floats, nominal: float, low: float, high: float) -> thin.Floats:
-    """The bounds and the nominal value exactly, what is between by their share of the range."""
-    values = np.where(share == (nominal - low) / (high - low), nominal, low + share * (high - low))
-    return np.where(share <= 0.0, low, np.where(share >= 1.0, high, values))
 
 
 def improved(costs: thin.Floats, seconds: thin.Floats, better: thin.Indices) -> dict[str, list[float]]:
@@ -130,7 +124,7 @@ def improved(costs: thin.Floats, seconds: thin.Floats, better: thin.Indices) -> 
 
 
 def _failures(position: int, columns: Columns, paths: list[str], limits: Bounds) -> list[EvaluationFailure]:
-    found = np.flatnonzero(columns.status != 0)[:MOST_FAILURES]
+    found = np.flatnonzero(columns.status != OK)[:MOST_FAILURES]
     values = in_units(columns.points[found], paths, limits)
     return [
         EvaluationFailure(

@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from numpy.typing import NDArray
 
 from backend.db.tables import EvaluationChunk
-from backend.results import thin
+from campaigns import thin
 
 Floats = NDArray[np.float64]
 

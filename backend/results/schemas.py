@@ -7,6 +7,7 @@ from typing import Literal
 from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Schema
 from campaigns.results import TraceHead
+from campaigns.results.base import Status
 from campaigns.results.finding import Boundary, ClosestApproach, FoundBy, Validation
 from campaigns.results.sensitivity import Slices
 from campaigns.results.trace import TraceColumn
@@ -32,7 +33,7 @@ class EvaluationSeries(Schema):
     """By the criterion that decides."""
     further: dict[str, list[float | None]]
     """{name: values} of the other criteria, each in its own sign; empty where there are none."""
-    status: list[Literal["ok", "failed", "timeout", "excluded"]]
+    status: list[Status]
     parameters: dict[str, list[float]]
     """{path: values} in the parameters' units."""
     improvements: dict[str, list[float]]

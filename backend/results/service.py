@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.http.errors import not_found
-from backend.results import thin
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
 from backend.runs.service import campaign, require
+from campaigns import thin
 from campaigns.results import TraceHead
 from campaigns.results.trace import TraceColumn
 

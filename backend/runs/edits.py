@@ -18,6 +18,7 @@ from backend.runs.removal import refuse_removed
 from backend.runs.schemas import RunEdit, RunSummary
 from backend.runs.tombstones import refuse_purged
 from campaigns import Problem
+from campaigns.runs import run_name
 
 
 def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> None:
@@ -36,8 +37,8 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
         if given.notes is not None and given.notes_before is not None:
             _unchanged(writer, run_id, given.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
-            raise not_found("run", listing.name(run_id))
-        audit.note(writer, visitor, "run.edited", listing.name(run_id), _said(values))
+            raise not_found("run", run_name(run_id))
+        audit.note(writer, visitor, "run.edited", run_name(run_id), _said(values))
 
 
 def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
@@ -63,10 +64,10 @@ def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[
         known = set(writer.scalars(sa.select(Run.id).where(Run.id.in_(run_ids))))
         for run_id in run_ids:
             if run_id not in known:
-                raise not_found("run", listing.name(run_id))
+                raise not_found("run", run_name(run_id))
             refuse_purged(writer, run_id)
             state = queue.request_cancel(writer, run_id)
-            audit.note(writer, visitor, "run.cancelled", listing.name(run_id), {"state": state})
+            audit.note(writer, visitor, "run.cancelled", run_name(run_id), {"state": state})
     with read(engine) as reader:
         found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
-    return [found[listing.name(run_id)] for run_id in dict.fromkeys(run_ids)]
+    return [found[run_name(run_id)] for run_id in dict.fromkeys(run_ids)]

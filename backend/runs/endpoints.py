@@ -30,7 +30,6 @@ from backend.runs.schemas import (
     RunPage,
     RunsNamed,
     RunsRemoved,
-    RunState,
     RunSubmit,
     RunSummary,
     StageDetail,
@@ -38,6 +37,7 @@ from backend.runs.schemas import (
 from campaigns import CampaignError, Problem
 from campaigns.asked.problem import shown
 from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState, run_name
 
 router = APIRouter(tags=["runs"])
 
@@ -193,7 +193,7 @@ def get_run(run: RunName, reader: Reader) -> RunDetail:
 )
 def get_run_campaign(run: RunName, reader: Reader) -> Response:
     """The campaign of a run as a file: as it was typed where it was given as text, else as YAML."""
-    headers = {"Content-Disposition": f'attachment; filename="{listing.name(service.number(run))}-campaign.yaml"'}
+    headers = {"Content-Disposition": f'attachment; filename="{run_name(service.number(run))}-campaign.yaml"'}
     return Response(texts.text(reader, service.number(run)), headers=headers, media_type="application/yaml")
 
 

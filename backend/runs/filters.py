@@ -10,8 +10,8 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
-from backend.runs.schemas import RunState
 from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState
 
 MOST_WORDS = 8
 """Words of a search that count; the others are left out."""

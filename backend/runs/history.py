@@ -6,8 +6,8 @@ import sqlalchemy as sa
 
 from backend.db.tables import Audit, Run
 from backend.http.errors import not_found
-from backend.runs import listing
 from backend.runs.schemas import HistoryEntry
+from campaigns.runs import run_name
 
 MOST = 500
 
@@ -15,7 +15,7 @@ MOST = 500
 def history(reader: sa.Connection, run_id: int) -> list[HistoryEntry]:
     """The newest first, at most `MOST`; of a purged run, too. 404 for no run."""
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
-        raise not_found("run", listing.name(run_id))
+        raise not_found("run", run_name(run_id))
     of = sa.select(Audit.at, Audit.user, Audit.via, Audit.action, Audit.detail)
-    rows = reader.execute(of.where(Audit.subject == listing.name(run_id)).order_by(Audit.id.desc()).limit(MOST))
+    rows = reader.execute(of.where(Audit.subject == run_name(run_id)).order_by(Audit.id.desc()).limit(MOST))
     return [HistoryEntry.model_validate(dict(row._mapping)) for row in rows]

@@ -16,19 +16,15 @@ from backend.db.tables import Run, Stage
 from backend.runs import counts
 from backend.runs.filters import Filters
 from backend.runs.order import Order, Sort
-from backend.runs.schemas import RunPage, RunState, RunSummary, StageProgress
+from backend.runs.schemas import RunPage, RunSummary, StageProgress
 from campaigns.results.verdict import VerdictWord
+from campaigns.runs import RunState, run_name
 
 _PLAIN = (
     "id", "name", "tags", "owner", "state", "verdict", "reason", "error", "campaign_digest", "threshold",
     "nominal_cost", "worst_cost", "worst_method", "planned", "created", "started", "finished", "attempts", "worker",
     "continues", "pinned", "best_so_far", "upper_bound", "removed", "removed_by", "removed_reason",
 )  # fmt: skip
-
-
-def name(run_id: int) -> str:
-    """R-0001 of 1."""
-    return f"R-{run_id:04d}"
 
 
 def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None, limit: int) -> RunPage:
@@ -42,7 +38,7 @@ def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None
     by_id = {item.id: item for item in summaries(reader, Run.id.in_(ids))}
     following = order.cursor(rows[limit - 1]) if len(rows) > limit else None
     counts = _counts(reader, filters)
-    return RunPage(items=[by_id[name(i)] for i in ids], next_cursor=following, counts=counts)
+    return RunPage(items=[by_id[run_name(i)] for i in ids], next_cursor=following, counts=counts)
 
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
@@ -65,8 +61,8 @@ def _summary(
     values = {column: getattr(row, column) for column in _PLAIN} | evaluations
     quantity, unit = units.get(row.criterion, ("", ""))
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
-    values["continues"] = None if row.continues is None else name(row.continues)
-    values |= {"id": name(row.id), "campaign_name": row.campaign_name, "stage": stage, "margin": margin}
+    values["continues"] = None if row.continues is None else run_name(row.continues)
+    values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "stage": stage, "margin": margin}
     values |= {"quantity": row.quantity or quantity, "unit": unit if row.unit is None else row.unit}
     return RunSummary.model_validate(values)
 

@@ -18,8 +18,7 @@ from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, tombstones
 from backend.runs.schemas import RunSummary
 from campaigns import Problem
-
-OVER = ("done", "failed", "cancelled")
+from campaigns.runs import ENDED, run_name
 
 
 def remove(engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visitor) -> list[RunSummary]:
@@ -35,7 +34,7 @@ def remove(engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visi
             if row.removed is None:
                 values = {"removed": at, "removed_by": visitor.user, "removed_reason": reason}
                 writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
-                audit.note(writer, visitor, "run.removed", listing.name(row.id), {"reason": reason})
+                audit.note(writer, visitor, "run.removed", run_name(row.id), {"reason": reason})
     return _told(engine, run_ids)
 
 
@@ -47,7 +46,7 @@ def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list
                 values = dict.fromkeys(("removed", "removed_by", "removed_reason"))
                 writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
                 told = {"removed_by": row.removed_by, "reason": row.removed_reason}
-                audit.note(writer, visitor, "run.restored", listing.name(row.id), told)
+                audit.note(writer, visitor, "run.restored", run_name(row.id), told)
     return _told(engine, run_ids)
 
 
@@ -56,7 +55,7 @@ def refuse_removed(writer: sa.Connection, run_id: int) -> None:
     removed = writer.scalar(sa.select(Run.removed).where(Run.id == run_id).with_for_update())
     tombstones.refuse_purged(writer, run_id)
     if removed is not None:
-        raise RefusedError(409, "removed", f"{listing.name(run_id)} is removed: restore it first")
+        raise RefusedError(409, "removed", f"{run_name(run_id)} is removed: restore it first")
 
 
 def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
@@ -66,7 +65,7 @@ def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
     rows = {row.id: row for row in writer.execute(of)}
     for run_id in run_ids:
         if run_id not in rows:
-            raise not_found("run", listing.name(run_id))
+            raise not_found("run", run_name(run_id))
         tombstones.refuse_purged(writer, run_id)
     return list(rows.values())
 
@@ -78,8 +77,8 @@ def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
     signed = {row.run_id: row.name for row in writer.execute(of.order_by(Signoff.id.desc()))}
     found = []
     for row in rows:
-        run = listing.name(row.id)
-        if row.state not in OVER:
+        run = run_name(row.id)
+        if row.state not in ENDED:
             found.append(Problem("run", run, f"it is {row.state}: cancel it first, or wait for its end"))
         elif row.id in signed:
             text = f"its results are signed off by {signed[row.id]}: the sign-off has to be withdrawn first"
@@ -98,4 +97,4 @@ def _refuse(problems: Sequence[Problem]) -> None:
 def _told(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
     with read(engine) as reader:
         found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
-    return [found[listing.name(run_id)] for run_id in dict.fromkeys(run_ids)]
+    return [found[run_name(run_id)] for run_id in dict.fromkeys(run_ids)]

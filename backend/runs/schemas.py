@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -10,16 +10,16 @@ from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Given, Schema
 from campaigns import Catalogue
 from campaigns.asked.load import LARGEST_FILE
+from campaigns.asked.plan import StageKind
 from campaigns.asked.values import Notes
 from campaigns.flown import Flown
 from campaigns.results import StageResult, Verdict
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
+from campaigns.runs import RunState, StageState
 
-RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
 Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
-StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
 class RunSubmit(Given):
@@ -103,7 +103,7 @@ class StageProgress(Schema):
     position: int
     kind: StageKind
     method: str | None
-    state: Literal["waiting", "running", "done"]
+    state: StageState
     planned: int
     evaluations: int
     failed: int

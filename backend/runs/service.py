@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,8 +26,7 @@ from campaigns.asked.load import load_document, load_text
 from campaigns.asked.plan import plan
 from campaigns.flown import Flown
 from campaigns.results import Verdict, verdicts
-
-_ID = re.compile(r"R-([0-9]{1,15})")
+from campaigns.runs import run_name, run_number
 
 
 @dataclass(frozen=True)
@@ -47,10 +45,10 @@ class Submission:
 
 def number(run: str) -> int:
     """The number of a run from its name, R-0001; 404 for anything else."""
-    match = _ID.fullmatch(run)
-    if match is None:
+    found = run_number(run)
+    if found is None:
         raise not_found("run", run)
-    return int(match[1])
+    return found
 
 
 def from_yaml(body: bytes) -> Submission:
@@ -87,7 +85,7 @@ def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str
             if submission.text is not None:
                 writer.execute(sa.insert(RunText).values(run_id=run_id, text=submission.text))
             told = {"campaign": submission.campaign.digest, "name": submission.name}
-            audit.note(writer, visitor, "run.submitted", listing.name(run_id), told)
+            audit.note(writer, visitor, "run.submitted", run_name(run_id), told)
             if key is not None:
                 _remember(writer, submission, visitor, key, run_id)
     with read(engine) as reader:
@@ -114,7 +112,7 @@ def _repeated(writer: sa.Connection, submission: Submission, visitor: Visitor, k
         return None
     if row.body != submission.digest:
         detail = (
-            f"the Idempotency-Key {key!r} was used for another request, which queued {listing.name(row.run_id)}: "
+            f"the Idempotency-Key {key!r} was used for another request, which queued {run_name(row.run_id)}: "
             "send the same body again, or another key"
         )
         raise RefusedError(422, "idempotency-key-reused", detail)
@@ -181,14 +179,14 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
     try:
         return [StageDetail.model_validate(dict(row._mapping)) for row in rows]
     except ValidationError:
-        raise _of_another_version(f"a result of {listing.name(run_id)}") from None
+        raise _of_another_version(f"a result of {run_name(run_id)}") from None
 
 
 def require(reader: sa.Connection, run_id: int) -> None:
     """404 unless there is such a run, 410 where it was purged."""
     refuse_purged(reader, run_id)
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
-        raise not_found("run", listing.name(run_id))
+        raise not_found("run", run_name(run_id))
 
 
 def campaign(reader: sa.Connection, run_id: int) -> Campaign:
@@ -200,7 +198,7 @@ def campaign(reader: sa.Connection, run_id: int) -> Campaign:
     try:
         return Campaign.model_validate(document)
     except ValidationError:
-        raise _of_another_version(f"the campaign of {listing.name(run_id)}") from None
+        raise _of_another_version(f"the campaign of {run_name(run_id)}") from None
 
 
 def _of_another_version(what: str) -> RefusedError:

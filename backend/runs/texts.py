@@ -8,11 +8,11 @@ import sqlalchemy as sa
 
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, RunText
-from backend.runs import listing
 from backend.runs.service import require
 from campaigns import CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
+from campaigns.runs import run_name
 
 
 def text(reader: sa.Connection, run_id: int) -> str:
@@ -24,6 +24,6 @@ def text(reader: sa.Connection, run_id: int) -> str:
     of = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest).where(Run.id == run_id)
     document = reader.execute(of).scalar_one()
     try:
-        return to_yaml(load_document(document, listing.name(run_id)))
+        return to_yaml(load_document(document, run_name(run_id)))
     except CampaignError:  # of another version: told as it is kept, and refused where it is read
         return json.dumps(document, indent=2)

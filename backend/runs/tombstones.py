@@ -12,6 +12,7 @@ import sqlalchemy as sa
 
 from backend.db.tables import Run
 from backend.http.errors import RefusedError
+from campaigns.runs import run_name
 
 _KEPT = (
     "id", "name", "campaign_digest", "removed", "removed_by", "removed_reason", "purged", "purged_by", "purged_digest",
@@ -29,7 +30,7 @@ def refuse_purged(reader: sa.Connection, run_id: int) -> None:
 def _sentence(row: Any) -> str:
     reason = (row.removed_reason or "").rstrip(". ")
     return (
-        f"R-{row.id:04d} “{row.name}” was removed by {row.removed_by} on {_day(row.removed)} ({reason}), and its "
+        f"{run_name(row.id)} “{row.name}” was removed by {row.removed_by} on {_day(row.removed)} ({reason}), and its "
         f"results were purged by {row.purged_by} on {_day(row.purged)}. They had the digest sha256 "
         f"{row.purged_digest}, of the campaign sha256 {row.campaign_digest}. "
         "Its number is never given again; its history is kept"

@@ -16,10 +16,10 @@ from backend.db.engine import now
 from backend.db.tables import Run
 from backend.db.tables import Signoff as Row
 from backend.http.errors import RefusedError, not_found
-from backend.runs.listing import name
 from backend.runs.removal import refuse_removed
 from backend.runs.tombstones import refuse_purged
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
+from campaigns.runs import run_name
 
 
 def listed(reader: sa.Connection, run_id: int) -> Signoffs:
@@ -39,11 +39,11 @@ def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         if _verdict(writer, run_id) is None:
-            raise _conflict("no-verdict", f"{name(run_id)} has no verdict: there is nothing to sign off")
+            raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: there is nothing to sign off")
         digest = results_digest(writer, run_id)
         if given.digest != digest:
             detail = (
-                f"the results of {name(run_id)} are not those that were reviewed (sha256 {given.digest[:16]}): "
+                f"the results of {run_name(run_id)} are not those that were reviewed (sha256 {given.digest[:16]}): "
                 "load the run again and review it anew"
             )
             raise _conflict("results-changed", detail)
@@ -52,7 +52,7 @@ def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor
             raise _conflict("already-signed", f"{given.name} has signed these results off as {given.role} already")
         values = given.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
         signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
-        audit.note(writer, visitor, "signoff.created", name(run_id), {"signoff": signoff_id, **given.model_dump()})
+        audit.note(writer, visitor, "signoff.created", run_name(run_id), {"signoff": signoff_id, **given.model_dump()})
         return _one(writer, run_id, signoff_id)
 
 
@@ -65,7 +65,7 @@ def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visit
         values = {"withdrawn": now(writer), "withdrawn_by": visitor.user, "withdrawn_reason": reason}
         writer.execute(sa.update(Row).where(Row.id == signoff_id).values(**values))
         detail = {"signoff": signoff_id, "reason": reason}
-        audit.note(writer, visitor, "signoff.withdrawn", name(run_id), detail)
+        audit.note(writer, visitor, "signoff.withdrawn", run_name(run_id), detail)
         return _one(writer, run_id, signoff_id)
 
 
@@ -74,7 +74,7 @@ def _one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
     query = sa.select(Row.__table__).where(Row.run_id == run_id, Row.id == signoff_id)
     row = reader.execute(query).mappings().one_or_none()
     if row is None:
-        raise not_found(f"sign-off of {name(run_id)} with the number", str(signoff_id))
+        raise not_found(f"sign-off of {run_name(run_id)} with the number", str(signoff_id))
     return _told(dict(row), results_digest(reader, run_id))
 
 
@@ -88,7 +88,7 @@ def _verdict(reader: sa.Connection, run_id: int) -> str | None:
     refuse_purged(reader, run_id)
     found = reader.execute(sa.select(Run.verdict).where(Run.id == run_id)).one_or_none()
     if found is None:
-        raise not_found("run", name(run_id))
+        raise not_found("run", run_name(run_id))
     verdict: str | None = found.verdict
     return verdict
 

@@ -1,11 +1,11 @@
-"""Holds a campaign's criteria against the catalogue: which may decide, which need a goal that is a place.
+"""A campaign's criteria: their names in results; held against the catalogue, which may decide or need a place as goal.
 
 Start reading at `criteria`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
@@ -30,6 +30,15 @@ def criteria(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         elif entry is not None and entry.of == "goal":
             yield from _reached(field, entry.name, campaign, catalogue)
         given.append((objective.component, objective.parameters))
+
+
+def named(components: Iterable[str]) -> list[str]:
+    """The criteria of these components as results name them, each name once: the second of a component is name#2."""
+    found: list[str] = []
+    for component in components:
+        alike = sum(name.partition("#")[0] == component for name in found)
+        found.append(f"{component}#{alike + 1}" if alike else component)
+    return found
 
 
 def _reached(field: str, name: str, campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:

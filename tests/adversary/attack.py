@@ -8,12 +8,12 @@ import numpy as np
 
 from campaigns import check
 from campaigns.asked.load import CampaignError, load_document
+from campaigns.results.base import OK
 from tests.adversary.classes import CLASSES, Attack
 from tests.audited import audited
 from worker.catalogue.installed import catalogue
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.search.base import OK
 from worker.systems.problem import CampaignUnusable, Problem
 
 

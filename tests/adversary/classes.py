@@ -15,8 +15,8 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
+from campaigns.results.base import OK
 from tests.unit.cases import document
-from worker.search.base import OK
 from worker.systems.problem import Problem
 
 NOT_CLEARED = frozenset({"violated", "inconclusive", "refused"})

@@ -13,12 +13,12 @@ import numpy as np
 from backend.db.records import Columns
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.base import OK
 from campaigns.results.search import Best
 from tests import results
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.server import Service
-from worker.search.base import OK
 from worker.systems.problem import Problem
 
 UNCERTAIN = {

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from backend.db.queue import Queue
 from backend.events import hub
 from backend.events.watch import Event, Watch
-from backend.results import thin
+from campaigns import thin
 from tests.api.finished import Work, search
 from tests.api.server import Service, until
 from tests.api.test_access import problem

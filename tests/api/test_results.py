@@ -6,7 +6,7 @@ import httpx
 import numpy as np
 import pytest
 
-from backend.results import thin
+from campaigns import thin
 from campaigns.results.finding import FoundBy
 from tests import results
 from tests.api.finished import Work, finish, flight, search

@@ -16,10 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from campaigns.results.base import EXCLUDED
 from tests.unit.functions import FUNCTIONS, on_unit_cube
 from tests.unit.searching import batch, space
 from worker.catalogue.installed import methods
-from worker.search.base import EXCLUDED, Floats
+from worker.search.base import Floats
 
 BUILD = Path("build")
 BUDGET, SEEDS, WITHIN = 5_000, 30, 0.01

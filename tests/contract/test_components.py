@@ -9,10 +9,10 @@ import pytest
 
 from campaigns import check
 from campaigns.asked.load import load_document
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.contract.scenes import STEP, around, drawn, entry, near, own, problem
 from worker.catalogue.installed import catalogue, components, source_of
 from worker.kernels.component import Component, Criterion, Vehicle, declared
-from worker.search.base import EXCLUDED, FAILED, OK
 from worker.systems.problem import Problem
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")

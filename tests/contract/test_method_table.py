@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.contract.searches import BUDGET, EACH, Answer, answering, driven, rough
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch
 from worker.catalogue.installed import methods
-from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats, Method, Minimum
+from worker.search.base import Batch, Floats, Method, Minimum
 
 
 @EACH

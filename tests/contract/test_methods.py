@@ -13,12 +13,13 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from tests.contract.searches import BUDGET, EACH, FUNCTIONS, Answer, answering, driven, rough, smooth
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.catalogue.installed import methods
-from worker.search.base import EXCLUDED, FAILED, OK, TIMEOUT, Floats, Method, Search
+from worker.search.base import Floats, Method, Search
 
 
 @pytest.fixture(autouse=True)

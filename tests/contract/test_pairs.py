@@ -12,10 +12,10 @@ import pytest
 
 from campaigns import check
 from campaigns.asked.load import load_document
+from campaigns.results.base import OK
 from tests.contract.scenes import around
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Avoider, Controller, Vehicle
-from worker.search.base import OK
 from worker.systems.problem import Problem
 
 STEPS = 12

@@ -10,6 +10,7 @@ import numpy as np
 from backend.db.records import Columns, StagePlan, Trace
 from campaigns import Campaign
 from campaigns.results import Finding
+from campaigns.results.base import OK
 from tests import results
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("search", "direct", 100), StagePlan("validate", None, 10)]
@@ -40,7 +41,7 @@ def columns(first: int, count: int, seed: int = 1) -> Columns:
     rows = [np.random.default_rng([seed, first + i]).random(4) for i in range(count)]
     values = np.array(rows).reshape(count, 4)
     status = np.array([(0, 0, 0, 0, 0, 1, 2, 3)[int(8 * v)] for v in values[:, 3]], dtype=np.uint8)
-    costs = np.where(status == 0, values[:, 2], np.nan)[:, None]
+    costs = np.where(status == OK, values[:, 2], np.nan)[:, None]
     seconds = 0.01 * (first + 1 + np.arange(count))
     reasons = {first + i: f"diverged at {values[i, 0]:.3f} s" for i in range(count) if status[i]}
     return Columns(np.ascontiguousarray(values[:, :2]), costs, status, seconds, reasons)

@@ -14,6 +14,7 @@ from backend.db.records import Columns, StagePlan, StageRecord
 from backend.db.store import RunStore, plain
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
+from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from tests import results
 from tests.faults.cases import PLAN, campaign, columns, finding, trace
 from worker.stages.parts.store import Store
@@ -61,7 +62,7 @@ def test_evaluations_come_back_bit_for_bit_with_every_count_in_step(store: RunSt
     assert same_bits(held, whole)
     [run] = rows(store, Run)
     stage = rows(store, Stage, Stage.position)[1]
-    failed, excluded = int(np.isin(whole.status, (1, 2)).sum()), int((whole.status == 3).sum())
+    failed, excluded = int(np.isin(whole.status, (FAILED, TIMEOUT)).sum()), int((whole.status == EXCLUDED).sum())
     assert failed
     assert excluded
     assert (stage.evaluations, stage.failed, stage.excluded, stage.seconds) == (100, failed, excluded, 1.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
-from worker.search.base import OK
+from campaigns.results.base import OK
 from worker.systems.closed_loop.assemble import Loop
 from worker.systems.problem import Floats, Problem
 

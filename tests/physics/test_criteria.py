@@ -13,12 +13,12 @@ import pytest
 
 from campaigns import Campaign, check, library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.base import FAILED, OK
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
 from worker.kernels.layout import Parts
 from worker.kernels.maths import sincos
 from worker.reference import Reference
-from worker.search.base import FAILED, OK
 from worker.systems.closed_loop.assemble import Loop
 from worker.systems.closed_loop.trace import trace
 from worker.systems.problem import Problem

@@ -13,6 +13,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from campaigns import library, load_file
+from campaigns.results.base import FAILED
 from tests.physics.airframe import CALM, aircraft, constants, flown, linear
 from tests.physics.scenes import changed, cost, flight
 from worker.components.vehicles import fixed_wing, fixed_wing_linear
@@ -21,7 +22,6 @@ from worker.kernels.component import NoTrim
 from worker.kernels.views import Surroundings
 from worker.physics import aerodynamics, trim
 from worker.physics.aerodynamics import Airframe
-from worker.search.base import FAILED
 from worker.systems.problem import CampaignUnusable, Floats, Problem
 
 CRUISE = load_file(library()["uav_aca_no_avoidance"])

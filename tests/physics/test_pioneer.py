@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from campaigns.results.base import FAILED
 from tests.bench.reference_pioneer import Reference
 from tests.physics.scenes import changed, cost, flight, uncompiled
 from worker import reference
 from worker.components.vehicles import pioneer_3dx
 from worker.kernels.bind import plain
-from worker.search.base import FAILED
 from worker.systems.problem import Problem
 
 CASE = load_file(library()["pioneer_moving"])

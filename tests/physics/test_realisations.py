@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 
 from campaigns import Campaign, CampaignError, check, library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.trace import Realisation
 from tests.audited import audited
 from worker.catalogue.installed import catalogue, components
@@ -27,7 +28,6 @@ from worker.kernels.component import Environment, Fault
 from worker.reference import Reference
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.search.base import EXCLUDED, FAILED, OK
 from worker.systems.closed_loop.trace import fly, trace
 from worker.systems.problem import Problem
 

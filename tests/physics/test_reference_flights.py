@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from campaigns.results.base import OK
 from tests.physics.scenes import changed
 from tests.unit.cases import campaign
 from worker.reference import Flight, Reference, compiled, flight
-from worker.search.base import OK
 from worker.systems.problem import Problem
 
 SMOOTH, SLIDING = 1e-8, 1e-3

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from campaigns.results.base import OK
 from tests.bench import vectorised
 from tests.bench.reference_uav import Reference
 from tests.physics.scenes import changed, cost, uncompiled
 from worker import reference
-from worker.search.base import OK
 from worker.systems.problem import Floats, Problem
 
 HELD = 0.02

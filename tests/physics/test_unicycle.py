@@ -12,11 +12,11 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.components.avoiders import potential_field
 from worker.components.obstacles import circle
 from worker.kernels.bind import plain
 from worker.reference import Reference
-from worker.search.base import EXCLUDED, FAILED, OK
 from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])

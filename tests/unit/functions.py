@@ -12,8 +12,9 @@ from itertools import product
 
 import numpy as np
 
+from campaigns.results.base import EXCLUDED
 from tests.unit.searching import Function
-from worker.search.base import EXCLUDED, Floats
+from worker.search.base import Floats
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from worker.search.base import OK, Batch, Floats, Method, Minimum, Search, Space
+from campaigns.results.base import OK
+from worker.search.base import Batch, Floats, Method, Minimum, Search, Space
 
 Function = Callable[[Floats], Floats]
 """Points (m, n) to values (m,), NaN where there is none."""

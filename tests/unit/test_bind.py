@@ -13,8 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from numba import config
+from numba.core.caching import FunctionCache
 
-from worker.kernels.bind import cache_folder, digest, filled, plain
+from worker.kernels.bind import digest, filled, plain
+from worker.kernels.cache import cache_folder, kept
 from worker.kernels.maths import kernel
 
 FILES = {
@@ -314,3 +317,23 @@ def test_where_the_cache_is(monkeypatch: pytest.MonkeyPatch) -> None:
     assert cache_folder() == Path("/base/clearance/kernels")
     monkeypatch.delenv("XDG_CACHE_HOME")
     assert cache_folder() == Path.home() / ".cache" / "clearance" / "kernels"
+
+
+def doubled(x: float) -> float:
+    return 2.0 * x
+
+
+@pytest.mark.parametrize("error", [ModuleNotFoundError("moved"), AttributeError("renamed"), EOFError("cut off")])
+def test_what_was_kept_and_cannot_be_loaded_is_compiled_again(
+    error: Exception, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    asked = []
+
+    def refuse(*_: object) -> None:
+        asked.append(1)
+        raise error
+
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(FunctionCache, "_load_overload", refuse)
+    assert kept(doubled)(1.5) == 3.0
+    assert asked

@@ -7,9 +7,10 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.unit.cases import campaign, case1
 from tests.unit.sampled import THRESHOLD, context, evaluate
-from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats
+from worker.search.base import Batch, Floats
 from worker.stages.parts import boundary
 from worker.stages.parts.base import Asking, drive
 from worker.stages.parts.slices import slices

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from tests.unit.cases import campaign, case1
 from worker.runs.runner import Cancelled, ReplayMismatch
 from worker.runs.store import MemoryStore
-from worker.search.base import EXCLUDED, FAILED, OK, TIMEOUT, Batch, Floats, Search
+from worker.search.base import Batch, Floats, Search
 from worker.stages.parts import base
 from worker.stages.parts.base import Context, Driven, drive
 from worker.stages.parts.store import Columns, StagePlan

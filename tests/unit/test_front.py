@@ -14,12 +14,12 @@ from hypothesis.extra.numpy import arrays
 
 from campaigns.asked.load import load_document
 from campaigns.results import SearchResult
+from campaigns.results.base import FAILED, OK
 from tests.audited import audited
 from tests.unit.cases import CASE1, campaign
 from worker.cli._results import write_results
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.search.base import FAILED, OK
 from worker.stages.parts import front
 from worker.stages.parts.store import Columns
 from worker.systems.criteria import criteria

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.results.base import EXCLUDED, FAILED
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import run
-from worker.search.base import EXCLUDED, FAILED, Floats
+from worker.search.base import Floats
 from worker.search.methods import genetic
 from worker.search.methods.genetic import Options, method
 from worker.search.parts import breeding

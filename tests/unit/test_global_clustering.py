@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from campaigns.results.base import EXCLUDED, FAILED
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import Function, batch, run
-from worker.search.base import EXCLUDED, FAILED, Batch, Floats, Minimum
+from worker.search.base import Batch, Floats, Minimum
 from worker.search.methods import global_clustering
 from worker.search.methods.global_clustering import ALONE, Clusters, Found, Options, Sample, critical_distance, method
 from worker.search.parts.descent import End

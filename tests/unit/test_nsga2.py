@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from tests.unit.searching import space
-from worker.search.base import EXCLUDED, FAILED, OK, Batch, Floats
+from worker.search.base import Batch, Floats
 from worker.search.methods.nsga2 import Options, extend, search
 
 Several = Callable[[Floats], Floats]

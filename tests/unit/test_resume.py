@@ -10,11 +10,12 @@ import pytest
 
 from campaigns import Campaign
 from campaigns.results import Verdict
+from campaigns.results.base import EXCLUDED
 from tests.audited import audited
 from tests.unit.cases import searching
 from worker.runs.runner import Cancelled, Tally, execute
 from worker.runs.store import MemoryStore
-from worker.search.base import EXCLUDED, Floats
+from worker.search.base import Floats
 from worker.stages.parts import base
 from worker.stages.parts.store import Columns, join
 from worker.systems.evaluate import InProcess

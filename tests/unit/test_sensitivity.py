@@ -12,10 +12,11 @@ import pytest
 from campaigns import CampaignError
 from campaigns.asked.plan import plan
 from campaigns.results import SensitivityResult
+from campaigns.results.base import OK
 from campaigns.results.sensitivity import MorrisStudy, SobolStudy
 from tests.unit.sampled import asked, context, evaluate
 from worker.runs.store import MemoryStore
-from worker.search.base import OK, Batch, Floats
+from worker.search.base import Batch, Floats
 from worker.stages import sensitivity
 from worker.systems.problem import Problem
 

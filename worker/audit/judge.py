@@ -14,6 +14,7 @@ import numpy as np
 
 from campaigns.asked import extents
 from campaigns.asked.check import parameters, seeded
+from campaigns.results.base import OK, STATUS
 from worker.audit.recompute import FLOOR, Run, Tree
 from worker.audit.record import MISSING, Record, UnreadableError
 
@@ -86,7 +87,7 @@ def _stored(run: Run) -> Tree:
     evaluations = {"stored": len(run.status), "succeeded": len(run.costs), "violating": sum(run.below)}
     stages = zip(run.plan, run.best, run.ended, strict=True)
     told: Tree = {
-        "sound": bool((((run.status == 0) == np.isfinite(run.raw)) & (run.status < 4)).all()),
+        "sound": bool((((run.status == OK) == np.isfinite(run.raw)) & (run.status < len(STATUS))).all()),
         "stages": [{"kind": s.kind, "method": s.method, "best": best} | ended for s, best, ended in stages],
         "evaluations": evaluations | {k: run.total[k] for k in ("failed", "excluded")} | {"lowest": run.lowest},
         "nominal": {"cost": run.nominal, "margin": run.nominal - run.threshold},

@@ -13,6 +13,7 @@ import numpy as np
 
 from campaigns.asked.check import parameters, seeded
 from campaigns.asked.plan import plan
+from campaigns.results.base import EXCLUDED, OK
 from worker.audit.record import MISSING, Record
 
 Tree = dict[str, Any]
@@ -39,7 +40,7 @@ def upper_bound(violations: int, samples: int, confidence: float) -> float:
 
 def counts(status: Any) -> Tree:
     """How many evaluations there are, and how they ended."""
-    ok, excluded = (int(np.count_nonzero(status == code)) for code in (0, 3))
+    ok, excluded = (int(np.count_nonzero(status == code)) for code in (OK, EXCLUDED))
     return {"evaluations": len(status), "failed": len(status) - ok - excluded, "excluded": excluded}
 
 
@@ -50,8 +51,8 @@ class Run:
         self.campaign, self.claims, _, self.stage, self.points, costs, self.status = record
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
         self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
-        self.raw, self.costs = costs[:, 0], costs[self.status == 0, 0]
-        by_stage = [self.raw[(self.stage == k) & (self.status == 0)] for k in range(len(self.plan))]
+        self.raw, self.costs = costs[:, 0], costs[self.status == OK, 0]
+        by_stage = [self.raw[(self.stage == k) & (self.status == OK)] for k in range(len(self.plan))]
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
         self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
@@ -64,7 +65,7 @@ class Run:
 
     def finding(self, number: int, given: Tree) -> Tree:
         """A finding by the stored evaluation at its point."""
-        here = self.raw[(self.status == 0) & (self.points == np.array(given["point"])).all(axis=1)]
+        here = self.raw[(self.status == OK) & (self.points == np.array(given["point"])).all(axis=1)]
         cost = min(here.tolist(), key=lambda c: abs(c - given["cost"]), default=math.nan)
         ends = zip(self.campaign.uncertain, given["point"], strict=True)
         edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
@@ -108,7 +109,7 @@ class Run:
         options = {} if asked else self.campaign.stages.search[self.searches.index(k)].options
         grid = asked.grid.points ** len(self.bounds) if asked and asked.grid else 0
         drawn = np.flatnonzero(self.stage == k)[: max(self.ended[k]["evaluations"] - grid, 0)]
-        costs, told = np.sort(self.raw[drawn][self.status[drawn] == 0]), counts(self.status[drawn])
+        costs, told = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
         draws, outside, level = told.pop("evaluations"), self.outside(), self.campaign.confidence
         size, violations = draws - told["excluded"], told["failed"] + int(np.count_nonzero(costs <= self.threshold))
         told |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}

@@ -17,6 +17,7 @@ from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.snapshot import digest_of
 from campaigns.results import earlier
+from campaigns.runs import run_name
 
 MISSING: Any = "not stored by the version that made this run"
 
@@ -60,7 +61,7 @@ def of_folder(folder: Path) -> Record:
 
 def of_database(connection: sa.Connection, run_id: int) -> Record:
     """The stored run; raises as `of_folder` does. Tables are read as they are, of any version."""
-    tables, name = sa.MetaData(), f"R-{run_id:04d}"
+    tables, name = sa.MetaData(), run_name(run_id)
 
     def rows(table: str, order: str, **of: Any) -> list[dict[str, Any]]:
         found = sa.select(sa.Table(table, tables, autoload_with=connection)).filter_by(**of)

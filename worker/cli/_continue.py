@@ -6,7 +6,6 @@ process, so that a worker finishes it should this process die. Start reading at 
 
 from __future__ import annotations
 
-import re
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -27,10 +26,11 @@ from campaigns.asked.plan import plan
 from campaigns.asked.snapshot import values_changed
 from campaigns.flown import Flown
 from campaigns.results import Verdict
+from campaigns.runs import ENDED, run_name
 from worker.catalogue.installed import catalogue
 from worker.cli import WrongInputError
 from worker.cli._results import flown_of, read_folder
-from worker.cli._where import existing_url_of
+from worker.cli._where import existing_url_of, stored_run
 from worker.runs.continuation import Budget, CannotContinue, carried, continued, preloaded, refuse_other_code
 from worker.runs.runner import Cancelled, ReplayMismatch
 from worker.runs.store import MemoryStore
@@ -71,8 +71,9 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
     """Continue a run; `execute(campaign, store, cancelled)` flies. Raises `WrongInputError` where it cannot be."""
     try:
         asked = Budget.read(budget)
-        if re.fullmatch(r"R-\d{1,15}|\d{1,15}", run) and not Path(run).is_dir():
-            return _of_database(int(run.removeprefix("R-")), asked, existing_url_of(data, database), execute)
+        run_id = stored_run(run)
+        if run_id is not None:
+            return _of_database(run_id, asked, existing_url_of(data, database), execute)
         return _of_folder(Path(run), asked, execute)
     except (CannotContinue, ReplayMismatch) as error:
         raise WrongInputError(f"{run} cannot be continued: {error}") from None
@@ -103,7 +104,7 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
         verdict = _held(engine, claim, onward, execute)
         with read(engine) as connection:
             memory = _snapshot(connection, claim.run_id)
-        return Continued(onward, memory, verdict, earlier.cited | {"as": _name(claim.run_id)})
+        return Continued(onward, memory, verdict, earlier.cited | {"as": run_name(claim.run_id)})
     finally:
         engine.dispose()
 
@@ -116,10 +117,10 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
         state, document = found
         if stored.is_removed(connection, run_id):
             raise CannotContinue("it was removed; restore it on its page first")
-        if state not in stored.ENDED:
+        if state not in ENDED:
             raise CannotContinue(f"it is {state}; wait for its end, or cancel it first")
         try:
-            campaign = load_document(document, _name(run_id))
+            campaign = load_document(document, run_name(run_id))
         except CampaignError as error:
             raise CannotContinue(f"its campaign is of another version of Clearance: {error}") from None
         flown = snapshots.of_run(connection, run_id)
@@ -128,7 +129,7 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
             raise CannotContinue(f"its evaluations were flown with other components: {'; '.join(others)}")
         flew = stored.flown(connection, run_id)
         return _Earlier(
-            _name(run_id), campaign, _snapshot(connection, run_id), flew, codes.modules(connection, flew.code)
+            run_name(run_id), campaign, _snapshot(connection, run_id), flew, codes.modules(connection, flew.code)
         )
 
 
@@ -140,7 +141,7 @@ def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute)
             return execute(campaign, RunStore(engine, claim), cancelled)
         except Cancelled:
             queue.cancelled(claim)
-            raise WrongInputError(f"{_name(claim.run_id)} was cancelled") from None
+            raise WrongInputError(f"{run_name(claim.run_id)} was cancelled") from None
         except LostLease:
             raise
         except KeyboardInterrupt:
@@ -183,7 +184,3 @@ def _snapshot(connection: sa.Connection, run_id: int) -> MemoryStore:
         findings=stored.findings(connection, run_id),
         traces={t.name: t for t in stored.traces(connection, run_id)},
     )
-
-
-def _name(run_id: int) -> str:
-    return f"R-{run_id:04d}"

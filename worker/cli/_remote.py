@@ -14,6 +14,7 @@ from typing import Any, Self
 import httpx
 
 from campaigns import CampaignError, Problem
+from campaigns.runs import ACTIVE
 from worker.cli import UnreachableError, WrongInputError
 
 PAUSE = 1.0
@@ -58,7 +59,7 @@ class Remote:
 
     def followed(self, run: str) -> Iterator[dict[str, Any]]:
         """The run as it stands, again and again until it has ended."""
-        while (told := self.run(run))["state"] in ("queued", "running", "cancelling"):
+        while (told := self.run(run))["state"] in ACTIVE:
             yield told
             time.sleep(PAUSE)
         yield told

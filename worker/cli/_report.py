@@ -16,6 +16,7 @@ from rich.text import Text
 from campaigns import Campaign
 from campaigns.asked.plan import plan
 from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
+from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
 from campaigns.wording import count, listed, number, signed
 from worker.catalogue.installed import methods
@@ -95,9 +96,9 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
     table.add_column("Ended")
     for position, record in enumerate(store.stages):
         columns = store.evaluations(position)
-        ok = None if columns is None else columns.costs[columns.status == 0, 0]
-        failed = 0 if columns is None else int(((columns.status == 1) | (columns.status == 2)).sum())
-        excluded = 0 if columns is None else int((columns.status == 3).sum())
+        ok = None if columns is None else columns.costs[columns.status == OK, 0]
+        failed = 0 if columns is None else int(((columns.status == FAILED) | (columns.status == TIMEOUT)).sum())
+        excluded = 0 if columns is None else int((columns.status == EXCLUDED).sum())
         result = record.result
         table.add_row(
             _named(record.plan.kind, record.plan.method),

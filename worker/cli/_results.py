@@ -19,7 +19,7 @@ from campaigns import Campaign, load_file
 from campaigns.asked.plan import plan
 from campaigns.asked.snapshot import snapshot
 from campaigns.flown import Flown
-from campaigns.results.base import STATUS
+from campaigns.results.base import OK, STATUS
 from worker.catalogue.installed import catalogue
 from worker.runs.continuation import CannotContinue
 from worker.runs.store import MemoryStore
@@ -116,7 +116,7 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
             values = problem.values(columns.points)
             told = criterion_values(problem, columns.costs)
             for i, (status, value) in enumerate(zip(columns.status.tolist(), told.tolist(), strict=True)):
-                costs = [repr(v) if status == 0 else "" for v in value]
+                costs = [repr(v) if status == OK else "" for v in value]
                 row = [position, plan.kind, plan.method or "", i, STATUS[status], *costs]
                 writer.writerow([*row, *map(repr, values[i].tolist())])
 

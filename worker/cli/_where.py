@@ -11,6 +11,7 @@ import sqlalchemy as sa
 import typer
 
 from backend.db.engine import connect, default_url, migrate
+from campaigns.runs import run_number
 from worker.cli import WrongInputError
 
 Data = Annotated[Path, typer.Option(help="Folder of the database.", envvar="CLEARANCE_DATA", file_okay=False)]
@@ -44,6 +45,11 @@ def existing_url_of(data: Path, database: str) -> str:
     if not (database or file.exists()):
         raise WrongInputError(f"there is no database at {file}; --data names the folder that `clearance serve` uses")
     return url_of(data, database)
+
+
+def stored_run(run: str) -> int | None:
+    """The number of a stored run from what was typed, R-0001 or 1; None for what can only be a folder."""
+    return None if Path(run).is_dir() else run_number(run if run.startswith("R-") else f"R-{run}")
 
 
 @contextmanager

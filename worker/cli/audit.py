@@ -7,14 +7,13 @@ the program is `worker.audit`.
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from worker.cli import VIOLATED, WrongInputError
-from worker.cli._where import DATA, Data, Database
+from worker.cli._where import DATA, Data, Database, existing_url_of, stored_run
 
 if TYPE_CHECKING:
     from worker.audit.judge import Item
@@ -54,15 +53,15 @@ def audit(
 def _record(run: str, data: Path, database: str) -> Record:
     from worker.audit.record import of_database, of_folder
 
-    if Path(run).is_dir() or not re.fullmatch(r"R-\d{1,15}|\d{1,15}", run):
+    run_id = stored_run(run)
+    if run_id is None:
         return of_folder(Path(run))
     from backend.db.engine import connect, read
-    from worker.cli._where import existing_url_of
 
     engine = connect(existing_url_of(data, database))
     try:
         with read(engine) as connection:
-            return of_database(connection, int(run.removeprefix("R-")))
+            return of_database(connection, run_id)
     finally:
         engine.dispose()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Annotated
 
 import typer
@@ -19,12 +18,13 @@ def follow(
     patience: Patience = PATIENCE,
 ) -> None:
     """Wait for the verdict of a run of a service, which is the exit code."""
+    from campaigns.runs import run_number
     from worker.cli import WrongInputError
     from worker.cli._following import follow_to_the_end, token_of
     from worker.cli._out import writable
     from worker.cli._remote import Remote
 
-    if not re.fullmatch(r"R-\d{1,15}", run):
+    if run_number(run) is None:
         raise WrongInputError(f"{run!r} is no run's number; they are like R-0001")
     writable(out)
     with Remote(service, token_of(token_file), patience) as remote:

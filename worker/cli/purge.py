@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.runs import run_name
 from worker.cli import WrongInputError
 from worker.cli._where import DATA, Data, Database, existing_url_of
 
@@ -75,7 +76,8 @@ def _tell(runs: list[Removed], older_than: str) -> None:
     for run in runs[:LISTED]:
         day = time.strftime("%Y-%m-%d", time.localtime(run.removed))
         typer.echo(
-            f"R-{run.id:04d}  removed {day} by {run.removed_by}  {run.evaluations:,} evaluations, {_size(run.size)}  "
+            f"{run_name(run.id)}  removed {day} by {run.removed_by}  "
+            f"{run.evaluations:,} evaluations, {_size(run.size)}  "
             f"{run.name}: {run.removed_reason}"
         )
     if len(runs) > LISTED:

@@ -131,21 +131,22 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
 
 def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
     from campaigns.results import CertifyResult, SearchResult
+    from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 
     record, columns = store.stages[position], store.evaluations(position)
     result = record.result
     status = [] if columns is None else columns.status.tolist()
     best = None
-    if columns is not None and status.count(0):
-        best = float(columns.costs[columns.status == 0, 0].min())
+    if columns is not None and status.count(OK):
+        best = float(columns.costs[columns.status == OK, 0].min())
     stop = result.stop if isinstance(result, SearchResult | CertifyResult) else None
     return {
         "kind": record.plan.kind,
         "method": record.plan.method,
         "best": best,
         "evaluations": len(status),
-        "failed": status.count(1) + status.count(2),
-        "excluded": status.count(3),
+        "failed": status.count(FAILED) + status.count(TIMEOUT),
+        "excluded": status.count(EXCLUDED),
         "seconds": record.seconds,
         "stop": None if stop is None else stop.text,
         "minima": [m.model_dump() for m in result.minima] if isinstance(result, SearchResult) else [],

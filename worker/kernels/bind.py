@@ -8,39 +8,26 @@ reachable from it, by value: an edit to a helper three imports away recompiles. 
 from __future__ import annotations
 
 import hashlib
-import os
 import sys
 import types
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
-from numba import config
 from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
+from worker.kernels.cache import kept
 from worker.kernels.maths import FLAGS
 
 Function = Callable[..., Any]
 
 
-def cache_folder() -> Path:
-    """Where compiled loops are kept: CLEARANCE_KERNEL_CACHE, else the user's cache folder."""
-    given = os.environ.get("CLEARANCE_KERNEL_CACHE")
-    base = os.environ.get("XDG_CACHE_HOME")
-    return Path(given) if given else (Path(base) if base else Path.home() / ".cache") / "clearance" / "kernels"
-
-
-if not os.environ.get("NUMBA_CACHE_DIR"):
-    config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
-
-
 def compile_loop(bound: Function, name: str, flags: Mapping[str, Any] = FLAGS) -> Any:
     """A filled template as a compiled function, kept on disk under its digest; it releases the GIL."""
     bound.__qualname__ = f"{name}_{digest(bound, flags)}"
-    return numba.njit(cache=True, nogil=True, **flags)(bound)
+    return kept(bound, nogil=True, **flags)
 
 
 def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:

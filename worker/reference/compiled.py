@@ -11,12 +11,12 @@ from functools import cache
 from types import FunctionType
 from typing import Any
 
-import numba
 from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
 from worker.kernels.bind import Function, compile_loop, digest, filled, identity, rebuilt
+from worker.kernels.cache import kept_callback
 from worker.kernels.lanes import lane_ops
 from worker.reference import closed, flight, stepper
 from worker.systems.closed_loop.assemble import LIBRARY, Loop
@@ -36,7 +36,7 @@ SYSTEM = types.float64(types.int64, types.float64, NUMBERS, NUMBERS, NUMBERS, NU
 
 def system(loop: Loop) -> Any:
     """A closed loop as a compiled function of C, kept on disk; its `address` is good for as long as it is kept."""
-    return numba.cfunc(SYSTEM, cache=True, **STRICT)(bound(loop))
+    return kept_callback(bound(loop), SYSTEM, **STRICT)
 
 
 def bound(loop: Loop, keep: bool = True) -> Function:

@@ -13,13 +13,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from campaigns.results.base import OK
 from campaigns.results.trace import TraceColumn
 from worker.reproduce import aircraft, robots
 from worker.reproduce.aircraft import DECISION, MOVING, STATIC
 from worker.reproduce.ours import Flights, NotAvailable
 from worker.reproduce.published import Case, Fly, How, Search, direct, genetic, monte_carlo
 from worker.reproduce.robots import PIONEER, UNICYCLE
-from worker.search.base import OK
 
 Rows = Iterable[Sequence[object]]
 TOGETHER = ("m", "C_mde", "C_dt")

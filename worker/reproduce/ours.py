@@ -17,10 +17,10 @@ import numpy as np
 from campaigns import Campaign, library, load_file
 from campaigns.asked.stages import Search as Asked
 from campaigns.results import SearchResult
+from campaigns.results.base import OK
 from worker.catalogue.installed import methods
 from worker.reproduce.published import D_MIN, Case, Corners, Fly, How, Result, Search, Sweep
 from worker.runs.store import MemoryStore
-from worker.search.base import OK
 from worker.stages import search as stage
 from worker.stages.parts.base import Context
 from worker.stages.parts.store import Columns, StagePlan, Trace

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from campaigns import Campaign, library, load_file
-from worker.search.base import OK
+from campaigns.results.base import OK
 from worker.stages.parts.confirm import FRACTION_OF_MARGIN
 from worker.systems.problem import Floats, Problem
 

@@ -14,8 +14,8 @@ import numpy as np
 from campaigns import Campaign
 from campaigns.asked.plan import plan
 from campaigns.results import CertifyResult, NominalResult, SearchResult, ValidateResult, Verdict
+from campaigns.results.base import EXCLUDED, OK
 from worker.runs.provenance import begin, flown
-from worker.search.base import EXCLUDED, OK
 from worker.stages.found import stages
 from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
 from worker.stages.parts.store import StagePlan, StageRecord, Store

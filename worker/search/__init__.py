@@ -1,1 +1,4 @@
-"""The search methods, one file each, found by presence. Imports nothing of ours; start reading at `base.Method`."""
+"""The search methods, one file each, found by presence. Of ours they import the statuses of evaluations, nothing else.
+
+Start reading at `base.Method`.
+"""

@@ -13,14 +13,13 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from campaigns.results.base import OK
 
-OK, FAILED, TIMEOUT, EXCLUDED = 0, 1, 2, 3
-STATUS = ("ok", "failed", "timeout", "excluded")
+Floats = NDArray[np.float64]
 
 
 class Batch(NamedTuple):
-    """What the points of one request cost: costs (m, k), NaN where not ok; status (m,) uint8."""
+    """What the points of one request cost: costs (m, k), NaN where not ok; status (m,) uint8, numbered as `STATUS`."""
 
     costs: Floats
     status: NDArray[np.uint8]

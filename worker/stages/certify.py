@@ -15,10 +15,10 @@ import numpy as np
 
 from campaigns.asked.stages import Certify
 from campaigns.results import CertifyResult
-from campaigns.results.base import Stop
+from campaigns.results.base import EXCLUDED, Stop
 from campaigns.results.sample import GridPoint, GridResult
 from campaigns.wording import count, number
-from worker.search.base import EXCLUDED, Batch, Floats
+from worker.search.base import Batch, Floats
 from worker.stages.parts import seeds
 from worker.stages.parts.base import Asking, Context, Seeded, drive
 from worker.stages.parts.outcome import Outcome, Stage

@@ -13,12 +13,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from campaigns.results import Finding, SensitivityResult, ValidateResult
+from campaigns.results.base import OK
 from campaigns.results.finding import FoundBy, Validation
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Gathered
 from campaigns.wording import listed
 from worker.reference import NAME
-from worker.search.base import OK
 from worker.stages.parts import boundary, findings, offered, seeds
 from worker.stages.parts.base import Context, Driven, all_columns, drive
 from worker.stages.parts.comparison import compare

@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
+from campaigns.asked.criteria import named
 from campaigns.results.search import FrontCriterion
 from worker.systems.problem import Floats, Problem
 
 
 def criteria(problem: Problem) -> list[FrontCriterion]:
     """The criteria in the order of the costs' columns, the one that decides first; each name once."""
-    found: list[FrontCriterion] = []
-    for criterion in problem.criteria:
-        alike = sum(c.name.partition("#")[0] == criterion.name for c in found)
-        name = f"{criterion.name}#{alike + 1}" if alike else criterion.name
-        found.append(
-            FrontCriterion(
-                name=name,
-                title=criterion.title,
-                quantity=criterion.quantity,
-                unit=criterion.unit,
-                worse=criterion.worse,
-            )
+    names = named(criterion.name for criterion in problem.criteria)
+    return [
+        FrontCriterion(
+            name=name,
+            title=criterion.title,
+            quantity=criterion.quantity,
+            unit=criterion.unit,
+            worse=criterion.worse,
         )
-    return found
+        for name, criterion in zip(names, problem.criteria, strict=True)
+    ]
 
 
 def values(problem: Problem, costs: Floats) -> Floats:

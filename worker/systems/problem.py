@@ -13,16 +13,17 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns import Campaign
+from campaigns import Campaign, cube
 from campaigns.asked.check import flyable
 from campaigns.asked.load import Problem as Wrong
 from campaigns.asked.spec import Part
 from campaigns.catalogue import Role
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.catalogue.installed import catalogue, components
 from worker.kernels import loop as closed_loop
 from worker.kernels.component import Criterion, NoTrim
 from worker.kernels.layout import Parts, Placed
-from worker.search.base import EXCLUDED, FAILED, OK, Batch
+from worker.search.base import Batch
 from worker.systems.closed_loop.assemble import LANES, Loop
 from worker.systems.closed_loop.realisations import Realisations, Seeds
 from worker.systems.distributions import Distributions, Range
@@ -72,15 +73,11 @@ class Problem:
 
     def point(self, values: Mapping[str, float]) -> Floats:
         """Parameter values by path as a point of the unit cube (n,); what is left out is nominal."""
-        natural = np.array([values.get(r.path, r.nominal) for r in self.ranges])
-        return (natural - self.low) / (self.high - self.low)
+        return cube.share(np.array([values.get(r.path, r.nominal) for r in self.ranges]), self.low, self.high)
 
     def values(self, points: Floats) -> Floats:
         """Points of the unit cube (m, n) in the parameters' units; 0 and 1 give the bounds exactly."""
-        natural = self.low + points * (self.high - self.low)
-        at_nominal = points == self.nominal_point
-        natural = np.where(at_nominal, [r.nominal for r in self.ranges], natural)
-        return np.asarray(np.where(points <= 0.0, self.low, np.where(points >= 1.0, self.high, natural)))
+        return cube.natural(points, [r.nominal for r in self.ranges], self.low, self.high)
 
     def named(self, point: Floats) -> dict[str, float]:
         """One point (n,) as values by path."""

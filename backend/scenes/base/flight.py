@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.results import service as results
-from backend.results import thin
 from backend.scenes.base.axes import Axes, axes_of
+from campaigns import thin
 from campaigns.results import TraceHead
 from campaigns.results.trace import Closest as StoredClosest
 from campaigns.results.trace import TraceColumn

@@ -24,8 +24,8 @@ from campaigns import Campaign, Catalogue
 from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry
 from campaigns.looks import ObstacleLook
+from campaigns.runs import ENDED, run_name
 
-OVER = ("done", "failed", "cancelled")
 NOMINAL, WORST = "nominal", "F1"
 
 
@@ -110,7 +110,7 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
     axes = _axes(reader, run_id, vehicle)
     start, goal = _place(values, "start", axes), _place(values, "goal", axes)
     return Setting(
-        run=f"R-{run_id:04d}",
+        run=run_name(run_id),
         title=asked.name,
         digest=asked.digest,
         document=asked.document(),
@@ -226,7 +226,7 @@ class Progress:
     def look(self, reader: sa.Connection) -> bool:
         """Read what is new; whether there was anything."""
         before = self._state()
-        self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in OVER
+        self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in ENDED
         shown = sa.select(Trace.name, Trace.meta).where(
             Trace.run_id == self._run_id, Trace.name.in_((NOMINAL, self.shown))
         )

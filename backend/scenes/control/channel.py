@@ -20,6 +20,7 @@ from backend.scenes.base.schemas import ViewChange, ViewState
 from backend.scenes.base.setting import UnknownParameterError
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.viewer.viewer import GoneError, UnknownFlightError, Viewer
+from campaigns.runs import run_name
 
 router = APIRouter(tags=["views"])
 
@@ -80,7 +81,7 @@ def _full(why: str) -> RefusedError:
 
 
 def _gone(handle: Handle) -> RefusedError:
-    run = f"R-{handle.run_id:04d}"
+    run = run_name(handle.run_id)
     detail = (
         f"no 3D view of {run} is open for you with the key {handle.key}: open /view/{run}/key/{handle.key}/ first, "
         "and keep it open; ?wait=SECONDS waits for it"

@@ -20,7 +20,8 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import EXCLUDED, OK, Batch, Floats, Method, MethodLook, Search, Space
+from campaigns.results.base import EXCLUDED, OK
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 
 BLOCK = 4096
 FIRST_LOOK, GROWTH = 100, 1.5

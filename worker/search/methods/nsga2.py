@@ -16,7 +16,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import OK, Batch, Floats, Method, MethodLook, Search, Space
+from campaigns.results.base import OK
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 
 
 @dataclass(frozen=True)

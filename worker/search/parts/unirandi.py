@@ -10,7 +10,8 @@ from collections.abc import Generator
 
 import numpy as np
 
-from worker.search.base import OK, Batch, Floats
+from campaigns.results.base import OK
+from worker.search.base import Batch, Floats
 from worker.search.parts.descent import End
 
 STEP = 0.0005

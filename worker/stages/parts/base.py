@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from campaigns import Campaign
 from campaigns.results import NominalResult, SearchResult, StageResult
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.wording import count
-from worker.search.base import EXCLUDED, OK, Batch, Search
+from worker.search.base import Batch, Search
 from worker.stages.parts.store import Columns, StagePlan, Store, join
 from worker.systems.closed_loop.realisations import Seeds
 from worker.systems.evaluate import Evaluate

@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import Boundary, Ray
 from campaigns.results.sensitivity import Slices
 from campaigns.wording import number
-from worker.search.base import EXCLUDED, OK, Batch
+from worker.search.base import Batch
 from worker.stages.parts import slices
 from worker.systems.problem import Floats, Problem
 

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from campaigns.results import Finding
+from campaigns.results.base import OK
 from campaigns.results.validate import Compared
-from worker.search.base import OK
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.findings import SAME_COST, Found, scale
 

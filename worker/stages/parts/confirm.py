@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from campaigns.results.base import OK
 from campaigns.results.finding import HalfStep, ReferenceCost, Validation
 from worker.reference import NAME, Flight, Reference
-from worker.search.base import OK
 from worker.stages.parts.base import Cancelled, Context
 from worker.systems.problem import Floats
 

@@ -14,10 +14,10 @@ import numpy as np
 
 from campaigns import Campaign
 from campaigns.asked.spec import FaultPart
+from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Encounter, Spread, Unseen
-from worker.search.base import OK
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.store import Trace
 from worker.systems.closed_loop.trace import trace

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from campaigns.results.base import OK
 from campaigns.results.finding import Neighbours
-from worker.search.base import OK, Batch, Search, Space
+from worker.search.base import Batch, Search, Space
 from worker.search.parts.basins import Basin, Rules, distinct, promising
 from worker.search.parts.lowest import Lowest
 from worker.stages.parts import seeds

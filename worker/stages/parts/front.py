@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.results.base import OK
 from campaigns.results.search import FrontPoint
-from worker.search.base import OK
 from worker.stages.parts.store import Columns
 from worker.systems.criteria import criteria, values
 from worker.systems.problem import Floats, Problem

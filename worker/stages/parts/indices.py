@@ -13,9 +13,10 @@ from typing import Any, TypedDict
 import numpy as np
 
 from campaigns.asked.stages import Morris, SobolIndices
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sensitivity import MorrisRow, MorrisStudy, SobolRow, SobolStudy
 from campaigns.wording import count, listed
-from worker.search.base import EXCLUDED, OK, Batch
+from worker.search.base import Batch
 from worker.systems.problem import Floats, Problem
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from campaigns.results.base import OK
 from campaigns.results.search import Member
 from worker.catalogue.installed import methods
-from worker.search.base import OK, Search
+from worker.search.base import Search
 from worker.stages.parts.store import Columns
 
 

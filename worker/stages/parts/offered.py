@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.results.base import OK
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
 from campaigns.wording import count, number
-from worker.search.base import OK
 from worker.stages.parts import seeds
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.confirm import Case, cases, reference

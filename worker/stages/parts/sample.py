@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sample import Distribution, Histogram, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
 from campaigns.results.sample import Sample as Statement
 from campaigns.wording import count, listed, number
-from worker.search.base import EXCLUDED, OK
 from worker.search.methods import monte_carlo
 from worker.stages.parts import claims
 from worker.stages.parts.base import Context

@@ -13,7 +13,6 @@ from typing import Protocol
 from backend.db.records import (
     Columns,
     Floats,
-    StageKind,
     StagePlan,
     StageRecord,
     Trace,
@@ -25,7 +24,6 @@ from campaigns.results import Finding, StageResult, Verdict
 __all__ = [
     "Columns",
     "Floats",
-    "StageKind",
     "StagePlan",
     "StageRecord",
     "Store",

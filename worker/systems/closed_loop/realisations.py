@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from campaigns.asked.check import SEED
 from campaigns.asked.spec import MAX_SEED
 from campaigns.asked.spec import Realisations as Asked
+from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.kernels.layout import Section
-from worker.search.base import EXCLUDED, FAILED, OK, Batch
+from worker.search.base import Batch
 
 Floats = NDArray[np.float64]
 Seeds = NDArray[np.int64]

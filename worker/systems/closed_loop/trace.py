@@ -13,9 +13,9 @@ from typing import Any, Literal
 import numpy as np
 
 from backend.db.records import Trace
-from campaigns.results.base import STATUS
+from campaigns import thin
+from campaigns.results.base import FAILED, STATUS
 from campaigns.results.trace import Closest, Realisation, TraceColumn, TraceHead, TraceObstacle
-from worker.search.base import FAILED
 from worker.systems.criteria import criteria
 from worker.systems.criteria import values as criterion_values
 from worker.systems.problem import Floats, Problem
@@ -218,9 +218,7 @@ def _speed(places: Floats, row: int, shift: float, step: float) -> float | None:
 def _kept(count: int, rows: int | None, closest: Closest | None) -> Any:
     if rows is None or count <= rows:
         return np.arange(count)
-    even = np.linspace(0, count - 1, max(rows - 21, 2)).round().astype(int)
-    around = np.arange(-10, 11) + (closest.row if closest else 0)
-    return np.unique(np.concatenate([even, around[(around >= 0) & (around < count)]]))
+    return np.union1d(thin.even(count, max(rows - 21, 2)), thin.near(count, closest.row if closest else 0, 10))
 
 
 def _free(problem: Problem, vector: Floats, i: int) -> float | None:

@@ -1,4 +1,4 @@
-"""Which rows of a long series a chart needs. Start reading at `even`."""
+"""Which rows of a long series a chart or a stored flight needs. Start reading at `even`."""
 
 from __future__ import annotations
 
@@ -35,6 +35,10 @@ def with_kept(count: int, most: int, kept: Indices) -> Indices:
 
 def around(count: int, most: int, middle: int) -> Indices:
     """At most `most` of `count` rows: ends, an even choice, and all of those next to the middle."""
-    reach = min(NEAR, max(0, (most - 3) // 4))
-    near = np.arange(max(0, middle - reach), min(count, middle + reach + 1))
-    return with_kept(count, most, np.union1d(near, np.array([0, count - 1])))
+    beside = near(count, middle, min(NEAR, max(0, (most - 3) // 4)))
+    return with_kept(count, most, np.union1d(beside, np.array([0, count - 1])))
+
+
+def near(count: int, middle: int, reach: int) -> Indices:
+    """Those of `count` rows that are at most `reach` from the middle."""
+    return np.arange(max(0, middle - reach), min(count, middle + reach + 1))

@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Runs what tells within a minute or two whether an edit holds: ruff, types of both sides, and the unit and contract
+# tests that neither compile for long nor run for long. tools/test.sh runs everything.
+
+source "$(dirname "$0")/common.sh"
+source tools/node.sh
+
+# They compile a closed loop, fly or search a lot, or start processes: most of the processor time of the two folders.
+SLOW=(
+    tests/contract/test_components.py
+    tests/contract/test_frames.py
+    tests/contract/test_method_options.py
+    tests/contract/test_method_table.py
+    tests/contract/test_methods.py
+    tests/contract/test_pairs.py
+    tests/unit/test_audit.py
+    tests/unit/test_bind.py
+    tests/unit/test_certify.py
+    tests/unit/test_cli.py
+    tests/unit/test_cli_purge.py
+    tests/unit/test_cli_run.py
+    tests/unit/test_compose.py
+    tests/unit/test_continuation.py
+    tests/unit/test_drive.py
+    tests/unit/test_explain.py
+    tests/unit/test_field.py
+    tests/unit/test_findings.py
+    tests/unit/test_front.py
+    tests/unit/test_live.py
+    tests/unit/test_nsga2.py
+    tests/unit/test_portfolio.py
+    tests/unit/test_problem.py
+    tests/unit/test_readme.py
+    tests/unit/test_reproduce.py
+    tests/unit/test_resume.py
+    tests/unit/test_same_numbers.py
+    tests/unit/test_seeds.py
+    tests/unit/test_sensitivity.py
+    tests/unit/test_sources.py
+    tests/unit/test_stages.py
+    tests/unit/test_text.py
+    tests/unit/test_text_names.py
+    tests/unit/test_trace.py
+)
+
+logs="$(mktemp -d)"
+names=()
+running=()
+trap 'kill "${running[@]}" 2>/dev/null || true; rm -rf "$logs"' EXIT
+
+# begin NAME COMMAND... : runs it beside the others; what it says is shown when all have ended.
+begin() {
+    names+=("$1")
+    "${@:2}" >"$logs/$1" 2>&1 &
+    running+=("$!")
+}
+
+frontend_types() {
+    cd frontend
+    npm run --silent client
+    node_modules/.bin/tsc --noEmit --incremental --tsBuildInfoFile node_modules/.check.tsbuildinfo
+}
+
+"$VENV/bin/ruff" check .
+"$VENV/bin/ruff" format --check .
+begin mypy "$VENV/bin/mypy"
+begin tsc frontend_types
+begin pytest "$VENV/bin/pytest" -q -n 2 --dist loadfile tests/unit tests/contract "${SLOW[@]/#/--ignore=}" "$@"
+
+failed=()
+for i in "${!names[@]}"; do
+    wait "${running[$i]}" || failed+=("${names[$i]}")
+    say "== ${names[$i]}"
+    cat "$logs/${names[$i]}" >&2
+done
+running=()
+[ "${#failed[@]}" = 0 ] || fail "failed: ${failed[*]}"

@@ -192,10 +192,10 @@ class TestDryden:
 
     def filters(self) -> tuple[Any, Any, Any]:
         """dx/dt = A x + B n with unit noise, gusts = C x, read off the kernel (flying along x)."""
-        p, blow = self.given(period=1.0), plain(dryden_gusts.blow)
+        p, blow, draw = self.given(period=1.0), plain(dryden_gusts.blow), plain(dryden_gusts.draw)
         with np.errstate(over="ignore"):
-            at_rest = blow(0.0, (0.0,) * 3, (20.0, 0.0, 0.0), (0.0,) * 5, p)
-            units = [blow(0.0, (0.0,) * 3, (20.0, 0.0, 0.0), tuple(np.eye(5)[k]), p) for k in range(5)]
+            at_rest = blow(0.0, (0.0,) * 3, (20.0, 0.0, 0.0), (0.0,) * 5, draw(0.0, p), p)
+            units = [blow(0.0, (0.0,) * 3, (20.0, 0.0, 0.0), tuple(np.eye(5)[k]), draw(0.0, p), p) for k in range(5)]
             n_u, n_v = plain(normals)(p.seed, 0.0, 0.0)
             n_w, _ = plain(normals)(p.seed, 1.0, 0.0)
         a = np.array([np.subtract(u[1], at_rest[1]) for u in units]).T
@@ -250,18 +250,18 @@ class TestDryden:
                 assert np.mean(g[lag:] * g[:-lag]) / g.var() == pytest.approx(asked, abs=error)
 
     def test_gusts_follow_the_direction_of_flight(self) -> None:
-        p, blow = self.given(), plain(dryden_gusts.blow)
+        p, blow, draw = self.given(), plain(dryden_gusts.blow), plain(dryden_gusts.draw)
         e = (1.0, 0.5, -0.2, 0.3, 0.1)
         with np.errstate(over="ignore"):
-            north = blow(0.0, (0.0,) * 3, (10.0, 0.0, 0.0), e, p)[0]
-            east = blow(0.0, (0.0,) * 3, (0.0, 10.0, 0.0), e, p)[0]
+            north = blow(0.0, (0.0,) * 3, (10.0, 0.0, 0.0), e, draw(0.0, p), p)[0]
+            east = blow(0.0, (0.0,) * 3, (0.0, 10.0, 0.0), e, draw(0.0, p), p)[0]
         assert (east.wind_x, east.wind_y) == pytest.approx((-north.wind_y, north.wind_x))
         assert east.wind_z == north.wind_z
 
 
 def _history(p: Any, step: float, steps: int) -> Any:
     """The gusts (steps, 3) met flying along x, by the Runge-Kutta rule of the loop."""
-    blow, wake, tiny = dryden_gusts.blow, dryden_gusts.wake, step * (1.0 - 1e-8)
+    blow, draw, wake, tiny = dryden_gusts.blow, dryden_gusts.draw, dryden_gusts.wake, step * (1.0 - 1e-8)
 
     @njit(**FLAGS)  # type: ignore[untyped-decorator]
     def fly(p, out):  # type: ignore[no-untyped-def]
@@ -269,15 +269,15 @@ def _history(p: Any, step: float, steps: int) -> Any:
         x = np.array(wake(p))
         for i in range(out.shape[0]):
             t = i * step
-            s, d = blow(t, q, v, (x[0], x[1], x[2], x[3], x[4]), p)
+            s, d = blow(t, q, v, (x[0], x[1], x[2], x[3], x[4]), draw(t, p), p)
             a = np.array(d)
             out[i, 0], out[i, 1], out[i, 2] = s.wind_x, s.wind_y, s.wind_z
             y = x + 0.5 * step * a
-            b = np.array(blow(t + 0.5 * step, q, v, (y[0], y[1], y[2], y[3], y[4]), p)[1])
+            b = np.array(blow(t + 0.5 * step, q, v, (y[0], y[1], y[2], y[3], y[4]), draw(t + 0.5 * step, p), p)[1])
             y = x + 0.5 * step * b
-            c = np.array(blow(t + 0.5 * step, q, v, (y[0], y[1], y[2], y[3], y[4]), p)[1])
+            c = np.array(blow(t + 0.5 * step, q, v, (y[0], y[1], y[2], y[3], y[4]), draw(t + 0.5 * step, p), p)[1])
             y = x + step * c
-            d = np.array(blow(t + tiny, q, v, (y[0], y[1], y[2], y[3], y[4]), p)[1])
+            d = np.array(blow(t + tiny, q, v, (y[0], y[1], y[2], y[3], y[4]), draw(t + tiny, p), p)[1])
             x = x + step / 6.0 * (a + 2.0 * b + 2.0 * c + d)
 
     out = np.empty((steps, 3))

@@ -2,7 +2,7 @@
 
 SHELL := bash
 .DEFAULT_GOAL := help
-.PHONY: help install run check test nightly lint types bench bench-pages search-bench reproduce frontend clean distclean
+.PHONY: help install run check test nightly screenshots lint types bench bench-pages search-bench reproduce frontend clean distclean
 
 help: ## this list
 	@awk -F ': ## ' '/^[a-z-]+:.* ## |^[a-z-]+: ## /{split($$0, part, ":"); sub(/.*## /, ""); printf "%-12s %s\n", part[1], $$0}' Makefile
@@ -22,6 +22,10 @@ test: install ## run every check and every test
 
 nightly: install ## run the tests that take minutes, left out of `make test`
 	@.venv/bin/pytest -m nightly
+
+screenshots: install ## pictures of the pages as the browser tests meet them, in build/screenshots
+	@tools/chromium.sh
+	@CLEARANCE_SCREENSHOTS=1 .venv/bin/pytest -m e2e
 
 lint: install ## ruff: rules and format
 	@.venv/bin/ruff check .

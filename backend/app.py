@@ -19,6 +19,8 @@ from backend.drafts import endpoints as drafts
 from backend.events import endpoints as events
 from backend.events.hub import Hub
 from backend.exports import endpoints as exports
+from backend.flights import endpoints as flights
+from backend.flights.turns import Turns
 from backend.health import endpoints as health
 from backend.http import bodies, errors, pages
 from backend.http.capacity import Capacities
@@ -86,11 +88,12 @@ def create(settings: Settings) -> FastAPI:
     app.state.door, app.state.attempts, app.state.capacities = door, Attempts(door), capacities
     app.state.recordings = recordings.Recordings(engine, capacities.recordings)
     app.state.readers = bodies.Readers()
+    app.state.turns = Turns()
     app.state.viewers = Viewers(settings.max_viewers, settings.max_viewers_each)
     errors.install(app)
     api = APIRouter(prefix=API, responses=errors.PROBLEMS)
-    features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events, views)
-    for feature in features:
+    features = (health, sessions, catalog, previews, drafts, runs, results, exports, reports, signoffs, events)
+    for feature in (*features, flights, views):
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)

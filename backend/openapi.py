@@ -10,7 +10,6 @@ import json
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
@@ -21,6 +20,7 @@ from backend.events.schemas import NewImprovements
 from backend.http.errors import ProblemDocument, declare
 from backend.runs.schemas import RunSubmit
 from campaigns import Campaign
+from campaigns.documents import JsonObject
 
 _REF = "#/components/schemas/{model}"
 _CAMPAIGN = {"$ref": _REF.format(model="Campaign")}
@@ -31,8 +31,12 @@ _MODELS: tuple[tuple[type[BaseModel], JsonSchemaMode], ...] = (
     (RunSubmit, "validation"),
 )
 _LEFT_OUT = {
-    "Criterion": ("from_centre",),
-    "Campaign": ("encounter",),
+    "Criterion": ("component", "result", "from_centre"),
+    "Campaign": ("scenario", "simulator", "encounter"),
+    "Catalogue": ("simulators",),
+    "Provenance": ("simulator",),
+    "Flown": ("simulator",),
+    "Validation": ("again",),
     "ComponentEntry": ("look",),
     "MethodEntry": ("look",),
 }
@@ -40,7 +44,7 @@ _LEFT_OUT = {
 _PARTIAL = frozenset(
     {
         *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
-        *("DraftContent", "DraftReplace", "ViewChange", "LayersChange"),
+        *("DraftContent", "DraftReplace", "ViewChange", "LayersChange", "FlightRequest"),
     }
 )
 """All others are answers, and answers have every field."""
@@ -59,14 +63,14 @@ TAGS = [
     {"name": "service", "description": "Health"},
     {"name": "session", "description": "Who is signed in"},
     {"name": "catalog", "description": "Components, methods, the library of campaigns"},
-    {"name": "drafts", "description": "Campaigns that are being prepared, as they were typed"},
+    {"name": "drafts", "description": "Drafts of campaigns, as original text"},
     {"name": "runs", "description": "Submitting, listing, watching, cancelling, notes"},
     {"name": "results", "description": "Evaluations, findings, traces"},
     {"name": "exports", "description": "A run as files: JSON, CSV, MAT"},
     {"name": "reports", "description": "The report for a safety case"},
-    {"name": "signoffs", "description": "Reviewers' words on a run's results"},
+    {"name": "signoffs", "description": "Reviewers' sign-offs of a run's results"},
     {"name": "views", "description": "The 3D views that this visitor has open"},
-    {"name": "events", "description": "Progress as it happens"},
+    {"name": "events", "description": "Live progress"},
 ]
 HEALTH = "/api/v1/health"
 SECURITY = {
@@ -78,7 +82,7 @@ SECURITY = {
 def install(app: FastAPI) -> None:
     """Have the application answer with the complete document."""
 
-    def document() -> dict[str, Any]:
+    def document() -> JsonObject:
         if app.openapi_schema is None:
             app.openapi_schema = _document(app)
         return app.openapi_schema
@@ -86,7 +90,7 @@ def install(app: FastAPI) -> None:
     app.openapi = document  # type: ignore[method-assign]
 
 
-def _document(app: FastAPI) -> dict[str, Any]:
+def _document(app: FastAPI) -> JsonObject:
     found = get_openapi(title=app.title, version=app.version, summary=app.summary, routes=app.routes, tags=TAGS)
     components = found["components"]
     _, extra = models_json_schema(_MODELS, ref_template=_REF)
@@ -110,7 +114,7 @@ def _document(app: FastAPI) -> dict[str, Any]:
     return found
 
 
-def _declare(operation: dict[str, Any], method: str, is_open: bool) -> None:
+def _declare(operation: JsonObject, method: str, is_open: bool) -> None:
     """Add the types of problems that the frame, the guard and the framework answer with, whatever the route."""
     kinds = ["bad-request", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
     if not is_open:

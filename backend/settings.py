@@ -36,7 +36,7 @@ class Settings(BaseModel):
     pages: Path = Path(__file__).parent.parent / "frontend" / "dist"
     """The built front end."""
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
-    """How many 3D views may be open at once."""
+    """Maximum number of open 3D views."""
     max_viewers_each: Annotated[int, Field(ge=1, le=1000)] = 6
     """How many of them one session or token may have open."""
     max_requests_each: Annotated[int, Field(ge=1, le=100_000)] = 100
@@ -51,8 +51,8 @@ class Settings(BaseModel):
         if not self.allow_any_host and not _is_loopback(self.host):
             raise ValueError(
                 f"refusing to listen on {self.host!r}: only the loopback address is allowed, because there are no "
-                f"accounts yet; set {PREFIX}ALLOW_ANY_HOST=true if something in front keeps strangers out, as the "
-                "compose file does"
+                f"accounts yet; set {PREFIX}ALLOW_ANY_HOST=true if a proxy in front blocks "
+                f"unauthenticated clients, as the compose file does"
             )
         return self
 

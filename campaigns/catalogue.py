@@ -1,4 +1,4 @@
-"""The catalogue as data: which components and methods an installation has, with units, bounds and text.
+"""The catalogue as data: which components, methods and simulators an installation has, with units, bounds and text.
 
 The worker publishes it to the database; the API, the launch form and `campaigns.asked.check` read nothing else.
 Start reading at `Catalogue`.
@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from campaigns.documents import JsonObject
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 
 Role = Literal["vehicle", "controller", "avoider", "obstacle", "environment", "fault", "criterion"]
@@ -19,7 +20,7 @@ def _absent(look: Any) -> bool:
     return look is None
 
 
-def _no_default(schema: dict[str, Any]) -> None:
+def _no_default(schema: JsonObject) -> None:
     schema.pop("default", None)
 
 
@@ -119,9 +120,35 @@ class MethodEntry(Entry):
     """The usual budget."""
     starts: bool = False
     """Whether it starts from points that the campaign gives."""
-    options: dict[str, Any]
+    options: JsonObject
     look: Annotated[MethodLook | None, _LEFT_OUT] = None
     """Its colour and marker; left out where it does not declare them."""
+
+
+class ResultEntry(Entry):
+    """A number that an evaluation of a simulator gives; one that is worse when low may decide."""
+
+    name: str
+    title: str
+    quantity: str
+    """Its short name, such as d_min."""
+    unit: str
+    worse: Literal["low", "high"]
+    text: str = ""
+
+
+class SimulatorEntry(Entry):
+    """A simulator as a campaign names it: its parameters, of which `default` is the nominal value, and results."""
+
+    name: str
+    title: str
+    text: str
+    parameters: list[ParameterEntry]
+    results: list[ResultEntry]
+
+    def result(self, name: str | None) -> ResultEntry | None:
+        """The result of that name, or None."""
+        return next((r for r in self.results if r.name == name), None)
 
 
 class Catalogue(Entry):
@@ -130,6 +157,10 @@ class Catalogue(Entry):
     version: str
     components: list[ComponentEntry]
     methods: list[MethodEntry]
+    simulators: Annotated[
+        list[SimulatorEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
+    ] = []
+    """Left out where there is none: stored snapshots that were made before keep their digests."""
 
     def component(self, role: Role, name: str) -> ComponentEntry | None:
         """The component of that role and name, or None."""
@@ -138,3 +169,7 @@ class Catalogue(Entry):
     def method(self, name: str) -> MethodEntry | None:
         """The method of that name, or None."""
         return next((m for m in self.methods if m.name == name), None)
+
+    def simulator(self, name: str) -> SimulatorEntry | None:
+        """The simulator of that name, or None."""
+        return next((s for s in self.simulators if s.name == name), None)

@@ -7,9 +7,9 @@ else resumes or continues that run. Start reading at `differences`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 SHORT = 12
 """Digits of a digest that a sentence gives."""
@@ -53,6 +53,8 @@ class Flown(BaseModel):
     cpu: Processor | None = None
     lanes: int | None = None
     """Simulations that one call of the loop flies at once."""
+    simulator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
+    """Digest of the simulator, in place of the loop's: everything of it that could change a number."""
     step: float | None = None
     """[s]"""
     integrator: str | None = None
@@ -76,6 +78,8 @@ def differences(then: Flown, now: Flown, modules: list[str] | None = None) -> li
         found.append(f"the code digest was {short(then.code)}, here it is {short(now.code)}{_named(modules or [])}")
     if then.loop and now.loop and then.loop != now.loop:
         found.append(f"the loop digest was {short(then.loop)}, here it is {short(now.loop)}")
+    if then.simulator and now.simulator and then.simulator != now.simulator:
+        found.append(f"the simulator digest was {short(then.simulator)}, here it is {short(now.simulator)}")
     if then.python and now.python and then.python != now.python:
         found.append(f"Python was {then.python}, here it is {now.python}")
     for name, version in then.packages.items():

@@ -3,15 +3,33 @@
 from __future__ import annotations
 
 import re
-from typing import Literal
+from enum import StrEnum
 
-RunState = Literal["queued", "running", "cancelling", "cancelled", "failed", "done"]
-StageState = Literal["waiting", "running", "done"]
-HELD: tuple[RunState, ...] = ("running", "cancelling")
+
+class RunState(StrEnum):
+    """What becomes of a run."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    CANCELLING = "cancelling"
+    CANCELLED = "cancelled"
+    FAILED = "failed"
+    DONE = "done"
+
+
+class StageState(StrEnum):
+    """How far a stage of a run is."""
+
+    WAITING = "waiting"
+    RUNNING = "running"
+    DONE = "done"
+
+
+HELD = (RunState.RUNNING, RunState.CANCELLING)
 """A worker holds the run."""
-ACTIVE: tuple[RunState, ...] = ("queued", *HELD)
+ACTIVE = (RunState.QUEUED, *HELD)
 """The run goes on changing."""
-ENDED: tuple[RunState, ...] = ("done", "failed", "cancelled")
+ENDED = (RunState.DONE, RunState.FAILED, RunState.CANCELLED)
 """The run does not change any more."""
 
 _NAME = re.compile(r"R-([0-9]{1,15})")

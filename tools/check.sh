@@ -7,7 +7,7 @@ source tools/node.sh
 
 # They compile a closed loop, fly or search a lot, or start processes: most of the processor time of the two folders.
 SLOW=(
-    tests/contract/test_components.py
+    tests/contract/test_compiled.py
     tests/contract/test_frames.py
     tests/contract/test_method_options.py
     tests/contract/test_method_table.py

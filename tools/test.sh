@@ -13,6 +13,6 @@ step "$VENV/bin/ruff" check .
 step "$VENV/bin/ruff" format --check .
 step "$VENV/bin/mypy"
 (cd frontend && step npm run --silent check && step npm run --silent test)
-# A file's tests share services and browsers: they stay together, in the order of tests/conftest.py.
+# A file's tests share services and browsers: tests/conftest.py keeps them together, and orders them.
 workers="$(nproc)"
 step "$VENV/bin/pytest" -n "$((workers < 4 ? workers : 4))" --dist loadfile --no-loadscope-reorder "$@"

@@ -1,1 +1,1 @@
-"""The physics and the search. Start reading at `worker.systems.problem`."""
+"""The physics and the search. Start reading at `worker.systems.base`."""

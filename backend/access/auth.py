@@ -66,7 +66,7 @@ class Guard:
     def _too_many(self, visitor: Visitor | None) -> RefusedError | None:
         if visitor is None or self._open[visitor.key] < self.most:
             return None
-        detail = f"{self.most} requests of this session or token are open, and no more may be at a time"
+        detail = f"{self.most} requests of this session or token are open, which is the limit: wait for one to end"
         return RefusedError(429, "too-many-requests", detail, headers={"Retry-After": "1"})
 
 

@@ -95,4 +95,4 @@ class Door:
         try:
             await to_thread.run_sync(write, limiter=self._noting)
         except sa.exc.SQLAlchemyError as error:
-            _log.info("the use of token %r was not noted: %s", name, error)
+            _log.info("the use of token %r was not recorded: %s", name, error)

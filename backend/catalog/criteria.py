@@ -19,6 +19,8 @@ EARLIER: dict[str, Literal["centre"]] = {"separation": "centre"}
 
 def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[CriterionOut]:
     """Every criterion of a campaign's document, each name once; what the catalogue does not know (any more) is bare."""
+    if document.get("simulator"):
+        return [_result(document, catalogue)]
     found: list[CriterionOut] = []
     components = _components(document)
     for name, component in zip(named(components), components, strict=True):
@@ -35,6 +37,22 @@ def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[C
             )
         )
     return found
+
+
+def _result(document: Mapping[str, Any], catalogue: Catalogue | None) -> CriterionOut:
+    """The result of a simulator that decides."""
+    name, simulator = str(document["criterion"]["result"]), str(document["simulator"]["name"])
+    known = None if catalogue is None else catalogue.simulator(simulator)
+    entry = None if known is None else known.result(name)
+    return CriterionOut(
+        name=name,
+        component=name,
+        title=entry.title if entry else name,
+        quantity=entry.quantity if entry else "",
+        unit=entry.unit if entry else "",
+        worse=entry.worse if entry else "low",
+        measured_to="",
+    )
 
 
 def _components(document: Mapping[str, Any]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Path, Request
 
@@ -14,6 +14,7 @@ from backend.http.deps import Engine, Reader, capacities
 from backend.http.errors import problems
 from campaigns import Campaign, CampaignError, Catalogue
 from campaigns.asked.load import load_document
+from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["catalog"])
 LibraryName = Annotated[str, Path(description="The identifier of a shipped campaign, such as `unicycle_static`.")]
@@ -40,7 +41,7 @@ def list_campaigns(reader: Reader) -> list[LibraryCampaign]:
 
 
 @router.get("/campaigns/schema")
-def campaign_schema() -> dict[str, Any]:
+def campaign_schema() -> JsonObject:
     """The JSON Schema of a campaign."""
     return Campaign.model_json_schema()
 

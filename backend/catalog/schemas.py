@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from backend.http.schema import Schema
 from campaigns.catalogue import Catalogue, ParameterEntry
+from campaigns.documents import JsonObject
 
 CatalogueOut = Catalogue
 
@@ -15,7 +16,7 @@ class LibraryCampaign(Schema):
 
     id: str
     digest: str
-    document: dict[str, Any]
+    document: JsonObject
     yaml: str
     problems: list[ProblemOut]
 
@@ -59,7 +60,7 @@ class Checked(Schema):
     ok: bool
     problems: list[ProblemOut]
     digest: str | None
-    document: dict[str, Any] | None
+    document: JsonObject | None
     yaml: str | None
     parameters: list[CheckedParameter]
     evaluations: int | None

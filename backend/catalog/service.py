@@ -19,8 +19,8 @@ from campaigns.asked.plan import plan
 from campaigns.asked.text import to_yaml
 
 NO_CATALOGUE = (
-    "no worker has published its components yet, so campaigns cannot be checked: start one with `clearance worker` "
-    "and try again in a few seconds"
+    "no worker has published its components yet, so campaigns cannot be checked: start a worker with `clearance worker`"
+    " and try again in a few seconds"
 )
 RECENT_RUNS = 300
 """How far back runs are looked through for the speed of the same components."""
@@ -139,8 +139,10 @@ def bounds(campaign: Campaign, catalogue: Catalogue | None) -> dict[str, tuple[f
 def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> float | None:
     """Working time that the evaluations would take at the speed of earlier runs of the same components [s].
 
-    A flight's time goes with its number of steps, so speed is counted in steps.
+    A flight's time goes with its number of steps, so speed is counted in steps; of a simulator nothing is known.
     """
+    if campaign.scenario is None:
+        return None
     recent = sa.select(Run.id, Run.campaign_digest).where(Run.state == "done").order_by(Run.id.desc())
     runs = recent.limit(RECENT_RUNS).subquery()
     document = CampaignRow.document
@@ -158,7 +160,7 @@ def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> flo
     flown, seconds = reader.execute(totals).one()
     if not flown or not seconds:
         return None
-    scenario = campaign.scenario
+    scenario = campaign.given_scenario
     return float(evaluations * (scenario.horizon / scenario.step) * seconds / flown)
 
 
@@ -168,5 +170,5 @@ def _component(document: Any, role: str) -> sa.ColumnElement[str]:
 
 
 def _component_of(campaign: Campaign, role: str) -> str:
-    part = getattr(campaign.scenario, role)
+    part = getattr(campaign.given_scenario, role)
     return str(part.component)

@@ -55,9 +55,9 @@ def hashed(secret: str) -> str:
 def create_token(connection: sa.Connection, name: str) -> str:
     """A new API token under a name not used before; this is the only time that it can be seen."""
     if not _NAME.fullmatch(name):
-        raise AccessError(f"the name {name!r} does not fit: 1 to 64 letters, digits and . _ + -, no spaces")
+        raise AccessError(f"the name {name!r} is invalid: use 1 to 64 letters, digits and . _ + -, no spaces")
     if connection.scalar(sa.select(Token.id).where(Token.name == name)) is not None:
-        raise AccessError(f"there is, or was, a token named {name!r}; choose another name")
+        raise AccessError(f"a token named {name!r} exists or existed; choose another name")
     secret = TOKEN_PREFIX + secrets.token_urlsafe(32)
     values = {"name": name, "hash": hashed(secret), "created": engine.now(connection)}
     connection.execute(sa.insert(Token).values(**values))
@@ -74,7 +74,7 @@ def revoke_token(connection: sa.Connection, name: str) -> None:
     """From now on the token is refused; its row stays, so that the name still says who it was."""
     known = sa.update(Token).where(Token.name == name)
     if connection.execute(known.values(revoked=sa.func.coalesce(Token.revoked, engine.now(connection)))).rowcount == 0:
-        raise AccessError(f"there is no token named {name!r}; `clearance token list` shows those there are")
+        raise AccessError(f"there is no token named {name!r}; `clearance token list` lists all tokens")
 
 
 def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:

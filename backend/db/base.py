@@ -7,6 +7,8 @@ from typing import Any
 import sqlalchemy as sa
 from sqlalchemy import orm
 
+from campaigns.documents import JsonObject
+
 
 class Base(orm.DeclarativeBase):
-    type_annotation_map = {dict[str, Any]: sa.JSON, list[Any]: sa.JSON, float: sa.Double}  # noqa: RUF012
+    type_annotation_map = {JsonObject: sa.JSON, list[Any]: sa.JSON, float: sa.Double}  # noqa: RUF012

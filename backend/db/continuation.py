@@ -7,7 +7,6 @@ runs out, any worker goes on with it like with every other. Start reading at `be
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import sqlalchemy as sa
@@ -22,13 +21,14 @@ from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results import Finding, TraceHead
 from campaigns.results.base import EXCLUDED, FAILED, TIMEOUT
 from campaigns.results.trace import TraceColumn
 
 
-def state(connection: sa.Connection, run_id: int) -> tuple[str, dict[str, Any]] | None:
+def state(connection: sa.Connection, run_id: int) -> tuple[str, JsonObject] | None:
     """A run's state and the document of its campaign; None when there is no such run."""
     of = sa.select(Run.state, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     row = connection.execute(of.where(Run.id == run_id)).first()
@@ -124,7 +124,7 @@ def begin(
     return Claim(run_id, 1, 1, attempts, worker, campaign.document())
 
 
-def _counts(columns: Columns) -> dict[str, Any]:
+def _counts(columns: Columns) -> JsonObject:
     best, index = lowest(columns)
     return {
         "evaluations": len(columns.status),

@@ -18,17 +18,22 @@ from backend.db.tables import Finding, Run, Stage, Trace
 
 _RUN = ("campaign_digest", "state", "verdict", "reason", "error", "summary", "nominal_cost", "worst_cost")
 _STAGE = ("position", "kind", "method", "state", "planned", "evaluations", "failed", "excluded", "best", "best_index")
+_EVIDENCE = ("label", "slices", "boundary", "closest")
 _FINDING = ("label", "cost", "margin", "parameters", "point", "methods", "found", "at_bounds", "validation")
 
 
-def results_digest(reader: sa.Connection, run_id: int) -> str:
-    """64 hexadecimal digits; any later change of a result changes them."""
+def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) -> str:
+    """64 hexadecimal digits; any later change of a result changes them. Up to revision 0010 without `evidence`."""
     parts = {
         "run": _rows(reader, Run, _RUN, Run.id == run_id, Run.id),
         "stages": _rows(reader, Stage, (*_STAGE, "result"), Stage.run_id == run_id, Stage.position),
         "findings": _rows(reader, Finding, _FINDING, Finding.run_id == run_id, Finding.label),
         "traces": _traces(reader, run_id),
     }
+    if evidence:
+        shown = _rows(reader, Finding, _EVIDENCE, Finding.run_id == run_id, Finding.label)
+        if any(value is not None for _, *values in shown for value in values):
+            parts["evidence"] = shown
     components = snapshots.digest(reader, run_id)
     if components is not None:  # earlier runs keep the digest that they were signed under
         parts["components"] = [[components]]

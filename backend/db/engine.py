@@ -40,7 +40,7 @@ def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
     try:
         parsed = sa.make_url(url)
     except sa.exc.ArgumentError:
-        raise ValueError("the database is given as sqlite:///FILE or postgresql://..., not as this text") from None
+        raise ValueError("invalid database address: give sqlite:///FILE or postgresql://...") from None
     backend = parsed.get_backend_name()
     if backend == "sqlite":
         return _sqlite(parsed, BUSY_TIMEOUT if busy_timeout is None else busy_timeout)
@@ -127,7 +127,9 @@ def migrate(url: str) -> None:
 
 def _sqlite(url: sa.URL, busy_timeout: float) -> sa.Engine:
     if not url.database or url.database == ":memory:":
-        raise ValueError("an SQLite database is a file, since several processes share it: sqlite:///path/to/file")
+        raise ValueError(
+            "an SQLite database must be a file, because several processes use it: give sqlite:///path/to/file"
+        )
     create_private(Path(url.database).absolute())
     engine = sa.create_engine(url, connect_args={"timeout": busy_timeout}, json_serializer=_json)
 

@@ -36,7 +36,9 @@ def keep_private(data: Path, database: str = "") -> None:
     os.umask(UMASK)
     data.mkdir(mode=FOLDER, parents=True, exist_ok=True)
     if data.stat().st_mode & stat.S_ISVTX:
-        raise SharedFolderError(f"the data folder {data} is shared by all users of this machine: name one of your own")
+        raise SharedFolderError(
+            f"the data folder {data} is shared by all users of this machine: choose a private folder"
+        )
     for path in [data.resolve(), *_files(data, database)]:
         _tighten(path)
 
@@ -80,4 +82,4 @@ def _tighten(path: Path) -> None:
     try:
         path.chmod(mode & ~UMASK)
     except PermissionError:
-        _log.warning("%s can be read by other users and belongs to another one: change its owner or its mode", path)
+        _log.warning("%s is readable by other users and is owned by another user: change its owner or its mode", path)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sqlalchemy as sa
 
@@ -17,9 +17,10 @@ from backend.db import audit
 from backend.db.digest import results_digest
 from backend.db.engine import is_sqlite, now, read
 from backend.db.tables import EvaluationChunk, Finding, Run, RunText, Signoff, Stage, Trace
+from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
-_EMPTY: dict[str, Any] = {
+_EMPTY: JsonObject = {
     "tags": [], "notes": "", "summary": {}, "best_so_far": [], "reason": None, "error": None, "pinned": False,
     "snapshot": None,
 }  # fmt: skip

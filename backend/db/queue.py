@@ -20,6 +20,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run, Stage
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.documents import JsonObject
 from campaigns.runs import HELD
 
 LEASE = 10.0
@@ -28,7 +29,7 @@ LEASE = 10.0
 LONGEST_ERROR = 4000
 """Characters kept of a sentence that says why an attempt failed."""
 
-_SILENT = "its worker was lost without a sign"
+_SILENT = "its worker stopped sending heartbeats"
 _CLAIMED = (Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.started, Run.campaign_digest)
 
 
@@ -48,10 +49,10 @@ class Claim:
     attempt: int
     max_attempts: int
     worker: str
-    document: dict[str, Any]
+    document: JsonObject
     """The campaign."""
 
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> JsonObject:
         """The claim as plain JSON values; `Claim(**values)` is the way back."""
         return asdict(self)
 
@@ -106,7 +107,7 @@ def fenced(connection: sa.Connection, claim: Claim, **values: Any) -> None:
     """Update the claimed run, in the caller's transaction; raises `LostLease` when it is no longer the caller's."""
     mine = (Run.id == claim.run_id, Run.fence == claim.fence, Run.state.in_(HELD))
     if connection.execute(sa.update(Run).where(*mine).values(**values)).rowcount != 1:
-        raise LostLease(f"run {claim.run_id} was given to another worker or has ended; nothing was written")
+        raise LostLease(f"run {claim.run_id} was reassigned to another worker or has ended; nothing was written")
 
 
 class Queue:
@@ -199,7 +200,7 @@ class Queue:
         )
 
     def _ended(self, connection: sa.Connection, row: Any, at: float) -> bool:
-        values: dict[str, Any] = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
+        values: JsonObject = {"finished": at, "lease_until": 0.0, "fence": row.fence + 1}
         if row.state == "cancelling":
             values |= {"state": "cancelled", "error": None}
         elif row.attempts >= row.max_attempts:
@@ -210,7 +211,7 @@ class Queue:
         return True
 
     def _hold(self, connection: sa.Connection, row: Any, at: float, worker: str) -> Claim:
-        values: dict[str, Any] = {"state": "running", "worker": worker, "fence": row.fence + 1}
+        values: JsonObject = {"state": "running", "worker": worker, "fence": row.fence + 1}
         values |= {"attempts": row.attempts + 1, "lease_until": at + self.lease}
         values |= {"started": at if row.started is None else row.started}
         if row.state == "running":
@@ -243,4 +244,4 @@ def _given_up(connection: sa.Connection, run_id: int, attempts: int, how: str) -
     where = "before its first stage"
     if stage is not None:
         where = f"in the {stage.kind} stage" + (f" ({stage.method})" if stage.method else "")
-    return f"Given up after {attempts} attempts {where}; the last one: {how}."
+    return f"Failed after {attempts} attempts {where}; last attempt: {how}."

@@ -49,7 +49,7 @@ class StageRecord:
     """A stage as it stands in the store; `seconds` is the working time so far."""
 
     plan: StagePlan
-    state: StageState = "waiting"
+    state: StageState = StageState.WAITING
     seconds: float = 0.0
     result: StageResult | None = None
 

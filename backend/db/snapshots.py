@@ -12,6 +12,7 @@ from backend.db.tables import CatalogueSnapshot, Run
 from campaigns.asked.snapshot import digest_of, snapshot
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.documents import JsonObject
 
 
 def keep(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> str:
@@ -31,7 +32,7 @@ def of_run(reader: sa.Connection, run_id: int) -> Catalogue | None:
 
 def digest(reader: sa.Connection, run_id: int) -> str | None:
     """The digest of what is stored, worked out anew, so that a later change of it shows; None where nothing is."""
-    document: dict[str, Any] | None = reader.scalar(_stored(CatalogueSnapshot.document, run_id))
+    document: JsonObject | None = reader.scalar(_stored(CatalogueSnapshot.document, run_id))
     return None if document is None else digest_of(document)
 
 

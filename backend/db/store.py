@@ -25,6 +25,7 @@ from backend.db.tables import Trace as TraceRow
 from campaigns.asked.snapshot import values_changed
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.documents import JsonObject
 from campaigns.flown import Code, Flown, other_code
 from campaigns.results import Finding, NominalResult, StageResult, Verdict, stage_result
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
@@ -103,7 +104,7 @@ class RunStore:
         """Store a stage's result and what it found, and mark it done: all or nothing. Attempts count anew."""
 
         def work(connection: sa.Connection) -> None:
-            values: dict[str, Any] = {"attempts": 1, "error": None}
+            values: JsonObject = {"attempts": 1, "error": None}
             if isinstance(result, NominalResult):
                 values["nominal_cost"] = plain(result.cost)
             fenced(connection, self.claim, **values)
@@ -146,7 +147,9 @@ class RunStore:
         others = [] if flown is None else values_changed(campaign, flown, catalogue)
         if others:
             detail = "; ".join(others)
-            raise OtherComponents(f"it was begun with other components than this worker's ({detail}): submit it again")
+            raise OtherComponents(
+                f"it was started with components that differ from this worker's ({detail}): submit it again"
+            )
 
     def _flies(self, connection: sa.Connection, flown: Flown, code: Code) -> None:
         begun = (Stage.run_id == self._run, sa.or_(Stage.state != "waiting", Stage.evaluations > 0))
@@ -186,7 +189,7 @@ class RunStore:
             )
         chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **blobs(columns)}
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
-        values: dict[str, Any] = {
+        values: JsonObject = {
             "evaluations": first + count,
             "failed": Stage.failed + failed,
             "excluded": Stage.excluded + int((columns.status == EXCLUDED).sum()),
@@ -219,7 +222,7 @@ class RunStore:
     def _stage(self, position: int) -> sa.Update:
         return sa.update(Stage).where(Stage.run_id == self._run, Stage.position == position)
 
-    def _replace(self, connection: sa.Connection, table: Any, key: Any, rows: list[dict[str, Any]]) -> None:
+    def _replace(self, connection: sa.Connection, table: Any, key: Any, rows: list[JsonObject]) -> None:
         if rows:
             names = [row[key.key] for row in rows]
             connection.execute(sa.delete(table).where(table.run_id == self._run, key.in_(names)))
@@ -262,7 +265,7 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def blobs(columns: Columns) -> dict[str, Any]:
+def blobs(columns: Columns) -> JsonObject:
     """The columns as a row of the table of chunks holds them."""
     return {
         "points": _bytes(columns.points),
@@ -286,11 +289,11 @@ def lowest(columns: Columns) -> tuple[float, int | None]:
     return float(columns.costs[index, 0]), index
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def _finding(finding: Finding) -> JsonObject:
     return {**plain(finding), "cost": finding.cost, "margin": finding.margin}
 
 
-def _trace(trace: Trace) -> dict[str, Any]:
+def _trace(trace: Trace) -> JsonObject:
     rows = len(trace.data)
     shape = {"name": trace.name, "columns": plain(trace.columns), "rows": rows}
     return {**shape, "data": _bytes(trace.data), "meta": plain(trace.meta)}

@@ -18,6 +18,7 @@ from backend.db.tables_access import Token as Token
 from backend.db.tables_installed import CatalogueDocument as CatalogueDocument
 from backend.db.tables_installed import CatalogueSnapshot as CatalogueSnapshot
 from backend.db.tables_installed import CodeVersion as CodeVersion
+from campaigns.documents import JsonObject
 
 
 class Campaign(Base):
@@ -26,7 +27,7 @@ class Campaign(Base):
     __tablename__ = "campaigns"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
     name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
-    document: orm.Mapped[dict[str, Any]]
+    document: orm.Mapped[JsonObject]
     created: orm.Mapped[float]
     __table_args__ = (sa.Index("ix_campaigns_name", "name", "digest"),)
 
@@ -60,7 +61,7 @@ class Run(Base):
     """The run whose searches this one goes on with, under larger budgets."""
     snapshot: orm.Mapped[str | None] = orm.mapped_column(sa.ForeignKey("catalogue_snapshots.digest"))
     """What its components meant; None of runs that are older than snapshots."""
-    flown: orm.Mapped[dict[str, Any] | None]
+    flown: orm.Mapped[JsonObject | None]
     """What flew when its first stage began; see `campaigns.flown`. None before that, and of runs that are older."""
     # queue
     priority: orm.Mapped[int] = orm.mapped_column(default=0)
@@ -77,7 +78,7 @@ class Run(Base):
     verdict: orm.Mapped[str | None] = orm.mapped_column(sa.String(12))
     reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
     """The verdict's sentence."""
-    summary: orm.Mapped[dict[str, Any]] = orm.mapped_column(default=dict)
+    summary: orm.Mapped[JsonObject] = orm.mapped_column(default=dict)
     """The verdict's parts and provenance; see `worker.stages.verdict`."""
     threshold: orm.Mapped[float | None]
     nominal_cost: orm.Mapped[float | None]
@@ -133,7 +134,7 @@ class Stage(Base):
     best_index: orm.Mapped[int | None]
     seconds: orm.Mapped[float] = orm.mapped_column(default=0.0)
     """Working time, attempts added up [s]."""
-    result: orm.Mapped[dict[str, Any] | None]
+    result: orm.Mapped[JsonObject | None]
 
 
 class EvaluationChunk(Base):
@@ -152,7 +153,7 @@ class EvaluationChunk(Base):
     """uint8: 0 ok, 1 failed, 2 timeout, 3 excluded."""
     seconds: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """float64, working time of the stage when each was known [s]."""
-    reasons: orm.Mapped[dict[str, Any]] = orm.mapped_column(default=dict)
+    reasons: orm.Mapped[JsonObject] = orm.mapped_column(default=dict)
     """{index in the stage: why} for every evaluation that is not ok."""
     __table_args__ = (
         sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
@@ -168,7 +169,7 @@ class Finding(Base):
     """F1 is the worst."""
     cost: orm.Mapped[float]
     margin: orm.Mapped[float]
-    parameters: orm.Mapped[dict[str, Any]]
+    parameters: orm.Mapped[JsonObject]
     """{path: value} in the parameters' units."""
     point: orm.Mapped[list[Any]]
     """On the unit cube."""
@@ -176,13 +177,13 @@ class Finding(Base):
     """Search methods that came to it by themselves; none where only polishing did."""
     found: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
     """[{position, method, evaluations}]: stages that came to it, and after how many of their evaluations."""
-    at_bounds: orm.Mapped[dict[str, Any]]
+    at_bounds: orm.Mapped[JsonObject]
     """{path: "low" | "high"}"""
-    validation: orm.Mapped[dict[str, Any]]
-    slices: orm.Mapped[dict[str, Any] | None]
+    validation: orm.Mapped[JsonObject]
+    slices: orm.Mapped[JsonObject | None]
     """Through the finding; this and what follows as in `campaigns.results.finding`."""
-    boundary: orm.Mapped[dict[str, Any] | None]
-    closest: orm.Mapped[dict[str, Any] | None]
+    boundary: orm.Mapped[JsonObject | None]
+    closest: orm.Mapped[JsonObject | None]
 
 
 class Trace(Base):
@@ -197,7 +198,7 @@ class Trace(Base):
     rows: orm.Mapped[int]
     data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """float64, (rows, columns)."""
-    meta: orm.Mapped[dict[str, Any]]
+    meta: orm.Mapped[JsonObject]
     """closest: {time, value, position, obstacle}; obstacles: [{position, radius, ...}]; goal; parameters."""
 
 
@@ -283,4 +284,4 @@ class Audit(Base):
     via: orm.Mapped[str] = orm.mapped_column(sa.String(12))
     action: orm.Mapped[str] = orm.mapped_column(sa.String(40))
     subject: orm.Mapped[str] = orm.mapped_column(sa.String(80), index=True)
-    detail: orm.Mapped[dict[str, Any]]
+    detail: orm.Mapped[JsonObject]

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sqlalchemy as sa
 from sqlalchemy import orm
 
 from backend.db.base import Base
+from campaigns.documents import JsonObject
 
 
 class CatalogueDocument(Base):
@@ -15,7 +14,7 @@ class CatalogueDocument(Base):
 
     __tablename__ = "catalogue"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
-    document: orm.Mapped[dict[str, Any]]
+    document: orm.Mapped[JsonObject]
     published: orm.Mapped[float]
     code: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
     """Digest of the code of that worker."""
@@ -26,7 +25,7 @@ class CatalogueSnapshot(Base):
 
     __tablename__ = "catalogue_snapshots"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
-    document: orm.Mapped[dict[str, Any]]
+    document: orm.Mapped[JsonObject]
     """A catalogue with the used entries alone; see `campaigns.asked.snapshot`."""
     created: orm.Mapped[float]
 
@@ -36,6 +35,6 @@ class CodeVersion(Base):
 
     __tablename__ = "code_versions"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
-    modules: orm.Mapped[dict[str, Any]]
+    modules: orm.Mapped[JsonObject]
     """{module: digest}; see `campaigns.flown`."""
     created: orm.Mapped[float]

@@ -18,7 +18,7 @@ class DraftContent(Given):
     name: Annotated[str, Field(max_length=120)]
     """Of the run that it is to become; may be empty."""
     tags: Tags = Field(default_factory=list)
-    text: Annotated[str, Field(max_length=LONGEST, description="The campaign as YAML or JSON, as it was typed.")]
+    text: Annotated[str, Field(max_length=LONGEST, description="The original text of the campaign, YAML or JSON.")]
 
 
 class DraftReplace(DraftContent):

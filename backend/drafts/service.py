@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
-from typing import Any
 
 import sqlalchemy as sa
 
@@ -16,6 +15,7 @@ from backend.db.tables import Run
 from backend.drafts.schemas import Draft, DraftContent, DraftReplace, DraftSummary
 from backend.http.errors import RefusedError, not_found
 from backend.runs import service
+from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 MOST = 1000
@@ -57,7 +57,9 @@ def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
     """Keep a new draft; 409 where there are too many."""
     with engine.begin() as writer:
         if (writer.scalar(sa.select(sa.func.count()).select_from(Row)) or 0) >= MOST:
-            raise RefusedError(409, "too-many-drafts", f"there are {MOST} drafts already: delete some first")
+            raise RefusedError(
+                409, "too-many-drafts", f"there are already {MOST} drafts, which is the limit: delete some first"
+            )
         at = now(writer)
         who = {"owner": visitor.user, "saved_by": visitor.user, "created": at, "saved": at}
         values = given.model_dump() | who | {"version": 1}
@@ -67,7 +69,7 @@ def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
 
 def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visitor) -> Draft:
     """Save a draft over the version that is named; 409 where another was saved meanwhile, 404 for none."""
-    values: dict[str, Any] = given.model_dump(exclude={"version", "run"})
+    values: JsonObject = given.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
         if given.run is not None:
             values["run_id"] = _run(writer, given.run)
@@ -99,12 +101,12 @@ def _run(reader: sa.Connection, given: str) -> int:
 def _overtaken(draft: Draft, version: int) -> RefusedError:
     when = datetime.fromtimestamp(draft.saved, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     detail = (
-        f"{draft.id} was saved by {draft.saved_by or 'somebody'} at {when} after you opened it (version "
-        f"{draft.version}, yours is {version}): open it again, or keep yours as a new draft"
+        f"{draft.id} was saved by {draft.saved_by or 'a user'} at {when} after you opened it (version "
+        f"{draft.version}, yours is {version}): open it again, or save yours as a new draft"
     )
     return RefusedError(409, "draft-changed", detail)
 
 
-def _told(row: dict[str, Any]) -> dict[str, Any]:
+def _told(row: JsonObject) -> JsonObject:
     run_id = row.pop("run_id")
     return row | {"id": name(row["id"]), "run": None if run_id is None else run_name(run_id)}

@@ -6,7 +6,7 @@ import contextlib
 import re
 import time
 from collections.abc import AsyncGenerator, Awaitable, Callable
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.concurrency import run_in_threadpool
@@ -16,9 +16,10 @@ from backend.db.engine import read
 from backend.http.deps import Engine
 from backend.http.errors import problems
 from backend.runs import service
+from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["events"])
-STREAM: dict[int | str, dict[str, Any]] = {
+STREAM: dict[int | str, JsonObject] = {
     200: {"description": "A stream of events.", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
 }
 

@@ -19,6 +19,7 @@ from backend.http.naming import named
 from backend.http.schema import FlightName, RunName
 from backend.runs.service import number, summary
 from backend.scenes.recordings import pages as recordings
+from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["exports"])
 Theme = Annotated[Literal["light", "dark"], Query(description="Which colours it has.")]
@@ -36,7 +37,7 @@ TAGGED = {
 }
 
 
-def _described(file: str) -> dict[int | str, dict[str, Any]]:
+def _described(file: str) -> dict[int | str, JsonObject]:
     media = _KINDS[file].media_type
     schema = {} if media == "application/json" else {"type": "string"}
     if media == "application/x-matlab-data":
@@ -46,7 +47,7 @@ def _described(file: str) -> dict[int | str, dict[str, Any]]:
     return {200: made, 304: unchanged}
 
 
-_RECORDING: dict[int | str, dict[str, Any]] = {
+_RECORDING: dict[int | str, JsonObject] = {
     200: {
         "description": "One self-contained file.",
         "content": {"text/html": {"schema": {"type": "string"}}},

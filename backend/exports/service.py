@@ -30,6 +30,7 @@ from backend.runs import service as runs
 from backend.runs.components import components
 from backend.runs.schemas import RunSummary
 from backend.signoffs import service as signoffs
+from campaigns.documents import JsonObject
 from campaigns.runs import ENDED
 
 FORMAT = "clearance-run/1"
@@ -98,7 +99,7 @@ def _recording(flights: list[str]) -> Kind:
 
 
 def _file(run: RunSummary, kind: Kind, flown: bool) -> ExportFile:
-    why = "no flight of this run is stored" if kind.flights and not flown else None
+    why = "this run has no stored flight" if kind.flights and not flown else None
     if kind.media_type == "application/pdf" and pdf.browser() is None:
         why = "needs Chromium on the service's machine"
     place = kind.file.replace("safety-case-report", "report") if kind.report else f"exports/{kind.file}"
@@ -190,14 +191,14 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
     return _run_json(engine, found, told, stages, flights)
 
 
-def _components(reader: sa.Connection, run_id: int) -> dict[str, Any] | None:
+def _components(reader: sa.Connection, run_id: int) -> JsonObject | None:
     """What the components meant; None where the run kept nothing: what is installed now may be something else."""
     told = snapshots.of_run(reader, run_id) and components(reader, run_id)
     return told.model_dump(mode="json") if told else None
 
 
 def _run_json(
-    engine: sa.Engine, found: Sheet, told: dict[str, Any], stages: list[dict[str, Any]], flights: list[str]
+    engine: sa.Engine, found: Sheet, told: JsonObject, stages: list[JsonObject], flights: list[str]
 ) -> Iterator[bytes]:
     yield (_text(told)[:-1] + f',"columns":{_text(found.columns)},"stages":[').encode()
     flown = {stage.position: stage for stage in found.stages}
@@ -226,11 +227,11 @@ def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
     from scipy.io import savemat  # a third of a second: only where it is asked for
 
     detail = runs.summary(reader, run_id)
-    told: dict[str, Any] = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
+    told: JsonObject = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
     for flight in results.traces(reader, run_id):
         row = results.stored(reader, run_id, flight.name)
         data = results.table(row)
-        fields: dict[str, Any] = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
+        fields: JsonObject = {_field(c["name"]): data[:, [k]] for k, c in enumerate(row.columns)}
         fields["units"] = {_field(c["name"]): c["unit"] for c in row.columns}
         fields["meta"] = _text(row.meta)
         told[_field(flight.name)] = fields

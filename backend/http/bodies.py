@@ -12,6 +12,7 @@ from fastapi import Request
 from backend.http.errors import RefusedError
 from campaigns import Campaign, CampaignError, Problem, load_text
 from campaigns.asked.reading import LONGEST_KEY, repeated
+from campaigns.documents import JsonObject
 
 READERS = 2
 """So many campaigns are read at a time: the largest takes seconds, and threads share one interpreter."""
@@ -32,7 +33,7 @@ class Readers:
     async def read(self, work: Callable[[], Value]) -> Value:
         """What `work` returns; 503 where enough are waiting."""
         if self.inside >= READERS + WAITING:
-            detail = "other campaigns are being read and enough are waiting: try again in a few seconds"
+            detail = "other campaigns are being read and the queue is full: try again in a few seconds"
             raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
         self.inside += 1
         try:
@@ -51,7 +52,7 @@ def content_type(request: Request) -> str:
     """The body's media type without its parameters; 415 for one that is neither JSON nor YAML."""
     given = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if given not in JSON_TYPES | YAML_TYPES:
-        detail = f"a campaign is sent as application/json or application/yaml, given {given or 'no content type'!r}"
+        detail = f"send a campaign as application/json or application/yaml, given {given or 'no content type'!r}"
         raise RefusedError(415, "unsupported-media-type", detail)
     return given
 
@@ -103,7 +104,7 @@ class _RepeatedError(ValueError):
     pass
 
 
-def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _distinct(pairs: list[tuple[str, Any]]) -> JsonObject:
     found = dict(pairs)
     if len(found) < len(pairs):
         raise _RepeatedError((repeated(name for name, _ in pairs) or "")[:LONGEST_KEY])

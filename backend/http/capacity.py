@@ -40,7 +40,7 @@ class Capacity:
         """
         async with self.turn():
             if gone is not None and await gone():
-                raise RefusedError(503, "busy", "the client did not wait for the answer")
+                raise RefusedError(503, "busy", "the client closed the connection before the answer")
             return await self.thread(work)
 
     async def thread(self, work: Callable[[], Result]) -> Result:
@@ -67,7 +67,7 @@ class Capacity:
             self.inside -= 1
 
     def _busy(self) -> RefusedError:
-        detail = f"{self.at_once} {self.doing}, and enough are waiting: try again in {self.retry} s"
+        detail = f"{self.at_once} {self.doing}, and the queue is full: try again in {self.retry} s"
         return RefusedError(503, "busy", detail, headers={"Retry-After": str(self.retry)})
 
 
@@ -104,3 +104,4 @@ class Capacities:
         self.files = Capacity("files are being written", 4, 12, 20.0, 5)
         self.checks = Capacity("campaigns are being checked", 8, 32, 20.0, 3)
         self.views = Capacity("3D views are being changed", 8, 64, 20.0, 1)
+        self.flights = Capacity("flights are being simulated", 4, 32, 20.0, 1)

@@ -20,6 +20,7 @@ from starlette.exceptions import HTTPException
 from backend.http.schema import Schema
 from campaigns import Problem
 from campaigns.asked.problem import LONGEST, MOST, shown
+from campaigns.documents import JsonObject
 
 MEDIA_TYPE = "application/problem+json"
 _URN = "urn:clearance:problem:"
@@ -45,7 +46,7 @@ class ProblemDocument(Schema):
     errors: list[ProblemError] | None = None
 
 
-PROBLEMS: dict[int | str, dict[str, Any]] = {
+PROBLEMS: dict[int | str, JsonObject] = {
     "default": {
         "description": "What went wrong, as a problem document (RFC 9457).",
         "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}},
@@ -63,44 +64,47 @@ class Kind(NamedTuple):
 
 KINDS = {
     "bad-request": Kind(400, "The request cannot be read: its address, its parameters or the JSON of its body."),
-    "not-allowed": Kind(400, "The address may not have this query."),
-    "not-signed-in": Kind(401, "No session and no token, or none that is good."),
-    "foreign-origin": Kind(403, "A write that does not come from a page of this service."),
-    "not-found": Kind(404, "There is no such thing."),
-    "no-such-view": Kind(404, "No such 3D view is open for this visitor."),
-    "method-not-allowed": Kind(405, "The address has no such method."),
-    "already-signed": Kind(409, "The same person has signed these results off in this role."),
-    "draft-changed": Kind(409, "The draft was saved by somebody else meanwhile."),
+    "not-allowed": Kind(400, "This address does not allow this query."),
+    "not-signed-in": Kind(401, "There is no valid session or token."),
+    "foreign-origin": Kind(403, "The write does not come from a page of this service."),
+    "not-found": Kind(404, "Not found."),
+    "no-such-view": Kind(404, "This visitor has no such 3D view open."),
+    "method-not-allowed": Kind(405, "Method not allowed at this address."),
+    "already-signed": Kind(409, "The same person has already signed off these results in this role."),
+    "flight-overtaken": Kind(409, "A newer request of the same client superseded this one."),
+    "draft-changed": Kind(409, "Another user has saved the draft since it was opened."),
     "no-verdict": Kind(409, "The run has no verdict to sign off."),
-    "not-removable": Kind(409, "A run works, or a sign-off of it stands."),
-    "notes-changed": Kind(409, "The notes were changed by somebody else meanwhile."),
+    "not-removable": Kind(409, "A run is running, or has a valid sign-off."),
+    "notes-changed": Kind(409, "Another user has changed the notes since they were read."),
     "other-version": Kind(409, "The run's campaign was stored by another version of Clearance."),
     "removed": Kind(409, "The run is removed: restore it first."),
-    "results-changed": Kind(409, "The results are not those that were reviewed."),
-    "too-many-drafts": Kind(409, "There are as many drafts as are kept."),
-    "withdrawn": Kind(409, "The sign-off is withdrawn already."),
-    "purged": Kind(410, "The run's results were deleted for good."),
+    "results-changed": Kind(409, "The results have changed since they were reviewed."),
+    "too-many-drafts": Kind(409, "The maximum number of drafts is reached."),
+    "withdrawn": Kind(409, "The sign-off is already withdrawn."),
+    "purged": Kind(410, "The run's results were permanently deleted."),
     "too-large": Kind(413, "The body is too large."),
     "too-long": Kind(414, "Path and query are too long."),
     "unsupported-media-type": Kind(415, "The body is neither JSON nor YAML."),
-    "too-many-requests": Kind(429, "Too many requests of this session or token, or too many login codes, at a time."),
-    "bad-cursor": Kind(422, "The cursor was not given by this list in this order."),
+    "too-many-requests": Kind(429, "Too many concurrent requests of this session or token, or too many login codes."),
+    "bad-cursor": Kind(422, "The cursor does not belong to this list and order."),
     "idempotency-key-reused": Kind(422, "The Idempotency-Key was used for another request."),
-    "invalid": Kind(422, "Nothing to change is given."),
-    "invalid-campaign": Kind(422, "The campaign can be read, but not be run."),
-    "invalid-request": Kind(422, "A parameter or the body is not as described."),
-    "not-flyable": Kind(422, "The simulation process refuses the campaign."),
+    "invalid": Kind(422, "The request contains no change."),
+    "invalid-campaign": Kind(422, "The campaign can be read, but cannot be run."),
+    "invalid-request": Kind(422, "A parameter or the body does not match the API description."),
+    "not-flyable": Kind(422, "The simulation process rejected the campaign."),
+    "outside-limits": Kind(422, "The value of a parameter is outside the limits of its component."),
     "unknown-finding": Kind(422, "The run has no such finding."),
     "unknown-parameter": Kind(422, "The campaign has no such uncertain parameter."),
     "unreadable": Kind(422, "The body cannot be read as JSON or as text."),
-    "internal": Kind(500, "A fault of the service; its log says why."),
+    "internal": Kind(500, "Internal error; see the service's log."),
     "browser-failed": Kind(503, "The service's Chromium could not print the report."),
-    "busy": Kind(503, "Others use what there is of this: try again in a few seconds."),
+    "busy": Kind(503, "The service is busy: try again in a few seconds."),
+    "flight-failed": Kind(503, "The flight could not be simulated."),
     "no-browser": Kind(503, "The service's machine has no Chromium."),
     "no-catalogue": Kind(503, "No worker has published its components yet."),
-    "preview-busy": Kind(503, "Enough previews are waiting already."),
+    "preview-busy": Kind(503, "The queue of previews is full."),
     "preview-failed": Kind(503, "The preview could not be simulated."),
-    "preview-overtaken": Kind(503, "The connection was closed before it was this preview's turn."),
+    "preview-overtaken": Kind(503, "The connection was closed before this preview started."),
 }
 """Every type of problem there is, by the end of its URN."""
 
@@ -111,15 +115,15 @@ RETRY = frozenset({"no-catalogue", "preview-busy", "busy", "too-many-requests"})
 RETRY_AFTER = {"description": "After how many seconds to ask again.", "schema": {"type": "integer"}}
 
 
-def problems(*kinds: str) -> dict[int | str, dict[str, Any]]:
+def problems(*kinds: str) -> dict[int | str, JsonObject]:
     """For `responses=` of a route: the types of problems it answers with besides those that any route has."""
-    by_status: dict[int | str, dict[str, Any]] = {}
+    by_status: dict[int | str, JsonObject] = {}
     for kind in kinds:
         declare(by_status, kind)
     return by_status
 
 
-def declare(responses: dict[Any, dict[str, Any]], kind: str, key: type[int] | type[str] = int) -> None:
+def declare(responses: dict[Any, JsonObject], kind: str, key: type[int] | type[str] = int) -> None:
     """Add a type of problem to the responses of an operation."""
     status, when = KINDS[kind]
     told = f"`{_URN}{kind}`: {when}"
@@ -178,7 +182,7 @@ def _text(given: str) -> str:
 
 def broken(path: str) -> JSONResponse:
     """500, for a fault of ours: the log has it all, the answer nothing of it."""
-    detail = "the service failed while answering; its log says why, and nothing of the request was kept half done"
+    detail = "internal error, see the service's log; the request was rolled back; nothing was changed"
     return respond(RefusedError(500, "internal", detail), path)
 
 
@@ -197,14 +201,14 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
 
 async def _waited(request: Request, error: Exception) -> JSONResponse:
     """No connection to the database was free for long."""
-    detail = "more requests wait for the database than it answers: try again in a few seconds"
+    detail = "the database is busy: try again in a few seconds"
     return respond(RefusedError(503, "busy", detail, headers={"Retry-After": "5"}), request.url.path)
 
 
 _SAID = {
-    400: "the request cannot be read: a body is JSON in UTF-8, its whole numbers have at most 4,300 digits",
-    404: "there is nothing at this address",
-    405: "this address does not answer that method",
+    400: "the request cannot be read: send JSON in UTF-8, with whole numbers of at most 4,300 digits",
+    404: "there is no page or resource at this address",
+    405: "method not allowed here",
 }
 _KIND = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "too-large"}
 """What the framework and the frame raise themselves."""
@@ -224,7 +228,7 @@ async def _invalid(request: Request, error: Exception) -> JSONResponse:
     errors = [_problem(e) for e in found[:MOST]]
     if len(found) > MOST:
         errors.append(Problem("", "", f"and {len(found) - MOST} more problems"))
-    detail = "the request is not as described by the API: " + "; ".join(map(str, errors))
+    detail = "the request does not match the API description: " + "; ".join(map(str, errors))
     return respond(RefusedError(422, "invalid-request", detail, errors), request.url.path)
 
 

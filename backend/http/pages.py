@@ -93,7 +93,7 @@ def sign_in(status: int, why: str = "Sign in to Clearance") -> HTMLResponse:
     body = (
         "<p>Open the login link that the service printed when it started: look at the output of "
         "<code>clearance serve</code> or <code>make run</code>, or at the container's log.</p>"
-        "<p>Each link can be used once, within 15 minutes, and only until a newer one is made. "
-        "For a new one run <code>clearance login-link</code>.</p>"
+        "<p>Each link is single-use, expires after 15 minutes, and is replaced by a newer link. "
+        "For a new link run <code>clearance login-link</code>.</p>"
     )
     return plain(why, body, status)

@@ -74,5 +74,5 @@ def unstorable_text(text: str) -> str | None:
     try:
         text.encode()
     except UnicodeEncodeError:
-        return "this text holds half a surrogate pair, which is no Unicode text"
+        return "invalid Unicode text: it contains an unpaired surrogate"
     return None

@@ -15,7 +15,7 @@ from uvicorn._types import ASGISendEvent
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-_FULL = "as many connections as the service allows are open: try again in a few seconds"
+_FULL = "the maximum number of connections is open: try again in a few seconds"
 _SLOW = "the request did not arrive in time"
 _RETRY = "5"
 

@@ -45,7 +45,7 @@ def _refusal(scope: Scope) -> RefusedError | None:
     if not path.startswith("/api/"):
         return None
     if "\0" in path:
-        return RefusedError(404, "not-found", "there is nothing at an address with null characters (%00)")
+        return RefusedError(404, "not-found", "an address must not contain null characters (%00)")
     if b"\0" in urllib.parse.unquote_to_bytes(query):
-        return RefusedError(422, "invalid-request", "a query has no null characters (%00): take them out")
+        return RefusedError(422, "invalid-request", "a query must not contain null characters (%00): remove them")
     return None

@@ -22,6 +22,7 @@ from backend.scenes.live.live import FlightRefusedError, Live, LiveError
 from campaigns import Campaign, CampaignError, check
 from campaigns.asked import effort
 from campaigns.catalogue import ComponentEntry
+from campaigns.documents import JsonObject
 
 ROWS = 240
 """A preview has about so many points."""
@@ -32,7 +33,7 @@ WAITING = 8
 LIMIT = 90.0
 """How long a preview may take [s]: every edit is a new campaign, and its loop may have to be compiled."""
 
-_BUSY = "other previews are being flown and enough are waiting: try again in a few seconds"
+_BUSY = "other previews are being simulated and the queue is full: try again in a few seconds"
 
 
 class Previews:
@@ -44,7 +45,7 @@ class Previews:
         self._thread = CapacityLimiter(1)  # not one of those that all requests share
         self._waiting = 0
 
-    async def fly(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[dict[str, Any], float]:
+    async def fly(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[JsonObject, float]:
         """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
 
         gone: whether who asked has gone away; asked again when it is their turn.
@@ -55,7 +56,7 @@ class Previews:
         try:
             async with self._turn:
                 if await gone():
-                    raise RefusedError(503, "preview-overtaken", "nobody waits for this preview any more")
+                    raise RefusedError(503, "preview-overtaken", "the client no longer waits for this preview")
                 began = time.monotonic()
                 answer = await to_thread.run_sync(self._flown, campaign, limiter=self._thread)
                 return answer, time.monotonic() - began
@@ -66,13 +67,13 @@ class Previews:
         """End the simulation process; whoever waits for it is refused."""
         self.live.close()
 
-    def _flown(self, campaign: Campaign) -> dict[str, Any]:
+    def _flown(self, campaign: Campaign) -> JsonObject:
         try:
             return self.live.fly(campaign.document(), campaign.digest, {}, ROWS)
         except FlightRefusedError as error:
-            raise RefusedError(422, "not-flyable", f"this campaign cannot be flown: {error}") from None
+            raise RefusedError(422, "not-flyable", f"this campaign cannot be simulated: {error}") from None
         except LiveError as error:
-            raise RefusedError(503, "preview-failed", f"the nominal flight could not be made: {error}") from None
+            raise RefusedError(503, "preview-failed", f"the nominal case could not be simulated: {error}") from None
 
 
 def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:

@@ -9,6 +9,7 @@ from markupsafe import Markup
 from backend.catalog.colours import METHODS
 from backend.reports import figures, plan_view, plot, words
 from backend.reports.held import Held
+from campaigns.claims import numbers
 from campaigns.results import CertifyResult, SearchResult, SensitivityResult
 from campaigns.results.sample import Sample
 from campaigns.results.sensitivity import Curve
@@ -115,7 +116,7 @@ def _about(held: Held, curve: Curve) -> dict[str, Any]:
     return {
         "symbol": held.symbol(path),
         "text": held.words(path),
-        "unit": words.unit(entry.unit) if entry else "",
+        "unit": numbers.unit_in_print(entry.unit) if entry else "",
         "nominal": nominal,
         "low": low,
         "high": high,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sqlalchemy as sa
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
@@ -14,14 +12,15 @@ from backend.http.errors import problems
 from backend.http.schema import RunName
 from backend.reports import pdf, service
 from backend.runs.service import number
+from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["reports"])
 
-_HTML: dict[int | str, dict[str, Any]] = {
+_HTML: dict[int | str, JsonObject] = {
     200: {"description": "One self-contained file.", "content": {"text/html": {"schema": {"type": "string"}}}}
 }
 _BINARY = {"schema": {"type": "string", "format": "binary"}}
-_PDF: dict[int | str, dict[str, Any]] = {
+_PDF: dict[int | str, JsonObject] = {
     200: {"description": "The report on A4 pages.", "content": {"application/pdf": _BINARY}}
 }
 

@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from backend.reports import plot, words
 from backend.reports.plot import Axes, Point
+from campaigns.claims import numbers
 from campaigns.results import TraceHead
 from campaigns.results.sensitivity import Curve
 from campaigns.results.trace import Closest
@@ -54,7 +55,7 @@ class Quantity:
 
     def told(self, value: float | None, decimals: int) -> str:
         """The value with its unit."""
-        return f"{words.fixed(value, decimals)} {self.unit}".strip()
+        return f"{numbers.fixed(value, decimals)} {self.unit}".strip()
 
 
 def separation(cases: Sequence[Case], of: Quantity) -> Markup:
@@ -70,12 +71,12 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
         axes.tint(of.threshold)
     axes.frame("Time since start, s", 8)
     if of.threshold is not None:
-        axes.criterion(of.threshold, f"Criterion, {words.plain(of.threshold)} {of.unit}")
+        axes.criterion(of.threshold, f"Criterion, {numbers.plain(of.threshold)} {of.unit}")
     for case, curve in zip(cases, curves, strict=True):
         axes.line(curve, case.colour, 1.7, case.dash)
     approaches = [(case, case.closest) for case in cases]
     known = sorted(((case, c) for case, c in approaches if c is not None), key=lambda pair: pair[1].value)
-    decimals = words.decimals_for([closest.value for _, closest in known])
+    decimals = numbers.decimals_for([closest.value for _, closest in known])
     used: list[float] = []
     for case, closest in known:
         time, value = closest.time, closest.value
@@ -84,7 +85,7 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
         while any(abs(at - other) < 12 for other in used):
             at += 12
         used.append(at)
-        told = f"{case.label} {of.told(value, decimals)} at {words.fixed(time, 2)} s"
+        told = f"{case.label} {of.told(value, decimals)} at {numbers.fixed(time, 2)} s"
         axes.text(axes.x(time), at, told, colour=plot.BAD if case.colour == plot.WORST else plot.INK2, weight=500)
     return axes.svg("Separation over time, with the criterion")
 
@@ -109,7 +110,7 @@ def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) ->
         axes.tint(of.threshold)
     axes.frame("Evaluations of each method (log scale)")
     if not far and of.threshold is not None:
-        axes.criterion(of.threshold, f"Criterion, {words.plain(of.threshold)} {of.unit}", right=False)
+        axes.criterion(of.threshold, f"Criterion, {numbers.plain(of.threshold)} {of.unit}", right=False)
     for colour, _, points in drawn:
         axes.line(points, colour, 1.5, step=True)
     for colour, _, points in drawn:
@@ -194,7 +195,7 @@ def histogram(
             plot.WORST if bad else plot.NOMINAL,
             1 if bad else 0.7,
         )
-    decimals = words.decimals_for([m[1] for m in near])
+    decimals = numbers.decimals_for([m[1] for m in near])
     for i, (name, value, colour, dash) in enumerate(near):
         at = axes.x(value or 0.0)
         axes.rule(at, 8 + 12 * i, at, axes.height - axes.bottom, colour, 1.2, dash)

@@ -12,7 +12,6 @@ from backend.catalog.service import bounds, published
 from backend.db import snapshots
 from backend.reports.figures import Case, Quantity
 from backend.reports.plot import NOMINAL, WORST
-from backend.reports.words import Terms
 from backend.results import evaluations
 from backend.results import service as results
 from backend.results.schemas import Evaluations, FindingDetail
@@ -65,13 +64,6 @@ class Held:
     def of(self) -> Quantity:
         """The criterion's value."""
         return Quantity(self.run.quantity or "value", self.run.unit, self.run.threshold)
-
-    @property
-    def terms(self) -> Terms:
-        """What its sentences may speak of: the criterion's value and the uncertain parameters."""
-        entries = [self.entry(path) for path in self.campaign.uncertain]
-        symbols = {self.of.symbol: self.of.symbol, **{path: self.symbol(path) for path in self.campaign.uncertain}}
-        return Terms(symbols, {self.of.unit, "s", *(entry.unit for entry in entries if entry)})
 
     @property
     def verdict(self) -> RunVerdict | None:

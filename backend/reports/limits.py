@@ -9,6 +9,7 @@ from backend.reports import words
 from backend.reports.charts import sample
 from backend.reports.held import Held
 from campaigns.asked.check import SEED, parts
+from campaigns.claims import numbers
 
 _ENDS = {
     "": "",
@@ -26,6 +27,8 @@ def conditions(held: Held) -> list[str]:
 def _measured(held: Held) -> str:
     """The criterion in its own words: they say what the distance is measured to."""
     asked = held.campaign.criterion
+    if held.campaign.simulator is not None:
+        return _result(held, held.campaign.simulator.name)
     entry = held.catalogue.component("criterion", asked.component) if held.catalogue else None
     if entry is None:
         return (
@@ -38,8 +41,23 @@ def _measured(held: Held) -> str:
     return f"{text} {ends}".strip()
 
 
+def _result(held: Held, simulator: str) -> str:
+    """The result of a simulator that decides, and what is not known of it."""
+    entry = held.catalogue.simulator(simulator) if held.catalogue else None
+    result = None if entry is None else entry.result(held.campaign.criterion.result)
+    if entry is None or result is None:
+        return f"Result {held.campaign.criterion.result} of {simulator}: its description is not known here."
+    text = f": {result.text.rstrip('.')}" if result.text else ""
+    return (
+        f"The result that decides is {result.title} of {entry.title}{text}. What the simulator models is not examined "
+        "here, nor whether an encounter takes place in it."
+    )
+
+
 def _horizon(held: Held) -> str:
-    horizon = words.plain(held.campaign.scenario.horizon)
+    if held.campaign.scenario is None:
+        return ""
+    horizon = numbers.plain(held.campaign.scenario.horizon)
     return f"Every simulation ends at the horizon of {horizon} s. What would happen later is not covered."
 
 
@@ -49,10 +67,10 @@ def _excluded(held: Held) -> str:
         return ""
     stated = sample(held)
     drawn = 0 if stated is None else stated.excluded
-    draws = f", {words.count(drawn)} of them draws of the sample" if drawn else ""
+    draws = f", {numbers.count(drawn)} of them draws of the sample" if drawn else ""
     verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
     return (
-        f"{words.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. "
+        f"{numbers.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. "
         "Nothing is claimed of such starts, and a probability holds for the other starts only."
     )
 
@@ -63,15 +81,15 @@ def _failed(held: Held) -> str:
         return ""
     verb = "evaluation" if failed == 1 else "evaluations"
     return (
-        f"{words.count(failed)} {verb} failed: how those flights would have ended is not known. Worst value and margin "
-        "are those of the evaluations that have a value."
+        f"{numbers.count(failed)} {verb} failed: how those flights would have ended is not known. Worst value and "
+        "margin are those of the evaluations that have a value."
     )
 
 
 def _noise(held: Held) -> list[str]:
-    asked = held.campaign.scenario.realisations
-    if not _random(held):
+    if held.campaign.scenario is None or not _random(held):
         return []
+    asked = held.campaign.scenario.realisations
     seeds = ", ".join(str(seed) for seed in asked.seeds)
     if len(asked.seeds) == 1:
         searched = f"Searches simulated one noise realisation, that of seed {seeds}. Another realisation may be worse."
@@ -93,7 +111,7 @@ def _noise(held: Held) -> list[str]:
 def _random(held: Held) -> bool:
     """Whether a component of the scenario takes a seed."""
     if held.catalogue is None:
-        return bool(held.campaign.scenario.faults)
+        return bool(held.campaign.given_scenario.faults)
     entries = [
         held.catalogue.component(role, part.component)
         for _, _, role, part in parts(held.campaign)

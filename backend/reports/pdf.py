@@ -22,7 +22,7 @@ PATIENCE = 60.0
 """How long a browser may print [s]."""
 
 MISSING = (
-    "no Chromium was found on this machine, which prints the PDF: install it (on Debian: `apt install chromium`), or "
+    "Chromium, which prints the PDF, was not found on this machine: install it (on Debian: `apt install chromium`), or "
     "open the report as HTML and print it from any browser"
 )
 
@@ -49,7 +49,7 @@ def _print(path: str, html: str, folder: Path) -> bytes:
     said = _run([path, *_arguments(folder, target), source.as_uri()], folder)
     if said is not None or not target.is_file():
         _log.error("printing a report failed: %s", said)
-        why = "it took too long" if said == "" else "it ended without a file; the service's log has its words"
+        why = "it took too long" if said == "" else "it ended without a file; see the service's log"
         raise RefusedError(503, "browser-failed", f"Chromium could not print the report: {why}. Print the HTML instead")
     return target.read_bytes()
 

@@ -9,9 +9,10 @@ from collections.abc import Sequence
 
 from markupsafe import Markup
 
-from backend.reports import plot, words
+from backend.reports import plot
 from backend.reports.figures import WIDE, Case, Quantity
 from backend.reports.plot import Axes, Point
+from campaigns.claims import numbers
 from campaigns.results import TraceHead
 from campaigns.results.trace import TraceObstacle
 
@@ -158,5 +159,5 @@ def _landmarks(axes: Axes, head: TraceHead, axis: tuple[str, str]) -> None:
 def caption(cases: Sequence[Case], of: Quantity) -> str:
     """What the figure shows, in words."""
     drawn = "; ".join(f"{case.label}: {HUES.get(case.colour, 'dashed')}" for case in cases)
-    limit = f" Dashed: the criterion of {words.plain(of.threshold)} {of.unit}." if of.threshold else ""
+    limit = f" Dashed: the criterion of {numbers.plain(of.threshold)} {of.unit}." if of.threshold else ""
     return f"Flights seen from above. {drawn}.{limit} A moving obstacle stands where it was at the closest approach."

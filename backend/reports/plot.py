@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from markupsafe import Markup, escape
 
-from backend.reports.words import fixed, plain
+from campaigns.claims.numbers import fixed, plain
 
 INK, INK2, INK3, GRID, AXIS = "#15202b", "#435061", "#5d6a7b", "#e9ecf0", "#8793a1"
 NOMINAL, WORST, OBSTACLE, BAD = "#77838f", "#d55e00", "#0072b2", "#a33c00"

@@ -12,12 +12,15 @@ from markupsafe import Markup
 
 from backend.reports import figures, words
 from backend.reports.held import Held
-from backend.reports.words import NONE
 from backend.signoffs.schemas import Signoff
 from campaigns.asked.check import parts
 from campaigns.asked.distributions import Uncertain
-from campaigns.asked.spec import Part
+from campaigns.asked.simulated import PREFIX
+from campaigns.asked.spec import Part, Simulator
 from campaigns.catalogue import ParameterEntry
+from campaigns.claims import numbers
+from campaigns.claims.numbers import NONE
+from campaigns.claims.say import say
 from campaigns.results import SearchResult, ValidateResult, verdicts
 from campaigns.results.validate import Compared
 
@@ -37,11 +40,11 @@ def uncertain(held: Held) -> list[Row]:
             "symbol": _symbol(held, path),
             "named": held.symbol(path) != path,
             "text": held.words(path) if entry else "not described",
-            "unit": words.unit(entry.unit if entry else asked.unit or ""),
-            "nominal": words.plain(nominal),
-            "low": words.plain(low),
-            "high": words.plain(high),
-            "worst": words.plain(value),
+            "unit": numbers.unit_in_print(entry.unit if entry else asked.unit or ""),
+            "nominal": numbers.plain(nominal),
+            "low": numbers.plain(low),
+            "high": numbers.plain(high),
+            "worst": numbers.plain(value),
             "at": held.findings[0].at_bounds.get(path, "") if held.findings else "",
             "distribution": _distribution(asked),
             "within": figures.within(limits[1], limits[2], limits[0], value) if limits else "",
@@ -52,18 +55,20 @@ def uncertain(held: Held) -> list[Row]:
 def _distribution(asked: Uncertain) -> str:
     told = asked.distribution.model_dump()
     kind = told.pop("kind").replace("_", " ")
-    numbers = ", ".join(f"{name} {words.plain(value)}" for name, value in told.items())
+    numbers = ", ".join(f"{name} {numbers.plain(value)}" for name, value in told.items())
     return f"{kind} ({numbers})" if numbers else kind
 
 
 def correlations(held: Held) -> list[str]:
     """The correlations of the random samples, as sentences."""
-    return [f"{' and '.join(c.between)}: {words.plain(c.value)}" for c in held.campaign.correlations]
+    return [f"{' and '.join(c.between)}: {numbers.plain(c.value)}" for c in held.campaign.correlations]
 
 
 def model(held: Held) -> list[Row]:
-    """Every component of the scenario with its text and its parameters' values."""
+    """Every component of the scenario, or the simulator, with its text and its parameters' values."""
     rows = []
+    if held.campaign.simulator is not None:
+        rows.append(_simulator(held, held.campaign.simulator))
     for prefix, _, role, part in parts(held.campaign):
         entry = None if held.catalogue is None else held.catalogue.component(role, part.component)
         values = [_value(held, f"{prefix}.{p.name}", p, part) for p in entry.parameters] if entry else _bare(part)
@@ -82,7 +87,20 @@ def model(held: Held) -> list[Row]:
     return rows
 
 
-def _value(held: Held, path: str, entry: ParameterEntry, part: Part | None) -> Row:
+def _simulator(held: Held, asked: Simulator) -> Row:
+    entry = None if held.catalogue is None else held.catalogue.simulator(asked.name)
+    values = [_value(held, f"{PREFIX}.{p.name}", p, asked) for p in entry.parameters] if entry else _bare(asked)
+    return {
+        "role": "Simulator",
+        "title": entry.title if entry else asked.name,
+        "name": asked.name,
+        "text": entry.text if entry else "",
+        "known": entry is not None,
+        "values": values,
+    }
+
+
+def _value(held: Held, path: str, entry: ParameterEntry, part: Part | Simulator | None) -> Row:
     given = part.parameters if part else _place(held, path)
     name = path.partition(".")[2] if part is None else entry.name
     told = held.known.get(path)
@@ -93,19 +111,20 @@ def _value(held: Held, path: str, entry: ParameterEntry, part: Part | None) -> R
     return {
         "symbol": words.sign(entry.symbol),
         "text": text,
-        "value": words.plain(value, 8),
-        "unit": words.unit(entry.unit),
+        "value": numbers.plain(value, 8),
+        "unit": numbers.unit_in_print(entry.unit),
         "how": how,
     }
 
 
 def _place(held: Held, path: str) -> dict[str, float]:
-    return held.campaign.scenario.start if path.startswith("start.") else held.campaign.scenario.goal
+    scenario = held.campaign.given_scenario
+    return scenario.start if path.startswith("start.") else scenario.goal
 
 
-def _bare(part: Part) -> list[Row]:
+def _bare(part: Part | Simulator) -> list[Row]:
     return [
-        {"symbol": name, "text": "", "value": words.plain(value, 8), "unit": "", "how": "given"}
+        {"symbol": name, "text": "", "value": numbers.plain(value, 8), "unit": "", "how": "given"}
         for name, value in part.parameters.items()
     ]
 
@@ -116,7 +135,7 @@ def methods(held: Held) -> list[Row]:
     compared = {} if validated is None else {row.position: row for row in validated.comparison}
     begun = [stage for stage in held.stages if stage.kind == "search"]
     bests = [stage.best for stage in begun]
-    decimals = words.decimals_apart(bests, 4, 6)
+    decimals = numbers.decimals_apart(bests, 4, 6)
     lowest = min((b for b in bests if b is not None), default=None)
     rows = []
     for i, asked in enumerate(held.campaign.stages.search):
@@ -129,15 +148,15 @@ def methods(held: Held) -> list[Row]:
             "title": result.title if result else (entry.title if entry else asked.method),
             "how": entry.how if entry else "",
             "source": entry.source if entry else "",
-            "evaluations": words.count(stage.evaluations if stage else 0),
-            "budget": words.count(asked.evaluations),
-            "failed": words.count(stage.failed if stage else 0),
-            "excluded": words.count(stage.excluded if stage else 0),
-            "best": words.fixed(best, decimals),
-            "above": "best" if above == 0 else words.signed(above, decimals),
+            "evaluations": numbers.count(stage.evaluations if stage else 0),
+            "budget": numbers.count(asked.evaluations),
+            "failed": numbers.count(stage.failed if stage else 0),
+            "excluded": numbers.count(stage.excluded if stage else 0),
+            "best": numbers.fixed(best, decimals),
+            "above": "best" if above == 0 else numbers.difference(above, decimals),
             "near": _near(beside),
-            "seconds": words.seconds(stage.seconds) if stage else NONE,
-            "stop": result.stop.text if result and result.stop else "not ended",
+            "seconds": numbers.seconds(stage.seconds) if stage else NONE,
+            "stop": result.stop.said if result and result.stop else say("not ended"),
             "findings": (", ".join(beside.findings) or "none") if beside else NONE,
             "basin": (beside.basin or "no listed finding") if beside else NONE,
             "options": _options(asked.options),
@@ -150,7 +169,7 @@ def _near(beside: Compared | None) -> str:
     """After how many evaluations a method came near the best known; a dash while the methods were not compared."""
     if beside is None:
         return NONE
-    return words.count(beside.to_near_best) if beside.to_near_best else "not reached"
+    return numbers.count(beside.to_near_best) if beside.to_near_best else "not reached"
 
 
 def _options(options: dict[str, Any]) -> str:
@@ -164,16 +183,16 @@ def stages(held: Held) -> list[Row]:
         {
             "name": stage.kind.capitalize() + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
             "state": stage.state,
-            "evaluations": words.count(stage.evaluations),
-            "failed": words.count(stage.failed),
-            "excluded": words.count(stage.excluded),
-            "seconds": words.seconds(stage.seconds),
+            "evaluations": numbers.count(stage.evaluations),
+            "failed": numbers.count(stage.failed),
+            "excluded": numbers.count(stage.excluded),
+            "seconds": numbers.seconds(stage.seconds),
         }
         for stage in held.stages
     ]
-    run, time = held.run, words.seconds(sum(s.seconds for s in held.stages))
-    total = {"failed": words.count(run.failed_evaluations), "excluded": words.count(run.excluded_evaluations)}
-    counted = words.count(run.evaluations)
+    run, time = held.run, numbers.seconds(sum(s.seconds for s in held.stages))
+    total = {"failed": numbers.count(run.failed_evaluations), "excluded": numbers.count(run.excluded_evaluations)}
+    counted = numbers.count(run.evaluations)
     return [*rows, {"name": "Total", "state": "", "evaluations": counted, "seconds": time, **total}] if rows else []
 
 
@@ -187,19 +206,19 @@ def _symbol(held: Held, path: str) -> Markup:
 
 def findings(held: Held) -> list[Row]:
     """The distinct worst cases."""
-    decimals = words.decimals_apart([f.cost for f in held.findings], 4, 7)
+    decimals = numbers.decimals_apart([f.cost for f in held.findings], 4, 7)
     titles = _titles(held)
     return [
         {
             "label": f.label,
-            "cost": words.fixed(f.cost, decimals),
-            "margin": words.signed(f.margin, decimals),
+            "cost": numbers.fixed(f.cost, decimals),
+            "margin": numbers.difference(f.margin, decimals),
             "violates": f.margin <= 0,
             "methods": ", ".join(titles.get(m, m) for m in f.methods) or "polishing only",
             "bounds": [(_symbol(held, path), side) for path, side in f.at_bounds.items()],
             "validated": verdicts.validated(f.validation),
             "seed": _seed(None if f.validation is None else f.validation.realisation),
-            "boundary": "" if f.boundary is None else f.boundary.text,
+            "boundary": () if f.boundary is None else f.boundary.said,
         }
         for f in held.findings
     ]
@@ -218,14 +237,14 @@ def criteria(held: Held) -> list[Row]:
     for i, criterion in enumerate(held.run.criteria):
         flown = [None if held.nominal is None else held.nominal.values.get(criterion.name)]
         flown += [finding.values.get(criterion.name) for finding in held.findings]
-        decimals = words.decimals_apart(flown, 4, 6)
+        decimals = numbers.decimals_apart(flown, 4, 6)
         rows.append({
             "title": criterion.title,
             "symbol": words.sign(criterion.quantity),
-            "unit": words.unit(criterion.unit),
+            "unit": numbers.unit_in_print(criterion.unit),
             "worse": "more is worse" if criterion.worse == "high" else "less is worse",
             "decides": i == 0,
-            "values": [words.fixed(value, decimals) for value in flown],
+            "values": [numbers.fixed(value, decimals) for value in flown],
         })  # fmt: skip
     return rows
 
@@ -233,19 +252,19 @@ def criteria(held: Held) -> list[Row]:
 def doubts(held: Held) -> list[str]:
     """Where the components may be described otherwise than those that flew: their texts, defaults and bounds."""
     if held.catalogue is None:
-        return ["this installation has no catalogue of components: units, bounds and texts are not known here"]
+        return ["this installation has no catalogue of components: units, bounds and texts are unknown"]
     found = []
     flown = None if held.verdict is None else held.verdict.provenance.clearance
     if flown is not None and flown != held.catalogue.version:
-        kept = "are described by" if held.changes is None else "were kept with the run as described by"
+        kept = "are described by" if held.changes is None else "were stored with the run as described by"
         found.append(
-            f"the run was flown with clearance {flown}, and the components {kept} {held.catalogue.version}: "
-            "their texts and default values may not be those that flew"
+            f"the run used clearance {flown}, and the components {kept} {held.catalogue.version}: "
+            "their texts and default values may differ from those of the run"
         )
     nominal = {} if held.nominal is None else held.nominal.parameters
     for path, (value, _, _) in held.limits.items():
         if path in nominal and not math.isclose(nominal[path], value, rel_tol=1e-12, abs_tol=1e-300):
-            flew, here = words.plain(nominal[path], 12), words.plain(value, 12)
+            flew, here = numbers.plain(nominal[path], 12), numbers.plain(value, 12)
             found.append(f"{path} was {flew} in the nominal flight, and {here} is its nominal value here")
     return found
 
@@ -274,6 +293,6 @@ def _standing(signoff: Signoff) -> str:
 
 
 def components(held: Held) -> dict[str, str]:
-    """Titles of vehicle, controller and avoider, by role."""
-    rows = [row for row in model(held) if row["role"] in ("Vehicle", "Controller", "Avoidance")]
+    """Titles of vehicle, controller and avoider, or of the simulator, by role."""
+    rows = [row for row in model(held) if row["role"] in ("Vehicle", "Controller", "Avoidance", "Simulator")]
     return {row["role"].lower(): row["title"] for row in rows}

@@ -19,6 +19,8 @@ from markupsafe import Markup
 from backend.http.naming import named
 from backend.reports import charts, limits, sections, validated, words
 from backend.reports.held import Held, load
+from campaigns.claims import numbers
+from campaigns.claims.say import say
 from campaigns.flown import Flown, Processor
 from campaigns.results import SensitivityResult, TraceHead, ValidateResult
 from campaigns.version import VERSION
@@ -36,7 +38,7 @@ _VERDICTS = {
     "inconclusive": ("unk", "Inconclusive", "M9 9a3 3 0 1 1 4 2.8c-.7.4-1 1-1 1.9M12 17v.01"),
 }
 _STATES = {
-    "queued": "The run has not begun. Nothing is claimed.",
+    "queued": "The run has not started. Nothing is claimed.",
     "running": "The run is not finished. Nothing is claimed; the numbers below are those found so far.",
     "cancelling": "The run is being cancelled. Nothing is claimed; the numbers below are those found so far.",
     "cancelled": "The run was cancelled early. Nothing is claimed; the numbers below are those found until then.",
@@ -74,8 +76,8 @@ def _told(held: Held, at: float) -> dict[str, Any]:
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
     )
-    stated = verdict.sentence if verdict is not None else run.reason
-    sentence = stated if run.verdict else _STATES[run.state]
+    stated = verdict.said if verdict is not None else say(run.reason or "")
+    sentence = stated if run.verdict else say(_STATES[run.state])
     return {
         "run": run,
         "held": held,
@@ -84,9 +86,8 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "made": words.moment(at),
         "version": VERSION,
         "verdict": {"tone": tone, "word": word, "icon": icon, "sentence": sentence, "error": run.error},
-        "scope": "" if verdict is None else verdict.scope.removeprefix("Scope: "),
+        "scope": () if verdict is None else verdict.holds_for,
         "of": held.of,
-        "terms": held.terms,
         "parts": sections.components(held),
         "uncertain": sections.uncertain(held),
         "criteria": sections.criteria(held),
@@ -109,6 +110,7 @@ def _told(held: Held, at: float) -> dict[str, Any]:
         "flights": _flights(held),
         "origin": _origin(held),
         "w": words,
+        "n": numbers,
         "paragraphs": words.paragraphs,
         "flowed": words.flowed,
     }
@@ -118,9 +120,9 @@ def _flights(held: Held) -> list[str]:
     """A sentence on each drawn flight, with the noise realisation that it shows."""
     approaches = [(case, case.closest) for case in held.cases]
     known = [(case, closest) for case, closest in approaches if closest is not None]
-    decimals = words.decimals_for([closest.value for _, closest in known])
+    decimals = numbers.decimals_for([closest.value for _, closest in known])
     return [
-        f"{case.label}: {held.of.told(closest.value, decimals)} at {words.fixed(closest.time, 2)} s{_shown(case.head)}."
+        f"{case.label}: {held.of.told(closest.value, decimals)} at {numbers.fixed(closest.time)} s{_shown(case.head)}."
         for case, closest in known
     ]
 
@@ -160,14 +162,14 @@ def _origin(held: Held) -> list[tuple[str, str]]:
         ("Submitted", f"{words.moment(held.run.created)} by {held.run.owner or 'unknown'}"),
         ("Started", words.moment(held.run.started)),
         ("Finished", words.moment(held.run.finished)),
-        ("Goes on with", held.run.continues or "no earlier run"),
+        ("Extends", held.run.continues or "no earlier run"),
     ]
 
 
 def _components(held: Held) -> str:
     """Whether what the components meant was kept."""
     digest = held.run.components_digest
-    return f"sha256 {digest}" if digest else "not kept: described as they are installed now"
+    return f"sha256 {digest}" if digest else "not stored: the components are described as installed now"
 
 
 def _margins(held: Held) -> str:
@@ -203,5 +205,5 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["plain"] = words.plain
+    environment.filters["plain"] = numbers.plain
     return environment

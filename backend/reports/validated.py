@@ -11,9 +11,13 @@ from markupsafe import Markup
 
 from backend.reports import words
 from backend.reports.held import Held
-from backend.reports.words import NONE
+from campaigns.claims import numbers
+from campaigns.claims.numbers import NONE
+from campaigns.claims.say import count, joined, number, say, symbol
+from campaigns.claims.spans import Said
 from campaigns.results import ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
+from campaigns.results.validate import Encounter, Unseen
 
 Row = dict[str, Any]
 _AT = {
@@ -33,39 +37,42 @@ def cases(held: Held) -> list[Row]:
 
 
 def _case(case: Validation) -> Row:
-    decimals = words.decimals_for([case.cost], 7)
-    half, other, neighbours = case.half_step, case.integrator, case.neighbours
+    decimals = numbers.decimals_for([case.cost], 7)
+    half, other, neighbours = case.half_step, case.integrator or case.again, case.neighbours
     return {
         "name": case.name,
         "seed": "" if case.realisation is None else f"noise seed {case.realisation}",
-        "cost": words.fixed(case.cost, decimals),
-        "half": words.fixed(half.cost, decimals),
-        "half_by": words.plain(half.difference, 2),
-        "other": words.fixed(other.cost, decimals),
-        "other_by": words.plain(other.difference, 2),
-        "allowed": words.plain(case.allowed, 2),
-        "neighbours": words.count(neighbours.flown) if neighbours else NONE,
-        "lower": words.plain(neighbours.lower_by, 2) if neighbours else NONE,
+        "cost": numbers.fixed(case.cost, decimals),
+        "half": numbers.fixed(None if half is None else half.cost, decimals),
+        "half_by": numbers.plain(None if half is None else half.difference, 2),
+        "other": numbers.fixed(None if other is None else other.cost, decimals),
+        "other_by": numbers.plain(None if other is None else other.difference, 2),
+        "allowed": numbers.plain(case.allowed, 2),
+        "neighbours": numbers.count(neighbours.flown) if neighbours else NONE,
+        "lower": numbers.plain(neighbours.lower_by, 2) if neighbours else NONE,
         "ok": case.ok,
         "word": verdicts.validated(case),
-        "reason": other.reason,
+        "reason": "" if other is None else other.reason,
     }
 
 
-def again(held: Held) -> list[str]:
+def again(held: Held) -> list[Said]:
     """The stored violations and the random evaluations that were simulated again, and how far apart they were."""
     result = held.result(ValidateResult)
     if result is None:
         return []
-    found = [part.text for part in (result.violations, result.spot_checks) if part is not None and part.text]
+    found = [part.said for part in (result.violations, result.spot_checks) if part is not None and part.said]
     at = None if result.spot_checks is None else result.spot_checks.at
     if at is not None:
         seed = "" if at.realisation is None else f", noise seed {at.realisation}"
-        values = ", ".join(f"{path} = {words.plain(value)}" for path, value in at.parameters.items())
-        unit = held.of.unit
+        symbols = {path: symbol(path, held.symbol(path)) for path in at.parameters}
+        values = joined(", ", [say(symbols[path], " = ", number(value)) for path, value in at.parameters.items()])
         found.append(
-            f"the two are furthest apart at evaluation {words.count(at.index + 1)} of stage {at.position + 1} "
-            f"({values}{seed}): {words.plain(at.cost, 9)} {unit} and {words.plain(at.reference, 9)} {unit}"
+            say(
+                *("the two are furthest apart at evaluation ", count(at.index + 1), f" of stage {at.position + 1} ("),
+                *(values, seed, "): ", number(at.cost, held.of.unit, digits=9), " and "),
+                number(at.reference, held.of.unit, digits=9),
+            )
         )
     return found
 
@@ -77,26 +84,33 @@ def encounter(held: Held) -> list[tuple[Markup, Markup]]:
     if told is None:
         return []
     quantity = words.sign(of.symbol)
-    unseen, spread = told.unseen, told.spread
-    value = f"{words.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"fails: {unseen.reason}"
-    approaches = [("nominal", told.closest), *((f.label, f.closest) for f in held.findings)]
-    closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
-    rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]
-    moved = "not known" if told.moved is None else f"{words.plain(told.moved)} m"
-    rows.append((Markup.escape("Path length of the nominal case"), Markup.escape(moved)))
-    rows.append((Markup("Nominal {} with every obstacle unseen").format(quantity), Markup.escape(value)))
+    spread = told.spread
+    rows = [] if told.unseen is None else _shown(held, told, told.unseen)
     if spread.lowest is not None:
-        low, high = words.plain(spread.lowest), words.plain(spread.highest)
-        text = f"{low} to {high} {of.unit} over {words.count(spread.evaluations)} evaluations"
+        low, high = numbers.plain(spread.lowest), numbers.plain(spread.highest)
+        text = f"{low} to {high} {of.unit} over {numbers.count(spread.evaluations)} evaluations"
         rows.append((Markup("Range of {}").format(quantity), Markup.escape(text)))
     changes = [
-        Markup("{} {}").format(words.sign(held.symbol(path), path), f"{words.plain(by, 3)} {of.unit}")
+        Markup("{} {}").format(words.sign(held.symbol(path), path), f"{numbers.plain(by, 3)} {of.unit}")
         for path, by in told.influence.items()
     ]
     rows.append((Markup("Largest change of {} on a slice").format(quantity), Markup("; ").join(changes)))
     return rows
 
 
+def _shown(held: Held, told: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:
+    """Closest approach, path and the case without avoidance, of a system that shows them."""
+    of = held.of
+    value = f"{numbers.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"fails: {unseen.reason}"
+    approaches = [("nominal", told.closest), *((f.label, f.closest) for f in held.findings)]
+    closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
+    rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]
+    moved = "not known" if told.moved is None else f"{numbers.plain(told.moved)} m"
+    rows.append((Markup.escape("Path length of the nominal case"), Markup.escape(moved)))
+    rows.append((Markup("Nominal {} with every obstacle unseen").format(words.sign(of.symbol)), Markup.escape(value)))
+    return rows
+
+
 def _closest(name: str, approach: ClosestApproach) -> str:
-    time = "" if approach.time is None else f" at {words.fixed(approach.time, 2)} s,"
+    time = "" if approach.time is None else f" at {numbers.fixed(approach.time, 2)} s,"
     return f"{name}{time} {_AT[approach.at]}"

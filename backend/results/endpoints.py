@@ -33,13 +33,13 @@ def list_findings(run: RunName, reader: Reader) -> list[FindingDetail]:
     return service.findings(reader, number(run))
 
 
-@router.get("/runs/{run}/traces", responses=problems("not-found", "purged"))
+@router.get("/runs/{run}/traces", responses=problems("not-found", "other-version", "purged"))
 def list_traces(run: RunName, reader: Reader) -> list[TraceInfo]:
     """The stored flights of a run: the nominal one and one for each finding."""
     return service.traces(reader, number(run))
 
 
-@router.get("/runs/{run}/traces/{name}", responses=problems("not-found", "purged"))
+@router.get("/runs/{run}/traces/{name}", responses=problems("not-found", "other-version", "purged"))
 def get_trace(
     run: RunName,
     name: FlightName,

@@ -13,10 +13,17 @@ from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.http.errors import not_found
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
+from backend.runs.earlier import Terms, speaking
 from backend.runs.service import campaign, require
+from backend.runs.versions import readable
 from campaigns import thin
+from campaigns.claims import earlier
 from campaigns.results import TraceHead
 from campaigns.results.trace import TraceColumn
+from campaigns.runs import run_name
+
+Limits = dict[str, tuple[float, float, float]]
+"""Nominal value and bounds by path."""
 
 
 def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
@@ -25,15 +32,17 @@ def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
     flown = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
-    return [_finding(row, limits, flown.get(row.label)) for row in ordered]
+    with readable(f"a finding of {run_name(run_id)}"):
+        terms = speaking(reader, run_id)
+        return [_finding(row, limits, flown.get(row.label), terms) for row in ordered]
 
 
-def _finding(row: Any, limits: dict[str, tuple[float, float, float]], head: TraceHead | None) -> FindingDetail:
+def _finding(row: Any, limits: Limits, head: TraceHead | None, terms: Terms) -> FindingDetail:
     nominal, low, high = ({path: triple[k] for path, triple in limits.items()} for k in range(3))
     columns = ("label", "cost", "margin", "parameters", "methods", "found", "at_bounds", "validation")
     values = {column: getattr(row, column) for column in (*columns, "slices", "boundary", "closest")}
     told = {"nominal": nominal, "low": low, "high": high, "values": {} if head is None else head.values}
-    return FindingDetail.model_validate(values | told)
+    return FindingDetail.model_validate(earlier.spoken(values, terms) | told)
 
 
 def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
@@ -41,7 +50,8 @@ def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
     require(reader, run_id)
     rows = reader.execute(sa.select(Trace.name, Trace.rows, Trace.columns, Trace.meta).where(Trace.run_id == run_id))
     ordered = sorted(rows, key=lambda row: (row.name != "nominal", len(row.name), row.name))
-    return [TraceInfo.model_validate(dict(row._mapping)) for row in ordered]
+    with readable(f"a flight of {run_name(run_id)}"):
+        return [TraceInfo.model_validate(dict(row._mapping)) for row in ordered]
 
 
 def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData:
@@ -51,7 +61,8 @@ def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData
     if row is None:
         raise not_found("stored flight of this run called", name)
     data = table(row)
-    head, columns = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
+    with readable(f"flight {name} of {run_name(run_id)}"):
+        head, columns = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
     chosen = thin.around(len(data), most, closest_row(head, columns, data))
     return TraceData(
         name=row.name,

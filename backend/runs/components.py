@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sqlalchemy as sa
 
 from backend.catalog.service import published, required
@@ -13,6 +11,7 @@ from backend.runs import service
 from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
 from campaigns.asked.snapshot import changes, snapshot
+from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 
 
@@ -22,7 +21,7 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
     kept = snapshots.of_run(reader, run_id)
     digest, flown = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()
     then, now = Flown.of(flown).code, codes.published(reader)
-    code: dict[str, Any] = {"code": then, "code_installed": now, "code_changes": codes.changed(reader, then, now)}
+    code: JsonObject = {"code": then, "code_installed": now, "code_changes": codes.changed(reader, then, now)}
     if kept is None:
         return RunComponents(digest=None, catalogue=snapshot(asked, required(reader)), changes=[], **code)
     return RunComponents(digest=digest, catalogue=kept, changes=changed(kept, published(reader)), **code)

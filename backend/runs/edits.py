@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from typing import Any
 
 import sqlalchemy as sa
 
@@ -18,6 +17,7 @@ from backend.runs.removal import refuse_removed
 from backend.runs.schemas import RunEdit, RunSummary
 from backend.runs.tombstones import refuse_purged
 from campaigns import Problem
+from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 
@@ -28,7 +28,7 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
     values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
     if empty or not values:
-        message = "give at least one of name, tags, notes and pinned, and leave out what is to stay"
+        message = "give at least one of name, tags, notes and pinned; omitted fields stay unchanged"
         raise RefusedError(422, "invalid", message, [Problem(key, "null", message) for key in empty])
     if given.tags is not None:
         values["tags"] = list(dict.fromkeys(given.tags))
@@ -45,11 +45,11 @@ def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
     """409 unless the run's notes are still those that were read."""
     stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
     if stored is not None and stored != notes:
-        detail = "somebody changed these notes since they were read: read them again, and write yours into them"
+        detail = "another user has changed these notes since they were read: read them again, then add your text"
         raise RefusedError(409, "notes-changed", detail)
 
 
-def _said(values: dict[str, Any]) -> dict[str, Any]:
+def _said(values: JsonObject) -> JsonObject:
     """What the audit trail keeps of an edit: of notes, which can be long, their length and digest."""
     notes = values.get("notes")
     if notes is None:

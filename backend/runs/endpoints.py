@@ -36,6 +36,7 @@ from backend.runs.schemas import (
 )
 from campaigns import CampaignError, Problem
 from campaigns.asked.problem import shown
+from campaigns.documents import JsonObject
 from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState, run_name
 
@@ -48,13 +49,13 @@ SUBMIT_BODY = {
         "application/yaml": {"schema": {"type": "string"}},
     },
 }
-LOCATION: dict[int | str, dict[str, Any]] = {
+LOCATION: dict[int | str, JsonObject] = {
     201: {
         "description": "The run that was queued, now or before under the same key.",
         "headers": {"Location": {"description": "The address of the run.", "schema": {"type": "string"}}},
     }
 }
-CAMPAIGN_FILE: dict[int | str, dict[str, Any]] = {
+CAMPAIGN_FILE: dict[int | str, JsonObject] = {
     200: {
         "description": "YAML, or JSON where it was typed as such.",
         "content": {"application/yaml": {"schema": {"type": "string"}}},
@@ -174,7 +175,9 @@ def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> l
     return removal.restore(engine, [service.number(run) for run in given.runs], visitor)
 
 
-@router.patch("/runs/{run}", responses=problems("not-found", "notes-changed", "removed", "purged", "invalid"))
+@router.patch(
+    "/runs/{run}", responses=problems("not-found", "notes-changed", "removed", "other-version", "purged", "invalid")
+)
 def edit_run(run: RunName, given: RunEdit, engine: Engine, visitor: CurrentVisitor) -> RunDetail:
     """Change a run's name, tags, notes or pin; what is left out stays."""
     edits.edit(engine, service.number(run), given, visitor)
@@ -182,7 +185,7 @@ def edit_run(run: RunName, given: RunEdit, engine: Engine, visitor: CurrentVisit
         return service.detail(reader, service.number(run))
 
 
-@router.get("/runs/{run}", responses=problems("not-found", "purged"))
+@router.get("/runs/{run}", responses=problems("not-found", "other-version", "purged"))
 def get_run(run: RunName, reader: Reader) -> RunDetail:
     """One run with its campaign, its stages as they stand, and the parts of its verdict."""
     return service.detail(reader, service.number(run))

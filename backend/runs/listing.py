@@ -6,7 +6,7 @@ What narrows it is in `backend.runs.filters`, orders and cursors in `backend.run
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, get_args
+from typing import Any
 
 import sqlalchemy as sa
 
@@ -26,6 +26,8 @@ _PLAIN = (
     "continues", "pinned", "best_so_far", "upper_bound", "removed", "removed_by", "removed_reason",
 )  # fmt: skip
 
+Units = dict[tuple[str | None, str], tuple[str, str]]
+
 
 def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None, limit: int) -> RunPage:
     """One page of the list, the cursor of the next, and how many runs the same search and tags find in all."""
@@ -43,10 +45,12 @@ def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
     """The runs that fulfil the conditions, newest first, as the list shows them; of purged ones nothing is left."""
-    criterion = CampaignRow.document["criterion"]["component"].as_string().label("criterion")
+    asked = CampaignRow.document
+    named = [asked["criterion"][k].as_string().label(k) for k in ("component", "result")]
+    simulator = asked["simulator"]["name"].as_string().label("simulator")
     told = [Run.summary[key].as_string().label(key) for key in ("quantity", "unit")]
     columns = [getattr(Run, column) for column in _PLAIN]
-    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), criterion, *told, *counts.COLUMNS)
+    query = sa.select(*columns, CampaignRow.name.label("campaign_name"), *named, simulator, *told, *counts.COLUMNS)
     query = query.join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     rows = reader.execute(query.where(Run.purged.is_(None), *conditions).order_by(Run.id.desc())).all()
     working = _working(reader, [row.id for row in rows if row.state in ("running", "cancelling")])
@@ -55,11 +59,9 @@ def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> lis
     return [_summary(row, working.get(row.id), units, counts.of(row, excluded.get(row.id, 0))) for row in rows]
 
 
-def _summary(
-    row: Any, stage: StageProgress | None, units: dict[str, tuple[str, str]], evaluations: dict[str, int]
-) -> RunSummary:
+def _summary(row: Any, stage: StageProgress | None, units: Units, evaluations: dict[str, int]) -> RunSummary:
     values = {column: getattr(row, column) for column in _PLAIN} | evaluations
-    quantity, unit = units.get(row.criterion, ("", ""))
+    quantity, unit = units.get((row.simulator, row.result if row.simulator else row.component), ("", ""))
     margin = None if row.worst_cost is None or row.threshold is None else row.worst_cost - row.threshold
     values["continues"] = None if row.continues is None else run_name(row.continues)
     values |= {"id": run_name(row.id), "campaign_name": row.campaign_name, "stage": stage, "margin": margin}
@@ -67,11 +69,13 @@ def _summary(
     return RunSummary.model_validate(values)
 
 
-def _units(reader: sa.Connection) -> dict[str, tuple[str, str]]:
-    """Quantity and unit by criterion, for runs that have no verdict to say it."""
+def _units(reader: sa.Connection) -> Units:
+    """Quantity and unit by simulator (None for a scenario) and criterion, for runs that have no verdict to say it."""
     catalogue = published(reader)
-    found = [] if catalogue is None else catalogue.components
-    return {c.name: (c.quantity, c.unit) for c in found if c.role == "criterion"}
+    if catalogue is None:
+        return {}
+    found: Units = {(None, c.name): (c.quantity, c.unit) for c in catalogue.components if c.role == "criterion"}
+    return found | {(s.name, r.name): (r.quantity, r.unit) for s in catalogue.simulators for r in s.results}
 
 
 def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
@@ -88,7 +92,7 @@ def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
 
 def _counts(reader: sa.Connection, filters: Filters) -> dict[str, int]:
     found = filters.found()
-    counts = dict.fromkeys(("total", "removed", *get_args(RunState), *get_args(VerdictWord)), 0)
+    counts = dict.fromkeys(("total", "removed", *RunState, *VerdictWord), 0)
     groups = sa.select(Run.state, Run.verdict, sa.func.count()).where(*found).group_by(Run.state, Run.verdict)
     for state, verdict, count in reader.execute(groups):
         counts["total"] += count

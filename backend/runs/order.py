@@ -98,13 +98,13 @@ class Order:
             text = base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True)
             of, pinned, value, run_id = json.loads(text)
         except (binascii.Error, ValueError, TypeError, RecursionError):
-            raise _bad(cursor, "not one that this service gave; start again without a cursor") from None
+            raise _bad(cursor, "unknown cursor; start again without a cursor") from None
         if of != self.sort:
             message = f"from a list sorted by {of}, this one is sorted by {self.sort}; start again without a cursor"
             raise _bad(cursor, message)
         known = isinstance(run_id, int) and not isinstance(run_id, bool) and 0 <= run_id < 2**62
         if not (self._fits(value) and known and isinstance(pinned, bool)):
-            raise _bad(cursor, "not one that this service gave; start again without a cursor")
+            raise _bad(cursor, "unknown cursor; start again without a cursor")
         return pinned, value, run_id
 
     def _fits(self, value: Any) -> bool:

@@ -79,9 +79,9 @@ def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
     for row in rows:
         run = run_name(row.id)
         if row.state not in ENDED:
-            found.append(Problem("run", run, f"it is {row.state}: cancel it first, or wait for its end"))
+            found.append(Problem("run", run, f"it is {row.state}: cancel it first, or wait for it to end"))
         elif row.id in signed:
-            text = f"its results are signed off by {signed[row.id]}: the sign-off has to be withdrawn first"
+            text = f"its results are signed off by {signed[row.id]}: withdraw the sign-off first"
             found.append(Problem("run", run, text))
     return found
 

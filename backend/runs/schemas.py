@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -12,6 +12,7 @@ from campaigns import Catalogue
 from campaigns.asked.load import LARGEST_FILE
 from campaigns.asked.plan import StageKind
 from campaigns.asked.values import Notes
+from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results import StageResult, Verdict
 from campaigns.results.verdict import VerdictWord
@@ -26,7 +27,7 @@ class RunSubmit(Given):
     """A campaign to run; the campaign's own name and tags are used where none are given."""
 
     checked_elsewhere: ClassVar = frozenset({"campaign"})  # `campaigns.asked.reading` names the places in it
-    campaign: dict[str, Any]
+    campaign: JsonObject
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
     text: (
@@ -34,7 +35,7 @@ class RunSubmit(Given):
             str,
             Field(
                 max_length=LARGEST_FILE,
-                description="The same campaign as YAML or JSON, as it was typed: kept with its comments and order.",
+                description="Original text of the same campaign, YAML or JSON; stored with its comments and order.",
             ),
         ]
         | None
@@ -64,8 +65,8 @@ class HistoryEntry(Schema):
     """How they were signed in: link or token; cli on the command line."""
     action: str
     """run.submitted, run.edited, run.cancelled, run.removed, run.restored, run.purged, signoff.created,
-    signoff.withdrawn"""
-    detail: dict[str, Any]
+    signoff.withdrawn, signoff.bound"""
+    detail: JsonObject
 
 
 class RunsNamed(Given):
@@ -154,11 +155,11 @@ class RunSummary(Schema):
     started: float | None
     finished: float | None
     stage: StageProgress | None
-    """The stage being worked on."""
+    """The running stage."""
     attempts: int
     worker: str | None
     continues: str | None
-    """The run whose searches this one goes on with, R-0001."""
+    """The run whose searches this one extends, R-0001."""
     pinned: bool
     best_so_far: list[tuple[int, float]]
     """Evaluations and the lowest cost within them, thinned: for a small picture."""
@@ -181,7 +182,7 @@ class RunDetail(RunSummary):
 
     notes: str
     """In Markdown."""
-    campaign: dict[str, Any]
+    campaign: JsonObject
     criteria: list[CriterionOut]
     """The one that decides first, then the objectives."""
     components_digest: str | None

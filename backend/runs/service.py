@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from typing import Any
 
 import sqlalchemy as sa
-from pydantic import ValidationError
 
 from backend.catalog.criteria import criteria
 from backend.catalog.service import described, required
@@ -19,11 +17,15 @@ from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.http import bodies
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace
+from backend.runs.earlier import Terms, speaking
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress
 from backend.runs.tombstones import refuse_purged
+from backend.runs.versions import readable
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
 from campaigns.asked.plan import plan
+from campaigns.claims import earlier
+from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results import Verdict, verdicts
 from campaigns.runs import run_name, run_number
@@ -60,7 +62,7 @@ def from_json(body: bytes, given: RunSubmit) -> Submission:
     """A submission as the API describes it; raises `CampaignError`, also where its text means another campaign."""
     campaign = load_document(given.campaign, "request")
     if given.text is not None and load_text(given.text, "text").digest != campaign.digest:
-        text = "the text means another campaign than `campaign`: send the two as one, or leave the text out"
+        text = "the text describes a different campaign than `campaign`: make both equal, or omit the text"
         raise CampaignError("request", [Problem("text", "", text)])
     return _submission(campaign, given, body)
 
@@ -140,6 +142,8 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         .join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
         .where(Run.id == run_id)
     ).one()
+    with readable(f"the campaign of {run_name(run_id)}"):
+        Campaign.model_validate(document)
     stages = progress(reader, run_id)
     rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
     return RunDetail(
@@ -150,17 +154,18 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         components_digest=snapshot,
         flown=None if flown is None else Flown.of(flown),
         stages=stages,
-        summary=_described(parts, base.failed_evaluations),
+        summary=_described(parts, base.failed_evaluations, speaking(reader, run_id)),
         rate=rate,
         remaining=remaining,
     )
 
 
-def _described(parts: dict[str, Any] | None, failed: int) -> RunVerdict | None:
+def _described(parts: JsonObject | None, failed: int, terms: Terms) -> RunVerdict | None:
     """The stored verdict with its checks as they are read."""
     if not parts or not parts.get("verdict"):
         return None
-    verdict = Verdict.model_validate(parts)
+    with readable("the verdict of this run"):
+        verdict = Verdict.model_validate(earlier.spoken(parts, terms))
     return RunVerdict.model_validate(verdict.model_dump() | {"checks": verdicts.described(verdict.checks, failed)})
 
 
@@ -176,10 +181,9 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
     require(reader, run_id)
     columns = (getattr(Stage, name) for name in StageDetail.model_fields)
     rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
-    try:
-        return [StageDetail.model_validate(dict(row._mapping)) for row in rows]
-    except ValidationError:
-        raise _of_another_version(f"a result of {run_name(run_id)}") from None
+    with readable(f"a result of {run_name(run_id)}"):
+        terms = speaking(reader, run_id)
+        return [StageDetail.model_validate(earlier.spoken(dict(row._mapping), terms)) for row in rows]
 
 
 def require(reader: sa.Connection, run_id: int) -> None:
@@ -195,11 +199,5 @@ def campaign(reader: sa.Connection, run_id: int) -> Campaign:
     document = reader.scalar(query.where(Run.id == run_id, Run.purged.is_(None)))
     if document is None:
         require(reader, run_id)
-    try:
+    with readable(f"the campaign of {run_name(run_id)}"):
         return Campaign.model_validate(document)
-    except ValidationError:
-        raise _of_another_version(f"the campaign of {run_name(run_id)}") from None
-
-
-def _of_another_version(what: str) -> RefusedError:
-    return RefusedError(409, "other-version", f"{what} was stored by another version of Clearance, which reads it")

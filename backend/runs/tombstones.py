@@ -33,7 +33,7 @@ def _sentence(row: Any) -> str:
         f"{run_name(row.id)} “{row.name}” was removed by {row.removed_by} on {_day(row.removed)} ({reason}), and its "
         f"results were purged by {row.purged_by} on {_day(row.purged)}. They had the digest sha256 "
         f"{row.purged_digest}, of the campaign sha256 {row.campaign_digest}. "
-        "Its number is never given again; its history is kept"
+        "Its number is never reused; its history is stored"
     )
 
 

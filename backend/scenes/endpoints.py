@@ -24,10 +24,18 @@ from backend.scenes.viewer.viewer import Viewer
 
 router = APIRouter(include_in_schema=False)
 
-_MOVES = (
-    b"<script>if(location.hash.length>1)history.replaceState(null,'',location.pathname+location.hash.slice(1))</script>"
-)
-"""What stands behind the # is part of the address, too: so a browser keeps one page for all views of a run."""
+_MOVES = b"""<script>
+if(location.hash.length>1)history.replaceState(null,'',location.pathname+location.hash.slice(1));
+if(self===top&&!location.pathname.includes('/key/')){
+const q=new URLSearchParams(),[,run,...rest]=location.pathname.split('/').filter(Boolean);
+for(let i=0;i<rest.length;i++){const w=rest[i];
+if(w==='t'||w==='cam')q.set(w,rest[++i]);else if(w!=='dark'&&w!=='light')q.set('finding',w)}
+location.replace('/runs/'+run+'/flight'+(q.size?'?'+q:''))}
+</script>"""
+"""What stands behind the # is part of the address, too: so a browser keeps one page for all views of a run.
+
+In a window of its own and without a key, the view would have no controls: the page with the controls takes its place.
+"""
 _PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_bytes()
 _PAGE = _PAGE.replace(b"<head>", b"<head>" + _MOVES, 1)
 _PACKED = gzip.compress(_PAGE, 9)

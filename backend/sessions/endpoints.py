@@ -28,7 +28,7 @@ async def open_session(request: Request, engine: Engine, code: str = "") -> Resp
     attempts = request.app.state.attempts
     secret = await run_in_threadpool(_opened, engine, code) if await attempts.good(code) else None
     if secret is None:
-        answer = pages.sign_in(429 if attempts.over else 403, "This login link is not valid (any more)")
+        answer = pages.sign_in(429 if attempts.over else 403, "This login link is invalid or expired")
         if attempts.over:
             answer.headers["Retry-After"] = "60"
         return answer

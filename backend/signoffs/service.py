@@ -5,8 +5,6 @@ Each write is one transaction with its row in the audit trail. Start reading at 
 
 from __future__ import annotations
 
-from typing import Any
-
 import sqlalchemy as sa
 
 from backend.db import audit
@@ -19,6 +17,7 @@ from backend.http.errors import RefusedError, not_found
 from backend.runs.removal import refuse_removed
 from backend.runs.tombstones import refuse_purged
 from backend.signoffs.schemas import Signoff, SignoffRequest, Signoffs
+from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 
@@ -39,12 +38,12 @@ def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         if _verdict(writer, run_id) is None:
-            raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: there is nothing to sign off")
+            raise _conflict("no-verdict", f"{run_name(run_id)} has no verdict: it cannot be signed off")
         digest = results_digest(writer, run_id)
         if given.digest != digest:
             detail = (
                 f"the results of {run_name(run_id)} are not those that were reviewed (sha256 {given.digest[:16]}): "
-                "load the run again and review it anew"
+                "load the run and review it again"
             )
             raise _conflict("results-changed", detail)
         same = (Row.run_id == run_id, Row.name == given.name, Row.role == given.role, Row.digest == digest)
@@ -78,7 +77,7 @@ def _one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
     return _told(dict(row), results_digest(reader, run_id))
 
 
-def _told(row: dict[str, Any], digest: str) -> Signoff:
+def _told(row: JsonObject, digest: str) -> Signoff:
     del row["run_id"]
     return Signoff(**row, current=row["digest"] == digest)
 

@@ -11,7 +11,7 @@ import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from campaigns.asked import effort, extents, frames, said, uncertainty
+from campaigns.asked import effort, extents, frames, limits, said, simulated, uncertainty
 from campaigns.asked.criteria import criteria
 from campaigns.asked.problem import MOST, Problem
 from campaigns.asked.spec import Campaign, Part
@@ -38,12 +38,16 @@ def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
 
 def _first(problems: Iterator[Problem]) -> list[Problem]:
     found = list(itertools.islice(problems, MOST + 1))
-    return found if len(found) <= MOST else [*found[: MOST - 1], Problem("", "", "and more problems; mend these first")]
+    return (
+        found if len(found) <= MOST else [*found[: MOST - 1], Problem("", "", "and more problems; correct these first")]
+    )
 
 
 def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
-    """The parts of a scenario: prefix of its parameters' paths, field in the file, role, part."""
+    """The parts of a scenario: prefix of its parameters' paths, field in the file, role, part; none of a simulator."""
     s = campaign.scenario
+    if s is None:
+        return
     yield "vehicle", "scenario.vehicle", "vehicle", s.vehicle
     yield "controller", "scenario.controller", "controller", s.controller
     yield "avoider", "scenario.avoider", "avoider", s.avoider
@@ -64,15 +68,15 @@ def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[Para
 
     A parameter that must be given and is not has the nominal value NaN; `check` reports it.
     """
-    found: dict[str, tuple[ParameterEntry, float]] = {}
+    found: dict[str, tuple[ParameterEntry, float]] = simulated.parameters(campaign, catalogue)
     for prefix, _, role, part in parts(campaign):
         entry = catalogue.component(role, part.component)
         if entry is not None:
-            found.update(_values(prefix, entry.parameters, part.parameters))
+            found.update(limits.valued(prefix, entry.parameters, part.parameters))
             if role == "vehicle":
-                found.update(_values("start", entry.starts, campaign.scenario.start))
+                found.update(limits.valued("start", entry.starts, campaign.given_scenario.start))
             if role == "avoider":
-                found.update(_values("goal", entry.goals, campaign.scenario.goal))
+                found.update(limits.valued("goal", entry.goals, campaign.given_scenario.goal))
     return found
 
 
@@ -87,20 +91,10 @@ def seeded(campaign: Campaign, catalogue: Catalogue) -> list[str]:
 
 
 def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    for _, field, role, part in parts(campaign):
-        entry = catalogue.component(role, part.component)
-        if entry is None:
-            names = [c.name for c in catalogue.components if c.role == role]
-            yield Problem(f"{field}.component", part.component, f"no such {role}; {said.known(part.component, names)}")
-            continue
-        yield from _given(f"{field}.parameters", entry.parameters, part.parameters)
-        if role == "vehicle":
-            yield from _given("scenario.start", entry.starts, campaign.scenario.start)
-        if role == "avoider":
-            yield from _given("scenario.goal", entry.goals, campaign.scenario.goal)
-    yield from _dimensions(campaign, catalogue)
-    yield from _fits(campaign, catalogue)
-    yield from criteria(campaign, catalogue)
+    if campaign.simulator is None:
+        yield from _composed(campaign, catalogue)
+    else:
+        yield from simulated.simulated(campaign, campaign.simulator, catalogue)
     known = parameters(campaign, catalogue)
     unknown = _unknown(campaign, catalogue)
     for path, uncertain in campaign.uncertain.items():
@@ -111,11 +105,31 @@ def _check(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from _certified(campaign)
 
 
+def _composed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
+    """The problems with the components of a scenario, each and together."""
+    for _, field, role, part in parts(campaign):
+        entry = catalogue.component(role, part.component)
+        if entry is None:
+            names = [c.name for c in catalogue.components if c.role == role]
+            yield Problem(f"{field}.component", part.component, f"no such {role}; {said.known(part.component, names)}")
+            continue
+        yield from limits.refused(f"{field}.parameters", entry.parameters, part.parameters)
+        if role == "vehicle":
+            yield from limits.refused("scenario.start", entry.starts, campaign.given_scenario.start)
+        if role == "avoider":
+            yield from limits.refused("scenario.goal", entry.goals, campaign.given_scenario.goal)
+    yield from _dimensions(campaign, catalogue)
+    yield from _fits(campaign, catalogue)
+    yield from criteria(campaign, catalogue)
+
+
 def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     yield from effort.excessive(campaign)
     if campaign.confidence < LEAST_CONFIDENCE:
-        text = f"a statement that is wrong more than once in ten times claims nothing; at least {LEAST_CONFIDENCE:g}"
+        text = f"the confidence is too low to support a claim; give at least {LEAST_CONFIDENCE:g}"
         yield Problem("confidence", f"{campaign.confidence:g}", text)
+    if campaign.scenario is None:
+        return
     known = parameters(campaign, catalogue)
     yield from extents.centres(campaign, catalogue, known)
     found = ((field, catalogue.component(role, part.component)) for _, field, role, part in parts(campaign))
@@ -124,6 +138,8 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
     """Beginnings of the paths of unknown components: one problem is enough for each."""
+    if campaign.simulator is not None:
+        return () if catalogue.simulator(campaign.simulator.name) else (f"{simulated.PREFIX}.",)
     also = {"vehicle": ("start.",), "avoider": ("goal.",)}
     return tuple(
         beginning
@@ -145,12 +161,12 @@ def _dimensions(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
             yield Problem(
                 f"{field}.component",
                 entry.name,
-                f"lives in {entry.dimension} dimensions, the {first.role} {first.name!r} in {first.dimension}",
+                f"has {entry.dimension} dimensions, the {first.role} {first.name!r} has {first.dimension}",
             )
 
 
 def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    scenario = campaign.scenario
+    scenario = campaign.given_scenario
     controller = catalogue.component("controller", scenario.controller.component)
     vehicle = catalogue.component("vehicle", scenario.vehicle.component)
     if controller is not None and vehicle is not None and vehicle.name not in controller.fits:
@@ -158,7 +174,7 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         yield Problem(
             "scenario.controller.component",
             controller.name,
-            f"this controller flies {flown}, not {scenario.vehicle.component}",
+            f"this controller controls {flown}, not {scenario.vehicle.component}",
         )
     yield from _placed(campaign, catalogue)
     yield from _realised(campaign, catalogue)
@@ -173,8 +189,8 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     """Actuator faults are on one of the vehicle's inputs, all others on none."""
-    vehicle = catalogue.component("vehicle", campaign.scenario.vehicle.component)
-    for i, fault in enumerate(campaign.scenario.faults):
+    vehicle = catalogue.component("vehicle", campaign.given_scenario.vehicle.component)
+    for i, fault in enumerate(campaign.given_scenario.faults):
         entry = catalogue.component("fault", fault.component)
         if entry is None or vehicle is None:
             continue
@@ -183,33 +199,21 @@ def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
             yield Problem(field, fault.on, f"name the input it is on: {', '.join(vehicle.inputs)}")
         elif entry.path != "actuator" and fault.on:
             yield Problem(field, fault.on, f"a fault of {entry.path} is not on an input; leave this out")
-        if entry.path == "guidance" and campaign.scenario.guidance.period == 0:
-            text = "only guidance with a period can be late; give scenario.guidance.period, or delay an actuator"
+        if entry.path == "guidance" and campaign.given_scenario.guidance.period == 0:
+            text = "only sampled guidance can be delayed; give scenario.guidance.period, or delay an actuator"
             yield Problem(f"scenario.faults.{i}.component", fault.component, text)
 
 
 def _realised(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     """Seeds are listed where something is random, and are nothing to search over."""
     random = set(seeded(campaign, catalogue))
-    seeds = campaign.scenario.realisations.seeds
+    seeds = campaign.given_scenario.realisations.seeds
     if len(seeds) > 1 and not random:
-        text = "nothing in the scenario is random: all realisations are the same flight; leave this out"
+        text = "nothing in the scenario is random: all realisations are identical; remove this"
         yield Problem("scenario.realisations.seeds", str(seeds), text)
     for path in sorted(random & campaign.uncertain.keys()):
-        text = "a seed picks a realisation, it is no quantity; list several in scenario.realisations.seeds"
+        text = "a seed selects a realisation and is not a quantity; list several seeds in scenario.realisations.seeds"
         yield Problem(f"uncertain.{path}", path, text)
-
-
-def _given(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:
-    known = {e.name: e for e in entries}
-    for name, value in values.items():
-        if name not in known:
-            yield Problem(f"{field}.{name}", said.given(value), f"no such parameter; {said.known(name, known)}")
-        elif not known[name].low <= value <= known[name].high:
-            yield Problem(f"{field}.{name}", said.given(value), said.limits(known[name]))
-    for name, entry in known.items():
-        if entry.default is None and name not in values:
-            yield Problem(f"{field}.{name}", "", f"this parameter is required: {entry.text} [{entry.unit}]")
 
 
 def _searches(
@@ -225,7 +229,7 @@ def _searches(
         yield from _options(f"{field}.options", search.options, entry.options)
         if search.starts and not entry.starts:
             yield Problem(
-                f"{field}.starts", f"{len(search.starts)} starts", f"{entry.title} takes none; leave them out"
+                f"{field}.starts", f"{len(search.starts)} starts", f"{entry.title} takes no start points; remove them"
             )
         for j, start in enumerate(search.starts):
             for path, value in start.items():
@@ -236,8 +240,8 @@ def _certified(campaign: Campaign) -> Iterator[Problem]:
     certify, dimension = campaign.stages.certify, len(campaign.uncertain)
     if certify is not None and certify.grid is not None and certify.grid.points**dimension > MAX_EVALUATIONS:
         most = int(MAX_EVALUATIONS ** (1 / dimension) + 1e-9)
-        advice = f"at most {most} points per axis" if most >= 2 else "leave the grid out"
-        text = f"a full grid over {dimension} parameters would have more than {MAX_EVALUATIONS:,} flights; {advice}"
+        advice = f"at most {most} points per axis" if most >= 2 else "remove the grid"
+        text = f"a full grid over {dimension} parameters would need more than {MAX_EVALUATIONS:,} evaluations; {advice}"
         yield Problem("stages.certify.grid.points", str(certify.grid.points), text)
 
 
@@ -249,7 +253,7 @@ def _started(
     elif path in known:
         low, high = campaign.uncertain[path].interval(known[path][1])
         if not said.within(value, low, high):
-            yield Problem(field, said.given(value), f"a start lies within the bounds {low:g} to {high:g}")
+            yield Problem(field, said.given(value), f"a start must be within the bounds {low:g} to {high:g}")
 
 
 def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
@@ -284,10 +288,3 @@ def _misfit(value: Any, rule: Mapping[str, Any]) -> str | None:
         if word in rule and (value != value or outside(value, rule[word])):
             return f"expected {text} {rule[word]}"
     return None
-
-
-def _values(
-    prefix: str, entries: list[ParameterEntry], given: Mapping[str, float]
-) -> dict[str, tuple[ParameterEntry, float]]:
-    missing = float("nan")
-    return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}

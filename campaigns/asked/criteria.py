@@ -26,7 +26,7 @@ def criteria(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
         field = f"objectives.{i}.component"
         entry = catalogue.component("criterion", objective.component)
         if (objective.component, objective.parameters) in given:
-            yield Problem(field, objective.component, "this criterion is given already; leave this out")
+            yield Problem(field, objective.component, "this criterion is already given; remove this entry")
         elif entry is not None and entry.of == "goal":
             yield from _reached(field, entry.name, campaign, catalogue)
         given.append((objective.component, objective.parameters))
@@ -42,7 +42,10 @@ def named(components: Iterable[str]) -> list[str]:
 
 
 def _reached(field: str, name: str, campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    avoider = catalogue.component("avoider", campaign.scenario.avoider.component)
+    avoider = catalogue.component("avoider", campaign.given_scenario.avoider.component)
     if avoider is not None and not {"x", "y"} <= {g.name for g in avoider.goals}:
-        text = f"it measures the way to the goal, and the goal of {avoider.name} is a course, no place; leave this out"
+        text = (
+            f"this criterion measures the distance to the goal, but {avoider.name} follows a course and has no goal "
+            "position; remove this entry"
+        )
         yield Problem(field, name, text)

@@ -63,7 +63,7 @@ def _distribution(value: Any) -> Any:
 class Uncertain(Strict):
     """The bounds of one uncertain parameter: `low` and `high`, or `plus_minus` around the nominal value.
 
-    `plus_minus: 20%` is a share of the nominal value, `plus_minus: 0.5` is in the parameter's unit.
+    `plus_minus: 20%` is a fraction of the nominal value, `plus_minus: 0.5` is in the parameter's unit.
     """
 
     low: Number | None = None

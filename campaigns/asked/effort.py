@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from campaigns.asked.plan import plan
 from campaigns.asked.problem import Problem
-from campaigns.asked.spec import Campaign
+from campaigns.asked.spec import Campaign, Scenario
 
 MOST_STEPS = 10**13
 """Steps of simulation of a whole run; of 20 ns each (a vehicle in a plane) they take two days on one core. The largest
@@ -35,51 +35,59 @@ OBSTACLE = 8
 
 
 def steps(campaign: Campaign) -> int:
-    """Steps of one evaluation, all its realisations together."""
-    return traced_steps(campaign) * len(campaign.scenario.realisations.seeds)
+    """Steps of one evaluation, all its realisations together; of a simulator none is known."""
+    return 0 if campaign.scenario is None else traced_steps(campaign) * len(campaign.scenario.realisations.seeds)
 
 
 def traced_steps(campaign: Campaign) -> int:
     """Steps of one flight."""
-    return round(campaign.scenario.horizon / campaign.scenario.step)
+    return round(campaign.given_scenario.horizon / campaign.given_scenario.step)
 
 
 def traced(campaign: Campaign) -> int:
     """About how many numbers the trace of one flight has."""
     channels = OBSTACLE + len(campaign.objectives)
-    return traced_steps(campaign) * (STATES + channels * len(campaign.scenario.obstacles))
+    return traced_steps(campaign) * (STATES + channels * len(campaign.given_scenario.obstacles))
 
 
 def excessive(campaign: Campaign) -> Iterator[Problem]:
     """What of the campaign is more than can be run, and what to lower."""
     evaluations = sum(stage.planned for stage in plan(campaign))
-    in_all, seeds = evaluations * steps(campaign), len(campaign.scenario.realisations.seeds)
-    if in_all > MOST_STEPS:
-        given = f"{evaluations:,} evaluations x {seeds} realisations x {traced_steps(campaign):,} steps = {in_all:.2g}"
-        text = f"at most {MOST_STEPS:.0e} steps of simulation in all: lower the evaluations of the stages, "
-        text += "the realisations, or horizon / step"
-        yield Problem("stages", given, text)
+    if campaign.scenario is not None:
+        yield from _simulating(campaign, campaign.scenario, evaluations)
     stored = evaluations * (len(campaign.uncertain) + len(campaign.objectives) + 3)
     if stored > MOST_STORED:
         given = f"{evaluations:,} evaluations of {len(campaign.uncertain)} parameters"
         text = f"about {stored * 8 / 1e9:.1f} GB of results, at most {MOST_STORED * 8 / 1e9:g} GB: "
         text += "lower the evaluations of the stages, or the number of uncertain parameters"
         yield Problem("stages", given, text)
-    if traced(campaign) > MOST_TRACED:
+    if campaign.scenario is not None and traced(campaign) > MOST_TRACED:
         given = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
-        text = f"the trace of one flight would take about {traced(campaign) * 8 / 1e9:.1f} GB, at most "
+        text = f"the trace of one simulation would take about {traced(campaign) * 8 / 1e9:.1f} GB, at most "
         text += f"{MOST_TRACED * 8 / 1e9:g} GB: lengthen the step, shorten the horizon, or leave obstacles out"
         yield Problem("scenario.step", given, text)
 
 
+def _simulating(campaign: Campaign, scenario: Scenario, evaluations: int) -> Iterator[Problem]:
+    in_all, seeds = evaluations * steps(campaign), len(scenario.realisations.seeds)
+    if in_all > MOST_STEPS:
+        given = f"{evaluations:,} evaluations x {seeds} realisations x {traced_steps(campaign):,} steps = {in_all:.2g}"
+        text = f"at most {MOST_STEPS:.0e} steps of simulation in all: lower the evaluations of the stages, "
+        text += "the realisations, or horizon / step"
+        yield Problem("stages", given, text)
+
+
 def unpreviewable(campaign: Campaign) -> Iterator[Problem]:
     """What of the nominal case is more than a preview simulates, though a run may."""
+    if campaign.scenario is None:
+        yield Problem("simulator", "", "a simulator has no preview; start the run")
+        return
     seeds = len(campaign.scenario.realisations.seeds)
     if steps(campaign) > PREVIEW_STEPS:
         given = f"{seeds} realisations x {traced_steps(campaign):,} steps"
         text = f"a preview simulates at most {PREVIEW_STEPS:,} steps: lower the realisations or horizon / step"
-        yield Problem("scenario", given, f"{text}, or start the run, which may have more")
+        yield Problem("scenario", given, f"{text}, or start the run, which has higher limits")
     elif traced(campaign) > PREVIEW_TRACED:
         given = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
         text = f"the trace of a preview has at most {PREVIEW_TRACED * 8 / 1e9:g} GB: lower horizon / step"
-        yield Problem("scenario", given, f"{text}, or start the run, which may have more")
+        yield Problem("scenario", given, f"{text}, or start the run, which has higher limits")

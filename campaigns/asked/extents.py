@@ -24,10 +24,10 @@ def centres(campaign: Campaign, catalogue: Catalogue, known: Known) -> Iterator[
     criterion, entry = campaign.criterion, catalogue.component("criterion", campaign.criterion.component)
     measured_to = "" if entry is None else entry.measured_to
     if criterion.from_centre and measured_to != "centre":
-        text = f"{criterion.component} does not measure to obstacles' centres; leave this out"
+        text = f"{criterion.component} does not measure to obstacles' centres; remove this"
         yield Problem("criterion.from_centre", "true", text)
     if measured_to == "surface" and criterion.threshold < 0:
-        text = "below 0 the vehicle would be inside an obstacle and the flight clear; give 0 or more"
+        text = "below 0 a vehicle inside an obstacle would count as clear; give 0 or more"
         yield Problem("criterion.threshold", given(criterion.threshold), text)
     inside = within(campaign, catalogue, known)
     if measured_to == "centre" and inside and not criterion.from_centre:
@@ -38,7 +38,7 @@ def within(campaign: Campaign, catalogue: Catalogue, known: Known) -> dict[str, 
     """The obstacles by path whose largest reach is above the threshold, with that reach [m]."""
     threshold = campaign.criterion.threshold
     found = {}
-    for i, obstacle in enumerate(campaign.scenario.obstacles):
+    for i, obstacle in enumerate(campaign.given_scenario.obstacles):
         entry = catalogue.component("obstacle", obstacle.component)
         if entry is None or entry.reach is None:
             continue
@@ -72,8 +72,8 @@ def _sentence(catalogue: Catalogue, inside: Mapping[str, float]) -> str:
     use = f"use {' or '.join(surface)} (distance to the surface)" if surface else "measure to the surface"
     reach = _upward(inside[path])
     return (
-        f"this distance ends at the obstacles' centres, and {path}{others} reaches {reach} m from its own: "
-        f"the vehicle could be inside it and the flight clear; {use}, give at least {reach} m, "
+        f"this distance is measured to the obstacles' centres, and {path}{others} reaches {reach} m from its own: "
+        f"a vehicle inside it would count as clear; {use}, give at least {reach} m, "
         f"or state from_centre: true if distances to the centre are meant"
     )
 

@@ -16,7 +16,7 @@ AXES = {"enu": "x east, y north, z up", "ned": "x north, y east, z down"}
 
 def mismatched(campaign: Campaign, catalogue: Catalogue, parts: list[tuple[str, ComponentEntry]]) -> Iterator[Problem]:
     """Refuses components that are written for other axes than the vehicle flies in; parts: field and entry."""
-    vehicle = catalogue.component("vehicle", campaign.scenario.vehicle.component)
+    vehicle = catalogue.component("vehicle", campaign.given_scenario.vehicle.component)
     if vehicle is None:
         return
     for field, entry in parts:

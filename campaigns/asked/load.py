@@ -66,7 +66,11 @@ def load_document(document: Any, source: str = "campaign") -> Campaign:
         return Campaign.model_validate(document)
     except ValidationError as error:
         found = error.errors(include_url=False, include_context=False)
-        raise CampaignError(source, [_problem(e) for e in found[:MOST]], len(found)) from None
+        problems = [_problem(e) for e in found[:MOST]]
+        if any(e["loc"] for e in found) and not {"scenario", "simulator"} & document.keys():
+            # Told with the others: that one of the two is given is looked at once everything else can be read.
+            problems.insert(0, Problem("scenario", "", "this key is required, or simulator"))
+        raise CampaignError(source, problems[:MOST], len(found)) from None
 
 
 def library() -> dict[str, Path]:
@@ -79,9 +83,9 @@ def _problem(error: Any) -> Problem:
     at = list(error["loc"])
     if "distribution" in at[:-1]:  # what follows is the kind, which is no key of the document
         del at[at.index("distribution") + 1]
-    given = "" if kind in ("missing", "model_type") else shown(error.get("input"))
+    given = "" if kind in ("missing", "model_type") or not at else shown(error.get("input"))
     if kind == "extra_forbidden":
-        message = "this key is not known here; remove it or correct its spelling"
+        message = "unknown key; remove it or correct its spelling"
     elif kind == "missing":
         message = "this key is required"
     elif at and at[-1] == "[key]":

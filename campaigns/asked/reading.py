@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 
 from campaigns.asked.problem import Problem, shown
+from campaigns.documents import JsonObject
 
 DEEPEST = 16
 """A campaign nests 6 deep; parameters may be written nested."""
@@ -118,7 +119,7 @@ def misshapen(document: Any) -> Iterator[Problem]:
         elif isinstance(value, list):
             waiting += [((place, i), inner, depth + 1) for i, inner in reversed(list(enumerate(value)))]
         elif isinstance(value, str) and not _is_unicode(value):
-            yield Problem(field(place), shown(value), "this text holds half a surrogate pair, which is no Unicode text")
+            yield Problem(field(place), shown(value), "invalid Unicode text: it contains an unpaired surrogate")
         elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
             yield Problem(field(place), "", "a whole number of more than 64 bits")
         elif value is not None and not isinstance(value, str | int | float | bool):
@@ -137,7 +138,7 @@ def _is_unicode(text: str) -> bool:
     return True
 
 
-def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _distinct(pairs: list[tuple[str, Any]]) -> JsonObject:
     found = dict(pairs)
     if len(found) < len(pairs):
         twice = repeated(name for name, _ in pairs)
@@ -180,7 +181,7 @@ class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
         for key_node, _ in node.value:
             key = self.construct_object(key_node, deep=True)
             if not isinstance(key, str):
-                raise _RefusedError(f"keys are text, given {_brief(key)}", key_node.start_mark)
+                raise _RefusedError(f"keys must be text, given {_brief(key)}", key_node.start_mark)
             if key in seen:
                 raise _RefusedError(f"the key {_brief(key)} is given twice", key_node.start_mark)
             seen.add(key)
@@ -194,7 +195,7 @@ class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
 class _Loader(_Plain, yaml.SafeLoader):
     """Reads with PyYAML's own scanner and parser."""
 
-    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+    yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
 
 
 _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -203,7 +204,7 @@ _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 class _Fast(_Plain, _Parser):  # type: ignore[misc]
     """Reads with libyaml's scanner and parser where PyYAML was built with it; composed here, so that values count."""
 
-    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+    yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
 
     def __init__(self, text: str) -> None:
         _Parser.__init__(self, text)
@@ -213,7 +214,7 @@ class _Fast(_Plain, _Parser):  # type: ignore[misc]
 class Dumper(yaml.SafeDumper):
     """Quotes whatever text `parse` would take for something else."""
 
-    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012
+    yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
 
 
 _CORE = (

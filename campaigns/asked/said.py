@@ -19,7 +19,7 @@ def given(value: float) -> str:
 
 
 def limits(entry: ParameterEntry) -> str:
-    return f"{entry.text} lies within {entry.low:g} to {entry.high:g} {entry.unit}".rstrip()
+    return f"{entry.text} must be within {entry.low:g} to {entry.high:g} {entry.unit}".rstrip()
 
 
 def unit(text: str) -> str:
@@ -31,4 +31,8 @@ def known(asked: str, names: Iterable[str]) -> str:
     close = difflib.get_close_matches(asked, names, n=1)
     if close:
         return f"did you mean {close[0]!r}?"
-    return f"there are: {', '.join(names[:12])}{', ...' if len(names) > 12 else ''}" if names else "there are none"
+    return (
+        f"choose one of: {', '.join(names[:12])}{', ...' if len(names) > 12 else ''}"
+        if names
+        else "no name is valid here"
+    )

@@ -13,24 +13,25 @@ from typing import Any
 
 from campaigns.asked.check import parameters, parts
 from campaigns.asked.spec import Campaign
-from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry
+from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, SimulatorEntry
+from campaigns.documents import JsonObject
 
 _WORDS = {
     "title": "title",
     "dimension": "dimension",
     "frame": "frame of axes",
-    "written_in": "frame of axes that it takes for granted",
-    "moving": "movement by itself",
-    "fits": "list of vehicles that it flies",
+    "written_in": "assumed frame of axes",
+    "moving": "autonomous movement",
+    "fits": "list of supported vehicles",
     "demand": "kind of demand",
-    "demands": "kinds of demand that it follows",
+    "demands": "supported kinds of demand",
     "inputs": "inputs",
-    "path": "place in the loop",
+    "path": "position in the loop",
     "unit": "unit",
     "quantity": "quantity",
-    "worse": "end that is sought",
-    "of": "object that it reads",
-    "measured_to": "point that distances end at",
+    "worse": "direction of search",
+    "of": "object that it measures",
+    "measured_to": "reference point of distances",
     "reach": "reach",
     "kind": "kind",
     "source": "source",
@@ -49,6 +50,7 @@ def snapshot(campaign: Campaign, catalogue: Catalogue) -> Catalogue:
         version=catalogue.version,
         components=[c for c in catalogue.components if (c.role, c.name) in used],
         methods=[m for m in catalogue.methods if m.name in asked],
+        simulators=[s for s in catalogue.simulators if campaign.simulator and s.name == campaign.simulator.name],
     )
 
 
@@ -66,18 +68,21 @@ def changes(then: Catalogue, now: Catalogue) -> list[str]:
         found += _component(called, component, now.component(component.role, component.name))
     for method in then.methods:
         found += _method(f"the method {method.name}", method, now.method(method.name))
+    for simulator in then.simulators:
+        found += _simulator(f"the simulator {simulator.name}", simulator, now.simulator(simulator.name))
     return found
 
 
 def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[str]:
     """What makes other flights of the campaign, as clauses: values in force, units, components that are gone."""
-    gone = [c for c in then.components if now.component(c.role, c.name) is None]
+    gone = [f"the {c.role} {c.name}" for c in then.components if now.component(c.role, c.name) is None]
+    gone += [f"the simulator {s.name}" for s in then.simulators if now.simulator(s.name) is None]
     if gone:
-        return [_gone(f"the {c.role} {c.name}") for c in gone]
+        return [_gone(called) for called in gone]
     found, after = [], parameters(campaign, now)
     for path, (entry, value) in parameters(campaign, then).items():
         if path not in after:
-            found.append(f"there is no {path} here any more")
+            found.append(f"{path} no longer exists in this installation")
             continue
         was, is_ = _value(value, entry.unit), _value(after[path][1], after[path][0].unit)
         if was != is_:
@@ -100,12 +105,14 @@ def _component(called: str, then: ComponentEntry, now: ComponentEntry | None) ->
                 yield f"{called} has one more parameter here, {of}{name}"
 
 
-def _defaults(called: str, then: ComponentEntry, now: ComponentEntry, group: str) -> Iterator[str]:
+def _defaults(
+    called: str, then: ComponentEntry | SimulatorEntry, now: ComponentEntry | SimulatorEntry, group: str
+) -> Iterator[str]:
     """The values that a campaign gets without giving them, and parameters that are no longer there."""
     after, of = _by_name(now, group), _GROUPS[group]
     for name, before in _by_name(then, group).items():
         if name not in after:
-            yield f"{called} has no parameter {of}{name} here any more"
+            yield f"{called} has no parameter {of}{name} in this installation any more"
         elif after[name].default != before.default:
             was, is_ = _value(before.default, before.unit), _value(after[name].default, after[name].unit)
             yield f"the default of {of}{name} of {called} was {was}, here it is {is_}"
@@ -132,8 +139,25 @@ def _method(called: str, then: MethodEntry, now: MethodEntry | None) -> Iterator
             yield f"{called} has {'no' if name in before else 'one more'} option {name} here"
         elif before[name] != after[name]:
             was, is_ = (options[name].get("default") for options in (before, after))
-            what = f"its default was {was}, here it is {is_}" if was != is_ else "its limits or text are others here"
+            what = f"its default was {was}, here it is {is_}" if was != is_ else "its limits or text are different here"
             yield f"the option {name} of {called}: {what}"
+
+
+def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry | None) -> Iterator[str]:
+    if now is None:
+        yield _gone(called)
+        return
+    if (then.title, then.text) != (now.title, now.text):
+        yield f"the text of {called} is different here"
+    if then.results != now.results:
+        yield f"the results of {called} are described differently here"
+    before, after = _by_name(then, "parameters"), _by_name(now, "parameters")
+    yield from _defaults(called, then, now, "parameters")
+    for name, entry in after.items():
+        if name in before:
+            yield from _parameter(f"{name} of {called}", before[name], entry)
+        else:
+            yield f"{called} has one more parameter here, {name}"
 
 
 def _fields(
@@ -146,21 +170,21 @@ def _fields(
         if field in but or was == is_ or field not in then.model_fields_set:
             continue
         if field == "text":
-            yield f"the text of {called} (equations, source) is another one here"
+            yield f"the text of {called} (equations, source) is different here"
         else:
             yield f"the {_WORDS.get(field, field)} of {called} was {_told(was)}, here it is {_told(is_)}"
 
 
 def _gone(called: str) -> str:
-    return f"{called} is not in this installation any more"
+    return f"{called} is no longer in this installation"
 
 
-def _by_name(entry: ComponentEntry, group: str) -> dict[str, ParameterEntry]:
+def _by_name(entry: ComponentEntry | SimulatorEntry, group: str) -> dict[str, ParameterEntry]:
     return {p.name: p for p in getattr(entry, group)}
 
 
-def _options(entry: MethodEntry) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = entry.options.get("properties", {})
+def _options(entry: MethodEntry) -> dict[str, JsonObject]:
+    found: dict[str, JsonObject] = entry.options.get("properties", {})
     return found
 
 

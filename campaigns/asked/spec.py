@@ -1,4 +1,4 @@
-"""The campaign: scenario, uncertain parameters, criterion, stages, seed; immutable and known by its digest.
+"""The campaign: what is evaluated, uncertain parameters, criterion, stages, seed; immutable and known by its digest.
 
 Only what holds without knowing the components is checked here (types, sizes, intervals); units and a component's own
 limits are held by `campaigns.asked.check` against the catalogue. Start reading at `Campaign`.
@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import operator
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -31,6 +32,7 @@ from campaigns.asked.values import (
     Summary,
     Values,
 )
+from campaigns.documents import JsonObject
 
 __all__ = [
     "MAX_EVALUATIONS",
@@ -41,6 +43,7 @@ __all__ = [
     "Realisations",
     "Scenario",
     "Search",
+    "Simulator",
     "Stages",
 ]
 
@@ -82,7 +85,7 @@ class Realisations(Strict):
     @classmethod
     def _distinct(cls, seeds: list[int]) -> list[int]:
         if len(set(seeds)) < len(seeds):
-            raise ValueError("the same seed is given twice: every realisation would count by how often it is listed")
+            raise ValueError("the same seed is given twice; list each seed once")
         return seeds
 
 
@@ -125,22 +128,53 @@ def _is_whole(ratio: float) -> bool:
     return ratio >= 0.5 and abs(ratio - round(ratio)) <= 1e-6 * ratio
 
 
-def _no_default(schema: dict[str, Any]) -> None:
+def _absent(given: Any) -> bool:
+    return given is None or given == ""
+
+
+def _no_default(schema: JsonObject) -> None:
     """What is left out at its default is not filled in by those who read the JSON Schema either."""
     schema.pop("default", None)
 
 
-class Criterion(Strict):
-    """The flight is clear when the criterion's value stays above `threshold`."""
+_LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
+"""Left out of the canonical form where it is not given: campaigns that do not have it keep their digests."""
 
-    component: Identifier = "separation"
+
+class Simulator(Strict):
+    """A simulator of the installation, by name, and values of its parameters; what is left out is nominal."""
+
+    name: Identifier
     parameters: Values = {}
+
+
+class Criterion(Strict):
+    """An evaluation is clear when the criterion's value stays above `threshold`.
+
+    The value is that of a component over the scenario, or a result of the simulator.
+    """
+
+    component: Annotated[Identifier | Literal[""], Field(exclude_if=_absent)] = "separation"
+    """Of a scenario; empty with a simulator."""
+    parameters: Values = {}
+    result: Annotated[Identifier | None, _LEFT_OUT] = None
+    """Of a simulator: the name of the result."""
     threshold: Number
     from_centre: Annotated[bool, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = False
     """States that distances to the obstacles' centres are meant where the threshold is within an obstacle.
 
     Left out of the canonical form where it is not stated: campaigns that do not have it keep their digests.
     """
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_simulator(cls, given: Any) -> Any:
+        """A result takes the place of the component."""
+        if isinstance(given, Mapping) and given.get("result") is not None:
+            if given.get("component"):
+                raise ValueError("give either component (of a scenario) or result (of a simulator), not both")
+            return {**given, "component": ""}
+        return given
 
 
 class Encounter(Strict):
@@ -181,17 +215,19 @@ class Campaign(Strict):
     summary: Summary = ""
     notes: Notes = ""
     tags: Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)] = []
-    scenario: Scenario
+    scenario: Annotated[Scenario | None, _LEFT_OUT] = None
+    """A closed loop of components. Exactly one of this and `simulator` is given."""
+    simulator: Annotated[Simulator | None, _LEFT_OUT] = None
     uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
     correlations: Annotated[list[Correlation], Field(max_length=2016)] = []
     """Of the random samples; pairs that are not given are uncorrelated."""
     criterion: Criterion
     """It decides the verdict."""
     objectives: Annotated[list[Objective], Field(max_length=8)] = []
-    """Further criteria beside it; objectives.0, objectives.1, ... in paths."""
+    """Further criteria; objectives.0, objectives.1, ... in paths."""
     stages: Stages
     agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 0.05
-    """Share of nominal minus worst within which the global methods must agree."""
+    """Fraction of nominal minus worst within which the global methods must agree."""
     target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
     """Where given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
@@ -207,10 +243,28 @@ class Campaign(Strict):
         """By name, small letters first (m, J): the search's axes must not depend on how a file orders its keys."""
         return dict(sorted(uncertain.items(), key=lambda item: item[0].swapcase()))
 
+    @model_validator(mode="after")
+    def _one_system(self) -> Campaign:
+        if (self.scenario is None) == (self.simulator is None):
+            both = "both are" if self.scenario is not None else "neither is"
+            raise ValueError(f"give exactly one of scenario and simulator; {both} given")
+        if self.simulator is not None and self.criterion.result is None:
+            raise ValueError("criterion.result: a simulator's result is required, by name")
+        if self.scenario is not None and self.criterion.result is not None:
+            raise ValueError("criterion.result: only a simulator has results; a scenario needs criterion.component")
+        return self
+
     @field_validator("tags")
     @classmethod
     def _distinct(cls, tags: list[str]) -> list[str]:
         return list(dict.fromkeys(tags))
+
+    @property
+    def given_scenario(self) -> Scenario:
+        """The scenario; raises `ValueError` for a campaign without one."""
+        if self.scenario is None:
+            raise ValueError("the campaign names a simulator and has no scenario")
+        return self.scenario
 
     @property
     def digest(self) -> str:
@@ -221,6 +275,6 @@ class Campaign(Strict):
         """The JSON form with sorted keys, every default written out."""
         return json.dumps(self.document(), sort_keys=True, separators=(",", ":"), allow_nan=False)
 
-    def document(self) -> dict[str, Any]:
+    def document(self) -> JsonObject:
         """The campaign as plain JSON values."""
         return self.model_dump(mode="json", by_alias=True)

@@ -70,10 +70,10 @@ class Validate(Strict):
     """How the findings are flown again: tolerance against the other integrator and half the step, and neighbours."""
 
     tolerance: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 1e-3
-    """Share of the criterion's value; a tenth of the margin holds as well."""
+    """Fraction of the criterion's value; a tenth of the margin also applies."""
     neighbours: Annotated[int, Field(ge=0, le=100_000), AS_WHOLE] = 300
     reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
-    """Share of each range within which the neighbours lie."""
+    """Fraction of each range that contains the neighbours."""
 
 
 class Findings(Strict):
@@ -82,9 +82,9 @@ class Findings(Strict):
     at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
     evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = 20_000
     distance: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 0.03
-    """Nearer than this share of every range, two are one."""
+    """Two minima closer than this fraction of every range count as one."""
     barrier: Annotated[float, Field(ge=0, le=1), AS_NUMBER] = 0.05
-    """No hill above this share of nominal minus worst between them, two are one."""
+    """Two minima count as one if no barrier between them is above this fraction of nominal minus worst."""
 
 
 class Stages(Strict):

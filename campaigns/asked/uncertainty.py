@@ -44,7 +44,7 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
         yield Problem(
             field,
             f"{low:g} to {high:g}",
-            f"the nominal value {nominal:g} lies outside the bounds; widen them or move it",
+            f"the nominal value {nominal:g} is outside the bounds; widen the bounds or change the nominal value",
         )
     yield from _distributed(field, uncertain, low, high)
 
@@ -56,7 +56,7 @@ def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> I
         middle = {"mean": given.mean}
     for name, value in middle.items():
         if not said.within(value, low, high):
-            yield Problem(f"{field}.distribution.{name}", said.given(value), f"must lie within {low:g} to {high:g}")
+            yield Problem(f"{field}.distribution.{name}", said.given(value), f"must be within {low:g} to {high:g}")
 
 
 def correlated(campaign: Campaign) -> Iterator[Problem]:
@@ -73,13 +73,13 @@ def correlated(campaign: Campaign) -> Iterator[Problem]:
                 yield Problem(field, path, text)
         if one == other:
             found = True
-            yield Problem(field, one, "a parameter is correlated with another one, not with itself")
+            yield Problem(field, one, "a parameter cannot be correlated with itself; name two different parameters")
         elif pair in seen:
             found = True
-            yield Problem(field, f"{one}, {other}", f"this pair is given already, as correlations.{seen[pair]}")
+            yield Problem(field, f"{one}, {other}", f"this pair is already given as correlations.{seen[pair]}")
         seen.setdefault(pair, i)
     if not found and not positive_definite(matrix(campaign.correlations, list(campaign.uncertain))):
-        text = "no joint distribution has all of these: their matrix is not positive definite; bring some nearer to 0"
+        text = "the correlation matrix is not positive definite; reduce the magnitude of some correlations"
         yield Problem("correlations", f"{len(campaign.correlations)} pairs", text)
 
 

@@ -103,7 +103,7 @@ def _share(value: Any) -> float | str:
 
 
 PlusMinus = Annotated[float | str, BeforeValidator(_share)]
-"""`20%` is a share of the nominal value, `0.5` is in the parameter's unit."""
+"""`20%` is a fraction of the nominal value, `0.5` is in the parameter's unit."""
 
 
 def around(nominal: float, plus_minus: float | str) -> tuple[float, float]:

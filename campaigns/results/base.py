@@ -5,15 +5,31 @@ A field that an earlier version did not store has a default that says so. Start 
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field, computed_field, model_validator
+
+from campaigns.claims import spans
+from campaigns.claims.codes import StopCode
+from campaigns.claims.say import say
+from campaigns.claims.spans import Said
 
 Values = dict[str, float]
 """Values by the path of a parameter, in its unit."""
-Status = Literal["ok", "failed", "timeout", "excluded"]
-"""How an evaluation ended."""
-STATUS: tuple[Status, ...] = ("ok", "failed", "timeout", "excluded")
+
+
+class Status(StrEnum):
+    """How an evaluation ended."""
+
+    OK = "ok"
+    FAILED = "failed"
+    TIMEOUT = "timeout"
+    EXCLUDED = "excluded"
+
+
+STATUS = tuple(Status)
 """Its number, as evaluations store it, is the index."""
 OK, FAILED, TIMEOUT, EXCLUDED = range(4)
 MethodKind = Literal["global", "local", "random", "multi"]
@@ -30,8 +46,45 @@ class Result(BaseModel):
     )
 
 
-class Stop(Result):
-    """How a search ended: by its own rule or by its budget, and in words."""
+class Told(Result):
+    """A result that a sentence goes with."""
+
+    said: Said = ()
+    """The sentence."""
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def text(self) -> str:
+        """The sentence in plain words."""
+        return spans.words(self.said)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _worded(cls, given: Any) -> Any:
+        """Results of earlier versions have the words alone; `campaigns.results.earlier` finds the symbols in them."""
+        return with_spans(given, "text", "said")
+
+
+def with_spans(given: Any, words: str, said: str) -> Any:
+    """A stored result whose sentence `words` has no spans yet, with the sentence as one span."""
+    if not isinstance(given, Mapping) or said in given or not given.get(words):
+        return given
+    return {**given, said: say(given[words])}
+
+
+class Claim(Told):
+    """A sentence that follows from numbers: what it is about, and those numbers by their names."""
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def values(self) -> dict[str, float]:
+        """The numbers from which it follows."""
+        return spans.values(self.said)
+
+
+class Stop(Claim):
+    """How a search ended: by its own rule or by its budget, by which rule, and in words."""
 
     kind: Literal["rule", "budget"]
-    text: str
+    code: StopCode | str = Field(StopCode.OTHER, union_mode="left_to_right")
+    """The rule; of a method from another package it may be any string."""

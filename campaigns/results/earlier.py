@@ -10,7 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-Document = dict[str, Any]
+from campaigns.documents import JsonObject
+
+Document = JsonObject
 
 
 def upgraded(kind: str, result: Mapping[str, Any]) -> Document:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from campaigns.results.base import Result, Values
+from pydantic import Field
+
+from campaigns.results.base import Result, Told, Values
 from campaigns.results.sensitivity import Slices
+from campaigns.results.trace import Closest
 
 
 class HalfStep(Result):
@@ -27,6 +30,17 @@ class ReferenceCost(Result):
     """Why it has no cost."""
 
 
+class Repeated(Result):
+    """The same case in a fresh evaluation."""
+
+    name: str
+    """How it was evaluated again."""
+    cost: float | None
+    difference: float | None
+    reason: str = ""
+    """Why it has no cost."""
+
+
 class Neighbours(Result):
     """Evaluations around a finding."""
 
@@ -41,11 +55,15 @@ class Validation(Result):
     """A case simulated again by other means."""
 
     name: str
-    step: float
-    """[s]"""
+    step: float | None
+    """[s]; null for a system without a step."""
     cost: float | None
-    half_step: HalfStep
-    integrator: ReferenceCost
+    half_step: HalfStep | None = None
+    """Null for a system without a step."""
+    integrator: ReferenceCost | None = None
+    """Null for a system that has no reference integrator."""
+    again: Annotated[Repeated | None, Field(exclude_if=lambda given: given is None)] = None
+    """The same evaluation made again; left out where it is compared with other means instead."""
     allowed: float | None
     """The tolerance, in the criterion's unit."""
     ok: bool
@@ -76,14 +94,13 @@ class Ray(Result):
     parameters: Values | None = None
 
 
-class Boundary(Result):
+class Boundary(Told):
     """How far from nominal the boundary of a violation is, along each parameter and towards the worst case."""
 
     tolerance: float
     looks: int
     rays: list[Ray]
     line: Ray | None
-    text: str
 
 
 class ClosestApproach(Result):
@@ -93,6 +110,16 @@ class ClosestApproach(Result):
     """[s]"""
     at: Literal["start", "inside", "end", "none"] = "none"
     obstacle: int | None = None
+
+    @staticmethod
+    def of(closest: Closest | None, rows: int) -> ClosestApproach:
+        """From the closest approach of a trace with so many rows."""
+        if closest is None:
+            return ClosestApproach()
+        at: Literal["start", "end", "inside"] = "inside"
+        if closest.row == 0 or closest.row >= rows - 1:
+            at = "start" if closest.row == 0 else "end"
+        return ClosestApproach(time=closest.time, at=at, obstacle=closest.obstacle)
 
 
 class FoundBy(Result):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Result, Stop, Values
+from campaigns.results.base import Result, Stop, Told, Values
 
 Noise = Literal["none", "drawn", "stated"]
 
@@ -16,7 +16,7 @@ class Histogram(Result):
     counts: list[int]
 
 
-class QuantileBound(Result):
+class QuantileBound(Told):
     """Wilks' lower bound on a quantile of the criterion."""
 
     share: float
@@ -28,7 +28,6 @@ class QuantileBound(Result):
     needed: int | None = None
     """The smallest sample that allows one."""
     confidence: float | None = None
-    text: str
 
 
 class Distribution(Result):
@@ -40,7 +39,7 @@ class Distribution(Result):
     band: float
 
 
-class Sample(Result):
+class Sample(Told):
     """Counts, moments and the bound on P(violation) of evaluations drawn from the campaign's distributions."""
 
     samples: int
@@ -68,7 +67,6 @@ class Sample(Result):
     """Of the certify stage."""
     distribution: Distribution | None = None
     """Of the certify stage."""
-    text: str
 
 
 class GridPoint(Result):
@@ -79,7 +77,7 @@ class GridPoint(Result):
     parameters: Values
 
 
-class GridResult(Result):
+class GridResult(Told):
     """A full grid; nothing is claimed of what is between its points."""
 
     points: int
@@ -90,10 +88,9 @@ class GridResult(Result):
     violations: int
     failed: int
     excluded: int
-    text: str
 
 
-class CertifyResult(Result):
+class CertifyResult(Told):
     """The sample that a probability is claimed from, and the grid where asked for."""
 
     stage: Literal["certify"] = "certify"
@@ -106,4 +103,3 @@ class CertifyResult(Result):
     excluded: int = 0
     seconds: float = 0.0
     stop: Stop | None = None
-    text: str

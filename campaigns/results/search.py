@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import MethodKind, Result, Stop, Values, Worse
+from campaigns.results.base import MethodKind, Result, Stop, Told, Values, Worse
 from campaigns.results.sample import Sample
 
 
@@ -17,7 +17,7 @@ class Best(Result):
     index: int | None = None
 
 
-class Minimum(Result):
+class Minimum(Told):
     """A local minimum that a descent ended in."""
 
     start: Values | None
@@ -26,10 +26,9 @@ class Minimum(Result):
     """On the unit cube."""
     cost: float
     evaluations: int
-    text: str
 
 
-class Gap(Result):
+class Gap(Told):
     """An estimate, from the slopes between DIRECT's centres, of how far below its best the criterion may fall."""
 
     rectangles: int = 0
@@ -38,7 +37,6 @@ class Gap(Result):
     """The steepest seen, in the criterion's unit per unit of the parameter."""
     lower_bound: float
     gap: float
-    text: str
 
 
 class FrontCriterion(Result):

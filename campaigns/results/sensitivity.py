@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Result, Status, Values
+from campaigns.results.base import Result, Status, Told, Values
 
 
 class Curve(Result):
@@ -24,14 +24,13 @@ class Slices(Result):
     """The point."""
 
 
-class IndexStudy(Result):
-    """What both kinds of index study report. `text` says what leads, or why nothing was computed."""
+class IndexStudy(Told):
+    """What both kinds of index study report; the sentence says what leads, or why nothing was computed."""
 
     evaluations: int
     failed: int
     excluded: int
     confidence: float
-    text: str
 
 
 class MorrisRow(Result):

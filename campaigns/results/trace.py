@@ -69,7 +69,7 @@ class TraceHead(Result):
     parameters: Values = {}
     """Of the uncertain parameters, and of those that were set."""
     closest: Closest | None = None
-    status: Status = "ok"
+    status: Status = Status.OK
     reason: str = ""
     cost: float | None = None
     values: dict[str, float | None] = {}

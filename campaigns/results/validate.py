@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import MethodKind, Result, Status, Stop, Values
+from campaigns.results.base import MethodKind, Result, Status, Stop, Told, Values
 from campaigns.results.finding import ClosestApproach, Validation
 
 
-class Gathered(Result):
+class Gathered(Told):
     """How the findings were distinguished."""
 
     distance: float
@@ -23,7 +23,6 @@ class Gathered(Result):
     left_out: int
     rounds: int = 0
     complete: bool
-    text: str
 
 
 class Compared(Result):
@@ -54,14 +53,13 @@ class StageCount(Result):
     count: int
 
 
-class Violations(Result):
+class Violations(Told):
     """Violating evaluations of all stages, and how many of those that were simulated again violate there too."""
 
     stored: int
     by_stage: list[StageCount] = []
     checked: int
     confirmed: int
-    text: str
 
 
 class Furthest(Result):
@@ -75,7 +73,7 @@ class Furthest(Result):
     realisation: int | None = None
 
 
-class SpotChecks(Result):
+class SpotChecks(Told):
     """Random evaluations of all stages with the reference integrator."""
 
     checked: int
@@ -88,7 +86,6 @@ class SpotChecks(Result):
     at: Furthest | None
     reasons: list[str] = []
     """Why some could not be compared."""
-    text: str
 
 
 class Unseen(Result):
@@ -116,18 +113,18 @@ class Encounter(Result):
     """Of the nominal case; that of a finding is in the finding."""
     moved: float | None
     """Length of the nominal path [m]."""
-    unseen: Unseen
+    unseen: Unseen | None
+    """Null for a system that cannot show it."""
     spread: Spread
     influence: Values
     """By path: the largest change along any slice."""
 
 
-class ValidateResult(Result):
+class ValidateResult(Told):
     """What validation says of the run. The findings carry their own evidence."""
 
     stage: Literal["validate"] = "validate"
     ok: bool
-    text: str
     tolerance: float
     nominal: Validation | None
     """Null where an earlier version stored none."""

@@ -5,25 +5,52 @@ Start reading at `Verdict`.
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Any, Literal
 
+from pydantic import Field, computed_field, model_validator
+
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.spans import Said, values, words
 from campaigns.flown import Flown
-from campaigns.results.base import Result, Values
+from campaigns.results.base import Claim, Result, Told, Values, with_spans
 from campaigns.results.sample import Noise, QuantileBound
 
-VerdictWord = Literal["cleared", "violated", "inconclusive"]
+
+class VerdictWord(StrEnum):
+    """What may be claimed of a campaign."""
+
+    CLEARED = "cleared"
+    VIOLATED = "violated"
+    INCONCLUSIVE = "inconclusive"
 
 
-class Check(Result):
-    """One condition of "cleared": its name, whether it holds, and the sentence that says so."""
+SCOPE = "Scope: "
+"""Begins the scope in plain words."""
 
-    name: str
-    """`campaigns.results.verdicts` lists them with their titles."""
+
+class Check(Claim):
+    """One condition of "cleared": what it is about, whether it holds, and the sentence that says so."""
+
+    code: CheckCode | str = Field(union_mode="left_to_right")
+    """What it is about; a check of another package may have any string."""
     ok: bool
-    text: str
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def name(self) -> str:
+        """The code."""
+        return str(self.code)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _coded(cls, given: Any) -> Any:
+        """Earlier versions stored the code as the name."""
+        return {"code": given["name"], **given} if isinstance(given, Mapping) and "name" in given else given
 
 
-class Statistics(Result):
+class Statistics(Told):
     """The statement of the independent sample."""
 
     samples: int
@@ -37,7 +64,6 @@ class Statistics(Result):
     noise: Noise | None = None
     quantile: QuantileBound | None = None
     source: Literal["search", "certify"] = "certify"
-    text: str
 
 
 class Worst(Result):
@@ -81,9 +107,10 @@ class Verdict(Result):
     """The conclusion of a run with everything that stands behind it."""
 
     verdict: VerdictWord
-    sentence: str
-    scope: str
-    """What the sentence holds for."""
+    said: Said = ()
+    """What may be claimed."""
+    holds_for: Said = ()
+    """What that holds for: components, conditions, bounds."""
     checks: list[Check]
     statistics: Statistics | None = None
     nominal: NominalCost | None = None
@@ -92,6 +119,32 @@ class Verdict(Result):
     quantity: str = ""
     unit: str = ""
     provenance: Provenance = Provenance()
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def sentence(self) -> str:
+        """What may be claimed, in plain words."""
+        return words(self.said)
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def scope(self) -> str:
+        """What the sentence holds for, in plain words."""
+        return f"{SCOPE}{words(self.holds_for)}" if self.holds_for else ""
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def values(self) -> dict[str, float]:
+        """The numbers of the sentence by their names."""
+        return values(self.said)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _worded(cls, given: Any) -> Any:
+        """Earlier versions stored the words alone."""
+        if isinstance(given, Mapping) and given.get("scope"):
+            given = {**given, "scope": given["scope"].removeprefix(SCOPE)}
+        return with_spans(with_spans(given, "sentence", "said"), "scope", "holds_for")
 
     @property
     def reason(self) -> str:

@@ -9,32 +9,37 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal
 
+from pydantic import computed_field
+
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import count, say
+from campaigns.claims.spans import Said, words
 from campaigns.results.finding import Validation
 from campaigns.results.verdict import Check
-from campaigns.wording import count
 
 Standing = Literal["holds", "open", "fails"]
 
-TITLES = {
-    "nominal": "Nominal case",
-    "search": "Searches ended",
-    "no violation": "No violation",
-    "minimum": "Lowest evaluation",
-    "agreement": "Agreement of methods",
-    "validation": "Integration",
-    "evaluations": "Failed evaluations",
-    "closest approach": "Closest approach",
-    "motion": "Vehicle motion",
-    "avoidance": "Effect of the avoidance",
-    "influence": "Effect of the parameters",
-    "noise": "Noise realisations",
-    "exclusions": "Excluded starts",
-    "probability": "Bound on P(violation)",
-    "target": "Target for P(violation)",
+TITLES: dict[str, str] = {
+    CheckCode.NOMINAL: "Nominal case",
+    CheckCode.SEARCH: "Searches ended",
+    CheckCode.NO_VIOLATION: "No violation",
+    CheckCode.MINIMUM: "Lowest evaluation",
+    CheckCode.AGREEMENT: "Agreement of methods",
+    CheckCode.VALIDATION: "Integration",
+    CheckCode.REPETITION: "Repeated evaluation",
+    CheckCode.EVALUATIONS: "Failed evaluations",
+    CheckCode.CLOSEST_APPROACH: "Closest approach",
+    CheckCode.MOTION: "Vehicle motion",
+    CheckCode.AVOIDANCE: "Effect of the avoidance",
+    CheckCode.INFLUENCE: "Effect of the parameters",
+    CheckCode.NOISE: "Noise realisations",
+    CheckCode.EXCLUSIONS: "Excluded starts",
+    CheckCode.PROBABILITY: "Bound on P(violation)",
+    CheckCode.TARGET: "Target for P(violation)",
 }
 """By the name of a check; a check of an earlier version that is not listed is titled by its name."""
 
-OF_VALUES = ("no violation", "minimum")
+OF_VALUES = (CheckCode.NO_VIOLATION, CheckCode.MINIMUM)
 """Checks that hold for the evaluations that have a value."""
 
 
@@ -44,8 +49,14 @@ class DescribedCheck(Check):
     title: str
     standing: Standing
     """`open`: it holds for the evaluations that have a value, and others failed."""
-    but: str
+    limit: Said = ()
     """What limits it; empty unless it is open."""
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def but(self) -> str:
+        """What limits it, in plain words."""
+        return words(self.limit)
 
 
 def described(checks: Iterable[Check], failed: int) -> list[DescribedCheck]:
@@ -54,13 +65,13 @@ def described(checks: Iterable[Check], failed: int) -> list[DescribedCheck]:
 
 
 def _described(check: Check, failed: int) -> DescribedCheck:
-    name = check.name
-    limited = check.ok and failed > 0 and name in OF_VALUES
+    code = check.code
+    limited = check.ok and failed > 0 and code in OF_VALUES
     standing: Standing = "open" if limited else "holds" if check.ok else "fails"
     verb = "evaluation failed and has" if failed == 1 else "evaluations failed and have"
-    but = f"{count(failed)} {verb} no value" if limited else ""
-    title = TITLES.get(name, name[:1].upper() + name[1:])
-    return DescribedCheck(name=name, ok=check.ok, text=check.text, title=title, standing=standing, but=but)
+    limit = say(count(failed, "failed"), f" {verb} no value") if limited else ()
+    title = TITLES.get(code, code[:1].upper() + code[1:])
+    return DescribedCheck(code=code, ok=check.ok, said=check.said, title=title, standing=standing, limit=limit)
 
 
 def validated(case: Validation | None) -> str:
@@ -69,6 +80,9 @@ def validated(case: Validation | None) -> str:
         return "not validated"
     if case.agrees is None or case.violates is None:
         return "confirmed" if case.ok else "not confirmed"
+    if case.again is not None:
+        agree = "evaluations agree" if case.agrees else "evaluations disagree"
+        return f"violation confirmed, {agree}" if case.violates else agree
     if case.violates:
         return "violation confirmed, integrations agree" if case.agrees else "violation confirmed, beyond tolerance"
     return "integrations agree" if case.agrees else "integrations disagree"

@@ -11,10 +11,11 @@ from campaigns.asked.load import CampaignError, load_document
 from campaigns.results.base import OK
 from tests.adversary.classes import CLASSES, Attack
 from tests.audited import audited
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.systems.problem import CampaignUnusable, Problem
+from worker.systems.base import CampaignUnusable
 
 
 @dataclass(frozen=True)

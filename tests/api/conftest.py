@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -13,10 +13,8 @@ import pytest
 
 from backend.db.engine import default_url, migrate
 from backend.settings import Settings
+from tests.api.databases import KINDS, Fresh, on_postgresql
 from tests.api.server import Service
-
-Fresh = Callable[[Path], str]
-"""Makes the empty database of a service; its URL."""
 
 
 @pytest.fixture(scope="session")
@@ -28,14 +26,33 @@ def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def fresh(migrated: Path) -> Fresh:
-    """Makes an empty database for a data folder that is not there yet; `tests.api.postgres` has another one."""
+def fresh_sqlite(migrated: Path) -> Fresh:
+    """Makes an empty database for a data folder that is not there yet."""
 
     def made(data: Path) -> str:
         shutil.copytree(migrated, data)
         return default_url(data)
 
     return made
+
+
+@pytest.fixture(scope="session")
+def fresh_postgresql() -> Iterator[Fresh]:
+    """The same on a PostgreSQL server; skipped where there is none."""
+    with on_postgresql() as made:
+        yield made
+
+
+@pytest.fixture
+def database(request: pytest.FixtureRequest) -> str:
+    """Which database the service of a test has; see `tests.api.databases`."""
+    return str(getattr(request, "param", KINDS[0]))
+
+
+@pytest.fixture
+def fresh(database: str, request: pytest.FixtureRequest) -> Fresh:
+    """Makes an empty database of that kind."""
+    return request.getfixturevalue(f"fresh_{database}")  # type: ignore[no-any-return]
 
 
 @contextmanager
@@ -70,9 +87,9 @@ def client(service: Service) -> Iterator[httpx.Client]:
 
 
 @pytest.fixture(scope="module")
-def still(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+def still(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with a catalogue, shared by the tests that leave nothing in it."""
-    with running(fresh, tmp_path_factory.mktemp("still")) as service:
+    with running(fresh_sqlite, tmp_path_factory.mktemp("still")) as service:
         service.publish()
         yield service
 

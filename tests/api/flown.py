@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from campaigns.flown import Code, Flown, Processor
 
-CODE = Code("c0de" * 16, {"worker.systems.problem": "0" * 16, "worker.components.vehicles.unicycle": "1" * 16})
-OTHER = Code("beef" * 16, {"worker.systems.problem": "0" * 16, "worker.components.vehicles.unicycle": "2" * 16})
+CODE = Code("c0de" * 16, {"worker.problem.problem": "0" * 16, "worker.components.vehicles.unicycle": "1" * 16})
+OTHER = Code("beef" * 16, {"worker.problem.problem": "0" * 16, "worker.components.vehicles.unicycle": "2" * 16})
 FLOWN = Flown(
     code=CODE.digest,
     loop="0123456789abcdef",

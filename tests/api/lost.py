@@ -19,7 +19,7 @@ from tests import results
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.server import Service
-from worker.systems.problem import Problem
+from tests.problems import Problem
 
 UNCERTAIN = {
     "obstacles.0.position.x": {"low": 0.1, "high": 4.1},

@@ -13,7 +13,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from tests.api.catalogue import campaign
-from tests.api.test_openapi import OPERATIONS
+from tests.api.document import OPERATIONS
 
 DIGITS = "@digits@"
 """Stands for a number of 5,000 digits, which Python's own writer refuses."""

@@ -15,8 +15,10 @@ from backend.db.access import create_login_code, hashed, revoke_token
 from backend.db.engine import read
 from backend.db.tables import LoginLink, Session, Token
 from backend.sessions.attempts import BURST
+from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.conftest import Fresh, running
+from tests.api.databases import BOTH
 from tests.api.server import Service, until
 
 CLOSED = [
@@ -27,19 +29,6 @@ CLOSED = [
     "/api/v1/openapi.json",
     "/api/v1/x",
 ]
-
-
-def problem(response: httpx.Response, status: int) -> dict[str, object]:
-    """The problem document that the answer must be."""
-    assert response.status_code == status, response.text
-    assert response.headers["content-type"] == "application/problem+json"
-    document = response.json()
-    assert document["status"] == status
-    assert document["type"].startswith("urn:clearance:problem:")
-    assert document["title"]
-    assert document["detail"]
-    assert document["instance"] == response.request.url.path
-    return dict(document)
 
 
 def test_health_is_open_and_says_nothing_else(still: Service) -> None:
@@ -64,6 +53,7 @@ def test_a_stranger_asking_for_a_page_is_told_how_to_sign_in(still: Service, pat
     assert "clearance login-link" in answer.text
 
 
+@BOTH
 def test_a_login_link_is_good_once(service: Service) -> None:
     code = service.login_code()
     with service.visitor() as first:
@@ -90,6 +80,7 @@ def test_a_wrong_login_link_is_refused_and_stores_nothing(still: Service, code: 
     assert still.rows() == before
 
 
+@BOTH
 def test_a_new_login_link_voids_the_unused_ones_before_it_and_ends_no_session(service: Service) -> None:
     with service.signed_in() as browser:
         old, new = service.login_code(), service.login_code()
@@ -141,6 +132,7 @@ def test_signing_out_ends_the_session_for_good(service: Service, client: httpx.C
         problem(thief.get("/api/v1/session"), 401)
 
 
+@BOTH
 def test_a_token_signs_in_and_its_use_is_noted(service: Service) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program:
@@ -162,6 +154,7 @@ def writing(service: Service) -> Iterator[None]:
         connection.rollback()
 
 
+@BOTH
 def test_nobody_waits_for_a_writer_to_be_known_or_refused(service: Service) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program, writing(service):
@@ -171,6 +164,7 @@ def test_nobody_waits_for_a_writer_to_be_known_or_refused(service: Service) -> N
         assert last_used(service) is None, "it was not noted, and nothing came of that"
 
 
+@BOTH
 def test_wrong_codes_are_bounded_in_number_and_a_good_one_is_taken_all_the_same(service: Service) -> None:
     looked: list[str] = []
     code = service.login_code()

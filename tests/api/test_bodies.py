@@ -14,10 +14,10 @@ import pytest
 
 from backend.http import bodies
 from backend.http.errors import RefusedError
+from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import YAML
+from tests.api.submitting import YAML
 
 UNREADABLE = {
     "yaml syntax": ("name: [unclosed\n  x: 1", "application/yaml", "YAML"),

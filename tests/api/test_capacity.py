@@ -19,10 +19,10 @@ from backend.reports import pdf
 from backend.reports import service as reports
 from backend.runs import listing
 from backend.scenes.recordings import pages as recordings
+from tests.api.answers import problem
 from tests.api.finished import finish
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 MANY = 45
 """More than the threads that all requests share."""

@@ -12,11 +12,11 @@ from backend.db.store import RunStore
 from campaigns import Campaign, library, load_text
 from campaigns.asked.text import to_yaml
 from tests import results
+from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, published_by_workers
 from tests.api.finished import search
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import WRONG, YAML, submit
+from tests.api.submitting import WRONG, YAML, submit
 
 CHECK = "/api/v1/campaigns/check"
 

@@ -22,7 +22,7 @@ from tests.api.finished import search
 from tests.api.flown import CODE, FLOWN, OTHER
 from tests.api.reported import PLAN, finish_fully
 from tests.api.server import Service
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 
 def claimed(service: Service) -> RunStore:

@@ -18,11 +18,11 @@ from backend.db.access import revoke_token
 from backend.events import endpoints as events
 from backend.events import hub
 from backend.settings import Settings
+from tests.api.answers import problem
 from tests.api.conftest import Fresh, running
+from tests.api.filled import fill
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_listing import fill
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 from tests.api.viewing import PROTOCOL, viewing
 
 PATIENCE = 0.4
@@ -31,10 +31,10 @@ POST = b"POST /api/v1/campaigns/check HTTP/1.1\r\nHost: x\r\nContent-Type: appli
 
 
 @pytest.fixture(scope="module")
-def strict(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+def strict(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with little patience and room for few connections."""
     folder: Path = tmp_path_factory.mktemp("strict")
-    with running(fresh, folder, request_patience=PATIENCE, max_connections=MOST) as service:
+    with running(fresh_sqlite, folder, request_patience=PATIENCE, max_connections=MOST) as service:
         service.publish()
         yield service
 

@@ -87,7 +87,7 @@ class Ran:
 
 
 @pytest.fixture(scope="module")
-def ran(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ran]:
+def ran(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ran]:
     asked = campaign(
         uncertain=FAILING | EXCLUDED,
         scenario__horizon=2.0,
@@ -95,7 +95,7 @@ def ran(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ran]
         scenario__obstacles=[POST],
         stages=STAGES,
     )
-    with running(fresh, tmp_path_factory.mktemp("counts")) as service, pytest.MonkeyPatch.context() as patch:
+    with running(fresh_sqlite, tmp_path_factory.mktemp("counts")) as service, pytest.MonkeyPatch.context() as patch:
         service.publish(catalogue().model_dump(mode="json"))
         patch.setattr(offered, "SPOT_CHECKS", 2)
         patch.setattr(offered, "AT_MOST", 2)
@@ -221,7 +221,7 @@ def test_no_violation_is_not_said_to_hold_where_evaluations_failed(ran: Ran) -> 
 def test_a_run_without_a_verdict_counts_its_stages(service: Service, client: httpx.Client) -> None:
     from backend.db.records import Columns, StagePlan
     from tests.api.finished import Work, search
-    from tests.api.test_runs import submit
+    from tests.api.submitting import submit
 
     run = submit(client)
     work = Work(service, [StagePlan("nominal", None, 1), StagePlan("search", "direct", 1000)])

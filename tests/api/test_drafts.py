@@ -10,9 +10,10 @@ import sqlalchemy as sa
 
 from backend.db.tables import Audit
 from backend.drafts import service as drafts
+from tests.api.answers import problem
+from tests.api.databases import BOTH
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 DRAFTS = "/api/v1/drafts"
 TEXT = "name: Half a campaign\nscenario:\n  vehicle: {component: # to be decided\n"
@@ -40,6 +41,7 @@ def test_what_was_typed_is_kept_although_it_is_no_campaign(client: httpx.Client)
     assert client.get(DRAFTS).json() == [untitled, draft]
 
 
+@BOTH
 def test_saving_goes_on_from_the_version_that_was_opened(service: Service, client: httpx.Client) -> None:
     draft = kept(client)
     saved = client.put(f"{DRAFTS}/D-0001", json=given(text="name: Better", version=draft["version"])).json()
@@ -53,6 +55,7 @@ def test_saving_goes_on_from_the_version_that_was_opened(service: Service, clien
     assert client.get(f"{DRAFTS}/D-0001").json()["text"] == "name: Theirs"
 
 
+@BOTH
 def test_a_draft_knows_the_run_that_came_of_it(client: httpx.Client) -> None:
     kept(client)
     run = submit(client)
@@ -62,6 +65,7 @@ def test_a_draft_knows_the_run_that_came_of_it(client: httpx.Client) -> None:
     problem(client.put(f"{DRAFTS}/D-0001", json=given(version=3, run="R-0099")), 404)
 
 
+@BOTH
 def test_deleting_is_noted_and_a_number_is_never_given_again(service: Service, client: httpx.Client) -> None:
     kept(client)
     problem(client.delete(f"{DRAFTS}/D-0001", params={"version": 2}), 409)

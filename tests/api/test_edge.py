@@ -25,26 +25,26 @@ from backend.http.errors import KINDS
 from backend.http.schema import Given
 from backend.previews.service import Previews
 from backend.scenes.live.live import Live
+from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.conftest import Fresh, running
+from tests.api.document import DOCUMENT, OPERATIONS
 from tests.api.finished import finish
 from tests.api.server import Service
+from tests.api.stand_in import STAND_IN
 from tests.api.strange import requests
-from tests.api.test_access import problem
-from tests.api.test_openapi import DOCUMENT, OPERATIONS
-from tests.api.test_previews import STAND_IN
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 PREFIX = "urn:clearance:problem:"
 JSON = "application/problem+json"
 
 
 @pytest.fixture(scope="module")
-def service(fresh: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """One with a finished run, a draft, and a simulation process that only stands in."""
     folder = tmp_path_factory.mktemp("edge")
     (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
-    with running(fresh, folder) as service:
+    with running(fresh_sqlite, folder) as service:
         service.publish()
         live = Live((sys.executable, "-c", STAND_IN), limit=10, first_limit=10)
         service.app.state.previews = Previews(live)

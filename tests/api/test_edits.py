@@ -10,10 +10,11 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.tables import Audit
+from tests.api.answers import problem
+from tests.api.databases import BOTH
 from tests.api.finished import Work, finish
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 NOTES = "# Why\n\nThe *planning radius* is <b>75 m</b>."
 
@@ -146,6 +147,7 @@ def test_the_history_of_a_run_is_told(service: Service, client: httpx.Client) ->
     problem(client.get("/api/v1/runs/R-0999/history"), 404)
 
 
+@BOTH
 def test_notes_that_somebody_else_changed_are_not_written_over(client: httpx.Client) -> None:
     run = submit(client)
     first = client.patch(f"/api/v1/runs/{run}", json={"notes": "mine", "notes_before": ""})

@@ -16,11 +16,11 @@ from backend.db.queue import Queue
 from backend.events import hub
 from backend.events.watch import Event, Watch
 from campaigns import thin
+from tests.api.answers import problem
+from tests.api.filled import fill
 from tests.api.finished import Work, search
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_listing import fill
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 
 class Stream:

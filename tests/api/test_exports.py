@@ -16,10 +16,11 @@ from scipy.io import loadmat
 from backend.db.records import Columns
 from backend.db.tables import CatalogueDocument, Run
 from backend.exports import service as exports
+from tests.api.answers import problem
+from tests.api.databases import BOTH
 from tests.api.finished import Work, finish, flight, search
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 
 @pytest.fixture
@@ -66,6 +67,7 @@ def test_no_name_of_a_run_leaves_the_header() -> None:
     assert len(exports.named("R-0001", "long " * 40, "run.json")) < 70
 
 
+@BOTH
 def test_every_evaluation_is_a_row_with_all_its_digits(client: httpx.Client, run: str) -> None:
     head, *rows = table(client.get(f"/api/v1/runs/{run}/exports/evaluations.csv"))
     assert head == [
@@ -118,6 +120,7 @@ def test_a_hundred_thousand_evaluations_are_streamed(service: Service, client: h
         assert sum(piece.count(b"\n") for piece in answer.iter_bytes()) == total + 1
 
 
+@BOTH
 def test_flights_as_csv_hold_every_row(client: httpx.Client, run: str) -> None:
     head, *rows = table(client.get(f"/api/v1/runs/{run}/exports/traces.csv"))
     assert head[:4] == ["flight", "t [s]", "x [m]", "y [m]"]
@@ -127,6 +130,7 @@ def test_flights_as_csv_hold_every_row(client: httpx.Client, run: str) -> None:
     assert rows[-1][-1] == ""
 
 
+@BOTH
 def test_flights_as_mat_file(client: httpx.Client, run: str) -> None:
     answer = client.get(f"/api/v1/runs/{run}/exports/traces.mat")
     assert int(answer.headers["content-length"]) == len(answer.content)
@@ -138,6 +142,7 @@ def test_flights_as_mat_file(client: httpx.Client, run: str) -> None:
     assert json.loads(read["F1"]["meta"])["closest"]["obstacle"] == 0
 
 
+@BOTH
 def test_everything_as_json(client: httpx.Client, run: str) -> None:
     told = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
     assert told["format"] == "clearance-run/1"
@@ -153,6 +158,7 @@ def test_everything_as_json(client: httpx.Client, run: str) -> None:
     assert len(told["results_digest"]) == 64
 
 
+@BOTH
 def test_what_did_not_change_is_not_sent_again(service: Service, client: httpx.Client, run: str) -> None:
     address = f"/api/v1/runs/{run}/exports/run.json"
     tag = client.get(address).headers["etag"]
@@ -169,7 +175,7 @@ def test_a_run_without_results_has_empty_files(client: httpx.Client) -> None:
     assert client.get(f"/api/v1/runs/{run}/exports/run.json").json()["traces"] == []
     why = {f["name"].rpartition("-")[2]: f["unavailable"] for f in client.get(f"/api/v1/runs/{run}/exports").json()}
     assert why["run.json"] is None
-    assert "no flight" in why["traces.mat"]
+    assert "no stored flight" in why["traces.mat"]
 
 
 @pytest.mark.parametrize("file", ["run.json", "evaluations.csv", "traces.csv", "traces.mat", ""])

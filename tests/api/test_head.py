@@ -9,7 +9,7 @@ import pytest
 
 from tests.api.finished import finish
 from tests.api.server import Service, until
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 from tests.api.viewing import KEY
 
 

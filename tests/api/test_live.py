@@ -57,7 +57,7 @@ def test_one_process_answers_many(live: Live) -> None:
 
 
 @pytest.mark.parametrize(
-    ("does", "said"), [(1, "ended unexpectedly"), (2, "unreadable"), (3, "too long"), (5, "unreadable")]
+    ("does", "said"), [(1, "ended unexpectedly"), (2, "unreadable"), (3, "timed out"), (5, "unreadable")]
 )
 def test_a_process_that_fails_is_said_and_started_again(live: Live, does: int, said: str) -> None:
     before = fly(live)["pid"]

@@ -11,15 +11,12 @@ import pytest
 
 from backend import openapi
 from campaigns.version import VERSION
+from tests.api.document import DOCUMENT, OPERATIONS, conforms
 from tests.api.finished import finish
 from tests.api.server import Service
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 ROOT = Path(__file__).parents[2]
-DOCUMENT = json.loads(openapi.text())
-OPERATIONS = [
-    (path, method, operation) for path, methods in DOCUMENT["paths"].items() for method, operation in methods.items()
-]
 
 
 def test_the_copy_beside_the_front_end_is_up_to_date() -> None:
@@ -41,7 +38,11 @@ def test_every_operation_is_described(path: str, method: str, operation: dict[st
     assert "application/problem+json" in operation["responses"]["default"]["content"]
     takes_body = ("/api/v1/runs", "/api/v1/runs/cancel", "/api/v1/runs/remove", "/api/v1/runs/restore")
     takes_body += ("/api/v1/campaigns/check", "/api/v1/campaigns/preview", "/api/v1/drafts")
-    takes_body += ("/api/v1/runs/{run}/signoffs", "/api/v1/runs/{run}/signoffs/{signoff}/withdraw")
+    takes_body += (
+        "/api/v1/runs/{run}/flights",
+        "/api/v1/runs/{run}/signoffs",
+        "/api/v1/runs/{run}/signoffs/{signoff}/withdraw",
+    )
     assert ("requestBody" in operation) == (method in ("patch", "put") or (path in takes_body and method == "post"))
 
 
@@ -59,38 +60,6 @@ def test_every_reference_leads_somewhere() -> None:
 
 def test_the_service_answers_with_the_same_document(guest: httpx.Client) -> None:
     assert guest.get("/api/v1/openapi.json").json() == DOCUMENT
-
-
-def conforms(value: Any, schema: dict[str, Any], where: str = "") -> None:
-    """Hold a value against the few words of JSON Schema that decide the generated types."""
-    if "$ref" in schema:
-        schema = DOCUMENT["components"]["schemas"][schema["$ref"].rsplit("/", 1)[-1]]
-    for choice in ("anyOf", "oneOf"):
-        if choice in schema:
-            for option in schema[choice]:
-                try:
-                    return conforms(value, option, where)
-                except AssertionError:
-                    continue
-            raise AssertionError(f"{where}: {value!r} fits none")
-    kinds = {"object": dict, "array": list, "string": str, "integer": int, "number": (int, float), "boolean": bool}
-    if schema.get("type") == "null":
-        assert value is None, where
-    elif "type" in schema:
-        assert isinstance(value, kinds[schema["type"]]), f"{where}: {value!r} is no {schema['type']}"
-    if "enum" in schema:
-        assert value in schema["enum"], where
-    if isinstance(value, dict):
-        assert set(schema.get("required", [])) <= value.keys(), where
-        for key, inner in value.items():
-            rule = schema.get("properties", {}).get(key, schema.get("additionalProperties", True))
-            assert rule is not False, f"{where}.{key} is not described"
-            if isinstance(rule, dict):
-                conforms(inner, rule, f"{where}.{key}")
-    if isinstance(value, list) and isinstance(schema.get("items"), dict):
-        for i, inner in enumerate(value):
-            conforms(inner, schema["items"], f"{where}.{i}")
-    return None
 
 
 def test_answers_are_as_described(service: Service, client: httpx.Client) -> None:

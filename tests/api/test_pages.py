@@ -8,8 +8,8 @@ from pathlib import Path
 import httpx
 import pytest
 
+from tests.api.answers import problem
 from tests.api.server import Service
-from tests.api.test_access import problem
 
 HTML = {"accept": "text/html,application/xhtml+xml"}
 

@@ -18,26 +18,13 @@ from backend.previews.service import LIMIT, Previews
 from backend.scenes.base.noise import STATED, Noise
 from backend.scenes.live.live import Live
 from campaigns import Campaign, library
+from tests.api.answers import problem
 from tests.api.catalogue import CATALOGUE, campaign, component, parameter, published_by_workers
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_runs import YAML
+from tests.api.stand_in import STAND_IN
+from tests.api.submitting import YAML
 
 PREVIEW = "/api/v1/campaigns/preview"
-STAND_IN = """
-import json, os, sys, time
-print(json.dumps({"ready": True}), flush=True)
-for line in sys.stdin:
-    asked = json.loads(line)
-    name = asked["campaign"]["name"]
-    if name == "dies": os._exit(3)
-    if name == "slow": time.sleep(60)
-    if name == "refused": print(json.dumps({"id": asked["id"], "error": "there is no trim"}), flush=True); continue
-    columns = {"t": [0.0, 1.0], "x": [0.0, None], "y": [0.0, 1.0], "z": [0.0, 0.0], "yaw": [0.0, 0.1]}
-    meta = {"obstacles": [{"moving": False}], "threshold": 0.5, "frame": "enu", "closest": None}
-    failed = {"status": "failed", "reason": "it overturned", "cost": None, "margin": None}
-    print(json.dumps({"id": asked["id"], **failed, "data": columns, "meta": meta}), flush=True)
-"""
 
 
 def stand_in(service: Service, limit: float = 10.0) -> None:
@@ -78,7 +65,7 @@ def test_a_flight_that_fails_says_why(service: Service, client: httpx.Client) ->
 
 @pytest.mark.parametrize(
     ("name", "status", "said"),
-    [("dies", 503, "ended unexpectedly"), ("slow", 503, "took too long"), ("refused", 422, "there is no trim")],
+    [("dies", 503, "ended unexpectedly"), ("slow", 503, "timed out"), ("refused", 422, "there is no trim")],
 )
 def test_a_process_that_cannot_fly_is_said(
     service: Service, client: httpx.Client, name: str, status: int, said: str
@@ -158,7 +145,7 @@ def test_only_the_newest_is_flown_and_the_queue_has_an_end(monkeypatch: pytest.M
         gone = (here, away, here)
         tasks = [asyncio.create_task(flights.fly(one, left)) for one, left in zip(asked, gone, strict=True)]
         await asyncio.to_thread(until, lambda: live.flown)
-        with pytest.raises(RefusedError, match="enough are waiting"):
+        with pytest.raises(RefusedError, match="the queue is full"):
             await flights.fly(asked[0], here)
         live.go.set()
         return await asyncio.gather(*tasks, return_exceptions=True)

@@ -13,12 +13,12 @@ import pytest
 import viser
 import zstandard
 
+from tests.api.answers import problem
 from tests.api.finished import Work, encounter, finish, straight
+from tests.api.listening import listening
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
-from tests.api.test_view import listening
-from tests.api.test_view_flights import shipped
+from tests.api.shipped import shipped
+from tests.api.submitting import submit
 
 
 @pytest.fixture

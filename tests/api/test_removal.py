@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import httpx
@@ -11,11 +12,13 @@ import sqlalchemy as sa
 from backend.db.purge import due, purge
 from backend.db.queue import Queue
 from backend.db.tables import Run, RunText
+from tests.api.answers import problem
 from tests.api.catalogue import campaign
+from tests.api.databases import BOTH, POSTGRESQL
 from tests.api.reported import finish_fully
-from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.server import Service, until
+from tests.api.submitting import submit
+from worker.cli import invoke
 
 WHY = {"reason": "The bounds were those of another vehicle."}
 
@@ -44,6 +47,7 @@ def sign(client: httpx.Client, run: str) -> httpx.Response:
     return client.post(f"{run}/signoffs", json={"name": "Ada", "role": "Review", "digest": digest})
 
 
+@BOTH
 def test_a_removed_run_is_in_no_list_and_keeps_its_address(client: httpx.Client, run: str) -> None:
     submit(client, seed=2)
     before = client.get(run).json()
@@ -77,16 +81,17 @@ def test_nothing_is_written_on_a_removed_run(client: httpx.Client, run: str) -> 
     assert client.post(f"{run}/cancel").json()["state"] == "done"
 
 
+@BOTH
 def test_a_run_in_work_and_a_signed_one_stay(service: Service, client: httpx.Client, run: str) -> None:
     signed = sign(client, run).json()
     waiting = submit(client, seed=2)
     told = problem(client.delete(run, params=WHY), 409)
     assert told["detail"] == (
-        "R-0001 cannot be removed, its results are signed off by Ada: the sign-off has to be withdrawn first"
+        "R-0001 cannot be removed, its results are signed off by Ada: withdraw the sign-off first"
     )
     assert Queue(service.engine).claim("w1") is not None
     told = problem(client.post("/api/v1/runs/remove", json={"runs": ["R-0001", waiting], **WHY}), 409)
-    assert "R-0002 cannot be removed, it is running: cancel it first, or wait for its end" in str(told["detail"])
+    assert "R-0002 cannot be removed, it is running: cancel it first, or wait for it to end" in str(told["detail"])
     assert "None was removed" in str(told["detail"])
     assert [error["given"] for error in told["errors"]] == ["R-0001", "R-0002"]  # type: ignore[attr-defined]
     assert listed(client) == ["R-0002", "R-0001"]
@@ -94,6 +99,7 @@ def test_a_run_in_work_and_a_signed_one_stay(service: Service, client: httpx.Cli
     assert client.delete(run, params=WHY).status_code == 200
 
 
+@BOTH
 def test_several_are_removed_and_restored_together_or_none(client: httpx.Client, run: str) -> None:
     submit(client, seed=2)
     client.post("/api/v1/runs/R-0002/cancel")
@@ -127,6 +133,7 @@ READ = (
 )  # fmt: skip
 
 
+@BOTH
 def test_a_purged_run_leaves_a_tombstone(service: Service, client: httpx.Client, run: str) -> None:
     submit(client, seed=2)
     digest = client.get(f"{run}/signoffs").json()["digest"]
@@ -203,3 +210,35 @@ def test_the_same_submit_again_is_told_what_became_of_its_run(service: Service, 
     assert purge(service.engine, 1, 0.0, "root")
     problem(post(), 410)
     assert service.rows()["runs"] == 1
+
+
+@POSTGRESQL
+def test_who_signs_while_the_run_is_being_removed_comes_too_late(
+    service: Service, client: httpx.Client, run: str
+) -> None:
+    """SQLite has one writer at a time; here the row is what the two wait for."""
+    answers: list[httpx.Response] = []
+    thread = threading.Thread(target=lambda: answers.append(sign(client, run)))
+    waiting = sa.text("select count(*) from pg_locks where not granted")
+    with service.engine.begin() as writer:
+        writer.execute(sa.select(Run.id).where(Run.id == 1).with_for_update())
+        thread.start()
+        with service.engine.execution_options(isolation_level="AUTOCOMMIT").connect() as beside:
+            until(lambda: beside.scalar(waiting))
+        writer.execute(sa.update(Run).values(removed=1.0, removed_by="ada", removed_reason="a trial"))
+    thread.join(20)
+    assert [answer.status_code for answer in answers] == [409]
+    assert "is removed" in answers[0].text
+
+
+@POSTGRESQL
+def test_the_command_purges(
+    service: Service, client: httpx.Client, run: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    client.delete(run, params=WHY)
+    assert invoke(["purge", "--older-than", "0d", "--yes", "--database", service.settings.database]) == 0
+    said = capsys.readouterr().out
+    assert "1 run purged." in said
+    assert "autovacuum" in said
+    assert client.get(run).status_code == 410
+    assert service.rows()["evaluation_chunks"] == 0

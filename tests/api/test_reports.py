@@ -14,12 +14,14 @@ import sqlalchemy as sa
 
 from backend.db.tables import CatalogueDocument, Run, Trace
 from backend.reports import pdf, plot, words
+from campaigns.claims import earlier, numbers
+from tests.api.answers import problem
 from tests.api.catalogue import campaign
+from tests.api.databases import BOTH
 from tests.api.finished import Work, finish
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 SECTIONS = (
     "Scope of the claim", "Uncertain parameters and worst case", "Checks behind the verdict", "Worst cases",
@@ -44,6 +46,7 @@ def report(client: httpx.Client, run: str) -> str:
     return answer.text
 
 
+@BOTH
 def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None:
     text = report(client, run)
     found = [re.sub(r"^\d+\. ", "", heading) for heading in re.findall(r"<h2>(.*?)</h2>", text)]
@@ -55,6 +58,7 @@ def test_it_has_every_section_and_figure(client: httpx.Client, run: str) -> None
     assert len(set(re.findall(r"<b>(?:Figure|Table) \d\.</b>", text))) == 11
 
 
+@BOTH
 def test_its_numbers_are_those_that_are_stored(client: httpx.Client, run: str) -> None:
     text = html.unescape(re.sub(r"<[^>]+>", "", report(client, run)))
     for said in (
@@ -150,7 +154,7 @@ def test_without_a_catalogue_the_model_is_said_to_be_unknown(service: Service, c
 
 def test_components_that_may_have_changed_since_are_named(service: Service, client: httpx.Client, run: str) -> None:
     text = report(client, run)
-    assert "flown with clearance 0.1.0, and the components were kept with the run as described by test" in text
+    assert "the run used clearance 0.1.0, and the components were stored with the run as described by test" in text
     with service.engine.begin() as connection:
         trace = sa.select(Trace.meta).where(Trace.name == "nominal")
         meta = connection.scalar(trace) | {"parameters": {"vehicle.m": 5.5, "vehicle.J": 0.05}}  # type: ignore[operator]
@@ -215,14 +219,15 @@ def test_no_report_of_a_run_that_is_not_there(guest: httpx.Client, file: str) ->
 
 
 def test_numbers_as_in_print() -> None:
-    assert words.fixed(-1234567.891, 1) == "\u22121\u202f234\u202f567.9"
-    assert words.fixed(-0.001, 2) == "0.00"
-    assert words.fixed(float("nan")) == words.NONE
-    assert (words.signed(7.194), words.signed(0.0001)) == ("+7.19", "0.00")
-    assert (words.plain(0.05), words.plain(1e-6), words.plain(12000.5)) == ("0.05", "1e\u22126", "12\u202f000.5")
-    assert words.unit("N s2/m") == "N·s²/m"
-    terms = words.Terms({"d_min": "d_min", "vehicle.m": "m", "avoider.dpsi": "dpsi"}, {"m", "m/s", "kg m2"})
-    set_ = words.prose("a < d_min and d_min2; vehicle.m at -0.2 m/s, 3e-06 kg m2, vehicle.mass, 2 metres.", terms)
+    assert numbers.fixed(-1234567.891, 1) == "\u22121\u202f234\u202f567.9"
+    assert numbers.fixed(-0.001, 2) == "0.00"
+    assert numbers.fixed(float("nan")) == numbers.NONE
+    assert (numbers.difference(7.194), numbers.difference(0.0001)) == ("+7.19", "0.00")
+    assert (numbers.plain(0.05), numbers.plain(1e-6), numbers.plain(12000.5)) == ("0.05", "1e\u22126", "12\u202f000.5")
+    assert numbers.unit_in_print("N s2/m") == "N·s²/m"
+    terms = earlier.Terms({"d_min": "d_min", "vehicle.m": "m", "avoider.dpsi": "dpsi"}, {"m", "m/s", "kg m2"})
+    stored = "a < d_min and d_min2; vehicle.m at -0.2 m/s, 3e-06 kg m2, vehicle.mass, 2 metres."
+    set_ = words.drawn(earlier.said(stored, terms))
     assert set_ == (
         'a &lt; <i class="v">d</i><sub>min</sub> and d_min2; <i class="v" title="vehicle.m">m</i> '
         "at \u22120.2\u202fm/s, 3e\u221206\u202fkg·m², vehicle.mass, 2 metres."

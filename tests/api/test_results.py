@@ -9,10 +9,10 @@ import pytest
 from campaigns import thin
 from campaigns.results.finding import FoundBy
 from tests import results
+from tests.api.answers import problem
 from tests.api.finished import Work, finish, flight, search
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 import httpx
 import pytest
@@ -19,29 +18,11 @@ from campaigns import Campaign
 from campaigns.asked.load import load_text
 from campaigns.asked.plan import plan
 from tests import results
+from tests.api.answers import problem
 from tests.api.catalogue import campaign
 from tests.api.server import Service
-from tests.api.test_access import problem
+from tests.api.submitting import WRONG, YAML, submit
 from tests.faults.cases import columns
-
-YAML = {"content-type": "application/yaml"}
-
-
-def submit(client: httpx.Client, **changes: Any) -> str:
-    """Submit a campaign; returns the run's id."""
-    answer = client.post("/api/v1/runs", json={"campaign": campaign(**changes)})
-    assert answer.status_code == 201, answer.text
-    return str(answer.json()["id"])
-
-
-def altered(*path: str | int, value: Any) -> dict[str, Any]:
-    """The campaign with the entry at that path replaced."""
-    document: Any = json.loads(json.dumps(campaign()))
-    place = document
-    for step in path[:-1]:
-        place = place[step] if isinstance(place, list) else place.setdefault(step, {})
-    place[path[-1]] = value
-    return dict(document)
 
 
 def test_a_campaign_as_json_becomes_a_queued_run(service: Service, client: httpx.Client) -> None:
@@ -79,7 +60,7 @@ def test_a_run_keeps_its_campaign_as_it_was_typed(service: Service, client: http
     other = client.post("/api/v1/runs", json=together | {"text": text.replace("threshold: 0.5", "threshold: 0.6")})
     found = problem(other, 422)
     assert [error["field"] for error in found["errors"]] == ["text"]
-    assert "another campaign" in found["errors"][0]["message"]
+    assert "a different campaign" in found["errors"][0]["message"]
     problem(client.post("/api/v1/runs", json=together | {"text": "name: ["}), 422)
     problem(client.get("/api/v1/runs/R-0004/campaign.yaml"), 404)
     with service.engine.begin() as writer:
@@ -99,44 +80,6 @@ def test_the_same_campaign_twice_is_stored_once(service: Service, client: httpx.
     assert submit(client) != submit(client)
     rows = service.rows()
     assert (rows["runs"], rows["campaigns"]) == (2, 1)
-
-
-WRONG: dict[str, tuple[dict[str, Any], str, str]] = {
-    "unknown component": (
-        altered("scenario", "vehicle", "component", value="unicylce"),
-        "scenario.vehicle.component",
-        "did you mean 'unicycle'?",
-    ),
-    "unknown key": (altered("scenario", "speeed", value=1), "scenario.speeed", "not known here"),
-    "unknown parameter": (
-        altered("scenario", "vehicle", "parameters", "mass", value=1.0),
-        "scenario.vehicle.parameters.mass",
-        "no such parameter",
-    ),
-    "value outside limits": (
-        altered("scenario", "vehicle", "parameters", "m", value=-1.0),
-        "scenario.vehicle.parameters.m",
-        "lies within 0.001 to 100000 kg",
-    ),
-    "bound outside limits": (
-        altered("uncertain", "vehicle.J", value={"low": -0.04, "high": 0.06}),
-        "uncertain.vehicle.J.low",
-        "lies within",
-    ),
-    "reversed interval": (
-        altered("uncertain", "vehicle.J", value={"low": 0.06, "high": 0.04}),
-        "uncertain.vehicle.J",
-        "reversed",
-    ),
-    "wrong unit": (
-        altered("uncertain", "vehicle.m", value={"plus_minus": "20%", "unit": "g"}),
-        "uncertain.vehicle.m.unit",
-        "is kg",
-    ),
-    "unknown method": (altered("stages", "search", 0, "method", value="magic"), "stages.search.0.method", "no such"),
-    "absurd size": (altered("scenario", "step", value=1e-9), "scenario", "steps"),
-    "missing scenario": ({"name": "x"}, "scenario", "required"),
-}
 
 
 @pytest.mark.parametrize("case", WRONG)

@@ -16,9 +16,9 @@ from campaigns import library, load_file
 from tests import results
 from tests.api.finished import Work
 from tests.api.server import Service
-from tests.api.test_view_flights import shipped
+from tests.api.shipped import shipped
+from tests.problems import Problem
 from worker.stages.parts.seeds import of_draws
-from worker.systems.problem import Problem
 
 PLAN = [StagePlan("nominal", None, 1), StagePlan("certify", None, 3)]
 POINTS = np.array([[0.1, 0.2, 0.4], [0.5, 0.5, 0.5], [0.9, 0.3, 0.7]])

@@ -10,10 +10,11 @@ import sqlalchemy as sa
 
 from backend.db.tables import Audit, Finding, Run, Stage, Trace
 from tests import results
+from tests.api.answers import problem
+from tests.api.databases import BOTH
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 
 @pytest.fixture
@@ -29,6 +30,7 @@ def given(client: httpx.Client, run: str, **changes: Any) -> dict[str, Any]:
     return {"name": "Grace Hopper", "role": "Independent review", "comment": "Read.", "digest": digest} | changes
 
 
+@BOTH
 def test_a_reviewer_signs_off_what_was_reviewed(service: Service, client: httpx.Client, run: str) -> None:
     before = client.get(run).json()
     assert (before["items"], before["can_sign"]) == ([], True)
@@ -64,6 +66,7 @@ def audit(service: Service) -> list[Any]:
         (Trace, {"data": b"\0" * 301 * 10 * 8}),
     ],
 )
+@BOTH
 def test_a_later_change_of_a_result_shows(
     service: Service, client: httpx.Client, run: str, table: Any, values: dict[str, Any]
 ) -> None:
@@ -76,6 +79,7 @@ def test_a_later_change_of_a_result_shows(
     assert "they have changed since" in client.get(run.replace("signoffs", "report.html")).text
 
 
+@BOTH
 def test_what_people_write_on_a_run_is_no_result(service: Service, client: httpx.Client, run: str) -> None:
     client.post(run, json=given(client, run))
     with service.engine.begin() as connection:
@@ -85,10 +89,11 @@ def test_what_people_write_on_a_run_is_no_result(service: Service, client: httpx
 
 def test_other_results_than_those_reviewed_are_not_signed(client: httpx.Client, run: str) -> None:
     told = problem(client.post(run, json=given(client, run, digest="0" * 64)), 409)
-    assert "review it anew" in str(told["detail"])
+    assert "review it again" in str(told["detail"])
     assert client.get(run).json()["items"] == []
 
 
+@BOTH
 def test_the_same_word_is_taken_once(client: httpx.Client, run: str) -> None:
     body = given(client, run)
     assert client.post(run, json=body).status_code == 201
@@ -96,6 +101,7 @@ def test_the_same_word_is_taken_once(client: httpx.Client, run: str) -> None:
     assert client.post(run, json=body | {"role": "Safety authority"}).status_code == 201
 
 
+@BOTH
 def test_a_sign_off_is_withdrawn_once_and_stays_on_record(service: Service, client: httpx.Client, run: str) -> None:
     signed = client.post(run, json=given(client, run)).json()
     address = f"{run}/{signed['id']}/withdraw"
@@ -159,6 +165,7 @@ def test_hostile_words_of_a_reviewer_stay_words(client: httpx.Client, run: str) 
     assert text.count("&lt;script&gt;alert(1)&lt;/script&gt;") == 3
 
 
+@BOTH
 def test_a_file_made_before_a_sign_off_is_not_taken_for_the_one_after(client: httpx.Client, run: str) -> None:
     address = run.replace("signoffs", "exports/run.json")
     before = client.get(address)

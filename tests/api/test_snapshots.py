@@ -17,10 +17,11 @@ from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
 from campaigns import Campaign, Catalogue
 from campaigns.asked.snapshot import changes, digest_of, snapshot, values_changed
 from tests.api.catalogue import CATALOGUE, campaign
+from tests.api.databases import BOTH
 from tests.api.finished import search
 from tests.api.reported import PLAN, finish_fully
 from tests.api.server import Service
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 
 ASKED = Campaign.model_validate(campaign())
 Change = Callable[[dict[str, Any]], None]
@@ -58,6 +59,7 @@ def forget(service: Service) -> None:
         writer.execute(sa.update(Run).values(snapshot=None))
 
 
+@BOTH
 def test_runs_of_the_same_components_share_one_snapshot(service: Service, client: httpx.Client) -> None:
     submit(client)
     submit(client, criterion={"threshold": 0.4}, seed=2)
@@ -80,6 +82,7 @@ def test_runs_of_the_same_components_share_one_snapshot(service: Service, client
     assert first["changes"] == []
 
 
+@BOTH
 def test_what_is_installed_later_changes_nothing_of_what_a_run_says(service: Service, client: httpx.Client) -> None:
     by_default = {"vehicle.J": {"plus_minus": "20%"}, "vehicle.m": {"low": 4, "high": 6}}
     run = f"/api/v1/runs/{submit(client, uncertain=by_default)}"
@@ -91,10 +94,10 @@ def test_what_is_installed_later_changes_nothing_of_what_a_run_says(service: Ser
     told = client.get(f"{run}/components").json()
     assert told["catalogue"] == snapshot(ASKED, CATALOGUE).model_dump(mode="json")
     assert told["changes"] == [
-        "The text of the vehicle unicycle (equations, source) is another one here.",
+        "The text of the vehicle unicycle (equations, source) is different here.",
         "The default of J of the vehicle unicycle was 0.05 kg m2, here it is 0.2 kg m2.",
         "The limits of J of the vehicle unicycle were 1e-06 to 100000, here they are 1e-06 to 9.",
-        "The avoider potential_field is not in this installation any more.",
+        "The avoider potential_field is no longer in this installation.",
     ]
     export = client.get(f"{run}/exports/run.json").json()
     assert export["components"] == told
@@ -119,6 +122,7 @@ def test_a_run_from_before_is_told_by_what_is_installed_and_says_so(service: Ser
     assert "does not know the component" in client.get(f"{run}/report.html").text
 
 
+@BOTH
 def test_the_digest_of_earlier_results_is_what_it_was(service: Service, client: httpx.Client) -> None:
     submit(client)
 
@@ -134,6 +138,7 @@ def test_the_digest_of_earlier_results_is_what_it_was(service: Service, client: 
     assert digest() == "3ebf96b5a028133a235db85a1e1ceae24c8a7deba2f44e105eedc23c503e4add"
 
 
+@BOTH
 def test_the_worker_that_begins_a_run_says_what_its_components_mean(service: Service, client: httpx.Client) -> None:
     submit(client)
     later = altered(lambda d: entry(d, "unicycle")["parameters"][1].update(default=0.2))
@@ -160,7 +165,10 @@ OTHERWISE: dict[str, tuple[Change, str | None]] = {
         "title of the obstacle circle was “circle”",
     ),
     "unit": (lambda d: entry(d, "unicycle")["parameters"][0].update(unit="g"), "unit of m of the vehicle unicycle was"),
-    "start": (lambda d: entry(d, "unicycle")["starts"].pop(), "has no parameter start state omega here any more"),
+    "start": (
+        lambda d: entry(d, "unicycle")["starts"].pop(),
+        "has no parameter start state omega in this installation any more",
+    ),
     "goal": (
         lambda d: entry(d, "potential_field")["goals"][0].update(default=1.0),
         "the default of goal x of the avoider potential_field was none, here it is 1 m",
@@ -175,7 +183,7 @@ OTHERWISE: dict[str, tuple[Change, str | None]] = {
         "the option iterations of the method direct: its default was None, here it is 7",
     ),
     "no option": (lambda d: entry(d, "direct")["options"].clear(), "the method direct has no option iterations here"),
-    "no method": (lambda d: d["methods"].clear(), "the method direct is not in this installation any more"),
+    "no method": (lambda d: d["methods"].clear(), "the method direct is no longer in this installation"),
 }
 
 

@@ -138,7 +138,7 @@ def test_a_service_that_stays_away_is_said(command: Command, file: Path, capsys:
     ("arguments", "said"),
     [
         (["follow", "R-0042"], "there is no run"),
-        (["follow", "../tokens"], "is no run's number"),
+        (["follow", "../tokens"], "invalid run number"),
         (["follow", "R-0001", "--service", "nonsense"], "is not the address of a service"),
         (["follow", "R-0001", "--token-file", "missing"], "the token's file missing cannot be read"),
         (["submit", "missing.yaml"], "the file cannot be read"),
@@ -151,7 +151,9 @@ def test_what_cannot_be_done_is_said(
     assert said in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("token", "said"), [("", "no API token"), ("clr_wrong", "token"), ("zwei Worte", "one word")])
+@pytest.mark.parametrize(
+    ("token", "said"), [("", "no API token"), ("clr_wrong", "token"), ("zwei Worte", "one ASCII word")]
+)
 def test_a_token_is_needed(
     command: Command, token: str, said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -16,9 +16,10 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
+from backend.db.digest import results_digest
 from backend.db.engine import connect, default_url, migrate, read
 from backend.db.store import as_finding, as_result
-from backend.db.tables import Finding, Run, Stage
+from backend.db.tables import Audit, Finding, Run, Signoff, Stage
 from backend.settings import Settings
 from campaigns.results import ValidateResult, Verdict
 from tests.api.server import Service
@@ -45,7 +46,20 @@ def before(folder: Path) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def engine(folder: Path, before: dict[str, Any]) -> Iterator[sa.Engine]:
+def signed(folder: Path) -> str:
+    """The digest of the first run's results before the migration, under which it was signed off, and another one."""
+    engine = connect(default_url(folder))
+    with engine.begin() as writer:
+        digest = results_digest(writer, 1, evidence=False)
+        told = {"run_id": 1, "role": "Reviewer", "comment": "", "user": "local", "created": 1.0}
+        writer.execute(sa.insert(Signoff).values(name="Ada", digest=digest, **told))
+        writer.execute(sa.insert(Signoff).values(name="Bob", digest="0" * 64, **told))
+    engine.dispose()
+    return digest
+
+
+@pytest.fixture(scope="module")
+def engine(folder: Path, before: dict[str, Any], signed: str) -> Iterator[sa.Engine]:
     migrate(default_url(folder))
     engine = connect(default_url(folder))
     yield engine
@@ -80,7 +94,7 @@ def test_findings_hold_their_evidence(engine: sa.Engine, before: dict[str, Any])
         assert finding.validation.model_dump() == before["findings"][finding.label]
         assert finding.slices is not None
         assert finding.slices.model_dump() == after["slices"]
-        boundary = None if finding.boundary is None else finding.boundary.model_dump()
+        boundary = None if finding.boundary is None else finding.boundary.model_dump(exclude={"said"})
         assert boundary == after["boundary"]
         assert finding.closest is not None
         assert {"name": finding.label, **finding.closest.model_dump()} == closest[finding.label]
@@ -89,7 +103,8 @@ def test_findings_hold_their_evidence(engine: sa.Engine, before: dict[str, Any])
     assert validated.nominal.model_dump() == cases["nominal"]
     assert validated.encounter is not None
     assert {"name": "nominal", **validated.encounter.closest.model_dump()} == closest["nominal"]
-    assert [row.model_dump() for row in validated.comparison] == before["validate"]["comparison"]
+    new = {"stop": {"said", "code", "values"}}
+    assert [row.model_dump(exclude=new) for row in validated.comparison] == before["validate"]["comparison"]
 
 
 def test_the_audit_follows_before_and_after(engine: sa.Engine, tmp_path: Path) -> None:
@@ -112,3 +127,23 @@ def test_every_page_reads_it(engine: sa.Engine, folder: Path) -> None:
         report = client.get("/api/v1/runs/R-0001/report.html").text
         assert "violation confirmed" in report
     service.stop()
+
+
+def test_a_sign_off_of_the_same_results_still_stands(engine: sa.Engine, signed: str) -> None:
+    with read(engine) as reader:
+        now = results_digest(reader, 1)
+        held = dict(reader.execute(sa.select(Signoff.name, Signoff.digest)).all())
+        notes = reader.scalars(sa.select(Audit.detail).where(Audit.action == "signoff.bound")).all()
+    assert now != signed
+    assert held == {"Ada": now, "Bob": "0" * 64}
+    assert [note["signoff"] for note in notes] == [1, 1]
+    assert (notes[0]["before"], notes[-1]["after"]) == (signed, now)
+
+
+@pytest.mark.parametrize("column", ["slices", "boundary", "closest"])
+def test_a_sign_off_covers_all_evidence_of_a_finding(column: str, engine: sa.Engine, signed: str) -> None:
+    with engine.connect() as connection:
+        before = results_digest(connection, 1)
+        connection.execute(sa.update(Finding).where(Finding.run_id == 1).values({column: {"changed": True}}))
+        assert results_digest(connection, 1) != before
+        connection.rollback()

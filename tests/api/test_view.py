@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -14,12 +13,13 @@ import websockets
 from websockets.sync.client import connect
 
 from backend.db.records import StagePlan
+from tests.api.answers import problem
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, finish
+from tests.api.listening import listening
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
-from tests.api.viewing import KEY, PROTOCOL, Panel, frames_until, viewing
+from tests.api.submitting import submit
+from tests.api.viewing import KEY, PROTOCOL, Panel, frames_until, steer, viewing
 
 
 def test_the_page_is_visers_with_a_policy_of_its_own(service: Service, client: httpx.Client) -> None:
@@ -100,22 +100,24 @@ def test_what_is_found_while_watching_appears(service: Service, client: httpx.Cl
         frames_until(connection, b"/flights/worst/path", b"Worst 0.8000 m")
 
 
-def test_a_slider_flies_the_case_live(bare: Service) -> None:
+def test_a_view_that_is_told_parameters_simulates_them(bare: Service) -> None:
     """With the components as workers publish them, and the process that really flies."""
+    bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
     bare.publish(published_by_workers())
     with bare.signed_in() as client:
         shipped = client.get("/api/v1/campaigns/unicycle_static").json()
         run = client.post("/api/v1/runs", json={"campaign": shipped["document"]}).json()["id"]
         Work(bare, [StagePlan("nominal", None, 1), StagePlan("search", "monte_carlo", 100)]).search(0, 100, stage=1)
-        with viewing(bare, client, f"/view/{run}/") as connection:
-            panel = Panel(connection, last="Nominal")
-            panel.set("vehicle.J [kg m2]", 0.06)
-            frames_until(connection, b"What-if 0.9429 m", b"Clear of the limit of 0.5 m.", seconds=120)
-            panel.set("vehicle.m [kg]", 6.0)
+        with viewing(bare, client, f"/view/{run}/key/{KEY}/") as connection:
+            steer(client, run, what_if={"vehicle.J": 0.06})
+            frames_until(connection, b"What-if 0.9429 m", seconds=120)
+            until(lambda: steer(client, run)["what_if"] == {"vehicle.m": 5.0, "vehicle.J": 0.06})
+            assert steer(client, run)["what_if_source"] == "page"
+            steer(client, run, what_if={"vehicle.m": 6.0, "vehicle.J": 0.06})
             frames_until(connection, b"What-if 0.9417 m")
-            panel.set("Nominal", True)
+            steer(client, run, what_if={})
             frames_until(connection, b"What-if 0.9436 m")
-            panel.set("Sampled flights", True)
+            steer(client, run, layers={"sampled": True})
             frames_until(connection, b"/flights/sampled/5", b"the first 36 flights of the sample of Monte Carlo")
 
 
@@ -123,27 +125,27 @@ def test_the_flight_can_be_played_and_looked_at_from_its_places(service: Service
     run = submit(client)
     finish(service)
     with viewing(service, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
-        panel = Panel(connection, last="Trail")
+        Panel(connection, last="Show its flight")
 
         def shown() -> dict[str, Any]:
             return dict(client.get(f"/api/v1/runs/{run}/views/{KEY}").json())
 
-        panel.set("Closest approach", True)
-        until(lambda: shown()["time"] == pytest.approx(10.0, abs=0.01))
-        panel.set("Play", True)
+        steer(client, run, closest=True)
+        assert shown()["time"] == pytest.approx(10.0, abs=0.01)
+        steer(client, run, playing=True)
         until(lambda: shown()["time"] > 10.1)
         first = frames_until(connection, b"/flights/worst/vehicle")
         assert b"SetPosition" in first
         frames_until(connection, b"/flights/worst/vehicle")
-        panel.set("Play", False)
-        until(lambda: not shown()["playing"])
-        panel.set("Show Nominal", False)
+        steer(client, run, playing=False)
+        assert not shown()["playing"]
+        steer(client, run, layers={"nominal": False})
         frames_until(connection, b"SetSceneNodeVisibility", b"/flights/nominal")
-        panel.set("Relative velocity", True)
+        steer(client, run, layers={"relative": True})
         frames_until(connection, b"/vectors/relative", b"v rel 0.400 m/s")
-        panel.set("Trail", "So far")
+        steer(client, run, layers={"trail": "so_far"})
         frames_until(connection, b"/flights/worst/flown/last")
-        panel.set("Camera", "Top")
+        steer(client, run, camera="top")
         frames_until(connection, b"SetCamera")
 
 
@@ -218,20 +220,6 @@ def test_visers_own_port_takes_nobody_else(service: Service, client: httpx.Clien
                 stranger.recv(timeout=5)
             assert closed.value.rcvd is not None
             assert closed.value.rcvd.code == 1008
-
-
-def listening() -> set[int]:
-    """The TCP ports that this process listens on."""
-    own = {_target(link) for link in Path("/proc/self/fd").iterdir()}
-    lines = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
-    return {int(row[1].split(":")[1], 16) for row in lines if row[3] == "0A" and f"socket:[{row[9]}]" in own}
-
-
-def _target(link: Path) -> str:
-    try:
-        return str(link.readlink())
-    except OSError:  # closed meanwhile
-        return ""
 
 
 def test_the_service_stops_at_once_with_streams_and_viewers_open(service: Service, client: httpx.Client) -> None:

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from backend.scenes.drawing import following
+from tests.api.answers import problem
 from tests.api.finished import Work, finish, flight
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
-from tests.api.viewing import KEY, Panel, frames_until, viewing
+from tests.api.submitting import submit
+from tests.api.viewing import KEY, Panel, frames_until, steer, viewing
 
 OTHER = "ffffffff-ffff-4fff-bfff-ffffffffffff"
 
@@ -43,13 +43,6 @@ def said(state: dict[str, Any]) -> dict[str, Any]:
     return {name: state[name] for name in ("opened", "flight", "time", "camera", "playing", "theme")}
 
 
-def steer(client: httpx.Client, run: str, key: str = KEY, **change: Any) -> dict[str, Any]:
-    """Have the open view show something else; what it says it shows."""
-    answer = client.patch(address(run, key), json=change, params={"wait": 10})
-    assert answer.status_code == 200, answer.text
-    return dict(answer.json())
-
-
 def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}/") as connection:
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
@@ -57,9 +50,9 @@ def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, clie
         shown["opened"] = answer["opened"]
         assert said(answer) == shown
         assert time.time() - 30 < answer["opened"] <= time.time()
-        panel = Panel(connection, last="Trail")
+        Panel(connection, last="Show its flight")
         assert said(steer(client, run, flight="F2", time=7.25)) == shown | {"flight": "F2", "time": 7.25}
-        received = frames_until(connection, b"F2 0.8500 m", b"Show F2")
+        received = frames_until(connection, b"F2 0.8500 m")
         assert b"/flights/worst/path" in received
         assert b"/flights/nominal/path" not in received, "only what is new is drawn"
         steer(client, run, theme="dark", camera="top")
@@ -82,8 +75,7 @@ def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, clie
             "theme": "dark",
         }
         assert steer(client, run, flight="F1")["time"] == pytest.approx(10.0, abs=0.01)
-        panel.set("Finding", "Nominal alone")
-        until(lambda: client.get(address(run)).json()["flight"] == "nominal")
+        assert steer(client, run, flight="nominal")["flight"] == "nominal"
 
 
 def test_a_request_may_wait_for_the_view_to_open(service: Service, client: httpx.Client, run: str) -> None:
@@ -98,7 +90,7 @@ def test_a_request_may_wait_for_the_view_to_open(service: Service, client: httpx
 
 def test_the_camera_follows_until_the_visitor_moves_it(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
-        panel = Panel(connection, last="Trail")
+        panel = Panel(connection, last="Show its flight")
         panel.told()
         steer(client, run, camera="chase")
         before = panel.told()
@@ -113,7 +105,7 @@ def test_the_camera_follows_until_the_visitor_moves_it(service: Service, client:
         steer(client, run, time=9.0)
         with pytest.raises(TimeoutError):
             panel.told(seconds=0.3)
-        panel.set("Camera", "Intruder")
+        steer(client, run, camera="intruder")
         eye, target = panel.told()
         vehicle = np.array([0.4 * 9, 4.8, target[2]])
         assert target == pytest.approx(vehicle, abs=1e-3)
@@ -125,7 +117,7 @@ def test_a_browser_is_sent_on_once_it_has_come(
 ) -> None:
     monkeypatch.setattr(following, "PATIENCE", 60.0)
     with viewing(service, client, f"/view/{run}/t/2/cam/chase/key/{KEY}") as connection:
-        panel = Panel(connection, last="Trail")
+        panel = Panel(connection, last="Show its flight")
         first = sent = panel.told()
         steer(client, run, time=4.0)
         with contextlib.suppress(TimeoutError):  # its first word may be heard after it was sent off: as if it had come
@@ -144,7 +136,7 @@ def test_a_camera_of_the_address_is_there_from_the_first(
     service: Service, client: httpx.Client, run: str, camera: str
 ) -> None:
     with viewing(service, client, f"/view/{run}/t/2/cam/{camera}/key/{KEY}") as connection:
-        panel = Panel(connection, last="Trail")
+        panel = Panel(connection, last="Show its flight")
         eye, target = panel.told()
         panel.look(eye, target)
         assert client.get(address(run)).json()["camera"] == camera
@@ -234,11 +226,9 @@ def test_a_run_without_findings_takes_any_label(service: Service, client: httpx.
     assert run != other
 
 
-def test_what_the_visitor_changes_in_the_panel_is_heard_at_once(
-    service: Service, client: httpx.Client, run: str
-) -> None:
+def test_what_is_shown_otherwise_is_heard_at_once(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
-        panel = Panel(connection, last="Trail")
+        panel = Panel(connection, last="Show its flight")
         panel.told()
         known = steer(client, run)
 
@@ -248,27 +238,26 @@ def test_what_the_visitor_changes_in_the_panel_is_heard_at_once(
             return dict(answer.json())
 
         assert news(wait=0.1) == known, "nothing has changed"
-        for label, value, name, expected in (
-            ("Finding", "F2", "flight", "F2"),
-            ("Time [s]", 3.5, "time", 3.5),
-            ("Camera", "Top", "camera", "top"),
-            ("Speed", "5×", "speed", 5.0),
-            ("Play", True, "playing", True),
-        ):
-            panel.set(label, value)
+        for name, value in (("flight", "F2"), ("time", 3.5), ("camera", "top"), ("speed", 5.0), ("playing", True)):
+            steer(client, run, **{name: value})
             known = news()
-            assert known[name] == expected
+            assert known[name] == value
         steer(client, run, playing=False)
-        for label, name in (("Show Nominal", "nominal"), ("Velocity", "velocity")):
+        for name in ("nominal", "finding", "what_if", "velocity", "relative", "sampled", "field", "space"):
             known = steer(client, run)
             before = known["layers"][name]
-            panel.set(label, not before)
+            steer(client, run, layers={name: not before})
             known = news()
             assert known["layers"] == steer(client, run)["layers"]
             assert known["layers"][name] is not before
-        eye = panel.told()
-        panel.look(*eye)
-        panel.look((1.0, 2.0, 3.0), eye[1])
+        steer(client, run, layers={"space": False}, camera="top")
+        known = steer(client, run)
+        # The visitor's own doing: the camera is moved, an axis of the parameter space is chosen in the panel.
+        panel.look(*panel.told())
+        panel.set("Axis z", "\u2013")
+        known = news()
+        assert known["layers"]["axes"][2] == "none"
+        panel.look((1.0, 2.0, 3.0), (1.0, 2.5, 0.0))
         known = news()
         until(lambda: client.get(address(run)).json()["eye"])
         assert client.get(address(run)).json()["eye"]["position"] == [1.0, 2.0, 3.0]
@@ -283,6 +272,13 @@ def test_what_the_visitor_changes_in_the_panel_is_heard_at_once(
     problem(gone[0], 404)
 
 
+def test_the_panel_has_nothing_that_the_page_offers(service: Service, client: httpx.Client, run: str) -> None:
+    with viewing(service, client, f"/view/{run}/key/{KEY}/") as connection:
+        panel = Panel(connection, last="Show its flight")
+        left = {"Axis x", "Axis y", "Axis z", "Show its flight"}
+        assert {label for label in panel._elements if not label.startswith("Values, ")} == left
+
+
 def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
     service: Service, client: httpx.Client, run: str
 ) -> None:
@@ -294,7 +290,7 @@ def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
         assert before["layers"] | layers == before["layers"]
     until(lambda: service.app.state.viewers.open == 0)
     fixed = {"opened": 0.0, "revision": 0}
-    again = {name: value for name, value in before.items() if name not in (*fixed, "eye", "what_if")}
+    again = {name: value for name, value in before.items() if name not in (*fixed, "eye", "what_if", "what_if_source")}
     with viewing(service, client, path):
         after = steer(client, run, **again)
         assert after | fixed == before | fixed
@@ -304,7 +300,7 @@ def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
     with viewing(service, client, path) as connection:
         shown = steer(client, run, eye=eye, layers={"space": True})
         assert (shown["eye"], shown["camera"], shown["layers"]["space"]) == (eye, None, True)
-        position, target = Panel(connection, last="Trail").told()
+        position, target = Panel(connection, last="Show its flight").told()
         assert position.tolist() == eye["position"]
         assert target.tolist() == eye["target"]
 

@@ -22,10 +22,10 @@ from campaigns import library, load_file
 from tests.api.finished import Work, encounter, finish, straight
 from tests.api.lost import lose
 from tests.api.server import Service
-from tests.api.test_runs import submit
-from tests.api.test_view_flights import shipped
-from tests.api.viewing import KEY, Panel, frames, frames_until, viewing
-from worker.systems.problem import Problem
+from tests.api.shipped import shipped
+from tests.api.submitting import submit
+from tests.api.viewing import KEY, Panel, frames, frames_until, steer, viewing
+from tests.problems import Problem
 
 NOMINAL = np.array([[0.5, 0.5]])
 
@@ -76,14 +76,14 @@ def test_a_click_on_a_point_flies_it_and_holds_it_against_what_is_stored(bare: S
     with bare.signed_in() as client:
         run = shipped(bare, client, "unicycle_static")
         stored(bare, cost)
-        with viewing(bare, client, f"/view/{run}/") as connection:
+        with viewing(bare, client, f"/view/{run}/key/{KEY}/") as connection:
             panel = Panel(connection, last="Show its flight")
-            panel.set("Show parameter space", True)
+            steer(client, run, layers={"space": True})
             eye, middle = camera(connection)
             click(panel, eye, (0.0, 0.0, 1.0))
-            frames_until(connection, b"There is no evaluation near that place.")
+            frames_until(connection, b"There is no evaluation near that position.")
             click(panel, eye, middle - eye)
-            received = frames_until(connection, b"The same, bit by bit.", b"/flights/what-if/path", seconds=120)
+            received = frames_until(connection, b"Identical, bit by bit.", b"/flights/what-if/path", seconds=120)
             assert b"search \xc2\xb7 direct, evaluation 0 (from 0)" in received
             assert repr(cost).encode() in received
             panel.set("Show its flight", True)
@@ -93,9 +93,9 @@ def test_a_click_on_a_point_flies_it_and_holds_it_against_what_is_stored(bare: S
 def test_failures_are_shown_and_counted(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
-    with viewing(service, client, f"/view/{run}/") as connection:
+    with viewing(service, client, f"/view/{run}/key/{KEY}/") as connection:
         panel = Panel(connection, last="Show its flight")
-        panel.set("Show parameter space", True)
+        steer(client, run, layers={"space": True})
         received = frames_until(connection, b"/space/ok", b"/space/failed", b"evaluations", b"of those drawn")
         assert b"1000 of 1000 evaluations." in received
         assert b"failed: 100 of 100." in received
@@ -112,7 +112,7 @@ def test_what_was_really_excluded_or_failed_has_its_own_sign_and_flies_again_the
         lost = lose(bare, client)
         with viewing(bare, client, f"/view/{lost.run}/key/{KEY}/") as connection:
             panel = Panel(connection, last="Show its flight")
-            panel.set("Show parameter space", True)
+            steer(client, lost.run, layers={"space": True})
             received = frames_until(connection, b"/space/ok", b"/space/failed", b"/space/excluded", b"of those drawn")
             assert b"21 of 21 evaluations." in received
             assert b"failed: 7 of 7." in received
@@ -121,7 +121,7 @@ def test_what_was_really_excluded_or_failed_has_its_own_sign_and_flies_again_the
             drawn = viewer._panel._cloud._drawn
             for row, status in ((0, b"excluded"), (4, b"failed")):
                 click(panel, drawn.points[row] - np.array([0.0, 0.01, 0.0]) * drawn.side, (0.0, 1.0, 0.0))
-                said = frames_until(connection, b"flown again", b"The same: " + status, seconds=120)
+                said = frames_until(connection, b"simulated again", b"The same: " + status, seconds=120)
                 assert f"evaluation {row} (from 0)".encode() in said
                 assert html.escape(lost.reasons[row]).encode() in said
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tests.api.finished import Work, flight
 from tests.api.server import Service
-from tests.api.test_view_flights import shipped
-from tests.api.viewing import Panel, frames_until, viewing
+from tests.api.shipped import shipped
+from tests.api.viewing import KEY, frames_until, steer, viewing
 
 
 def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
@@ -13,10 +13,9 @@ def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
     with bare.signed_in() as client:
         run = shipped(bare, client, "unicycle_static")
         work = Work(bare)
-        with viewing(bare, client, f"/view/{run}/t/2.0") as connection:
-            panel = Panel(connection, last="Nominal")
-            panel.set("Avoider's field", True)
-            frames_until(connection, b"There is no flight yet whose field could be shown")
+        with viewing(bare, client, f"/view/{run}/t/2.0/key/{KEY}") as connection:
+            steer(client, run, layers={"field": True})
+            frames_until(connection, b"There is no flight yet; its field cannot be shown")
             work.nominal(flight("nominal"))
             drawn = frames_until(
                 connection,
@@ -27,9 +26,9 @@ def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
             )
             assert b"Force [N]" in drawn
             assert b"\x89PNG" in drawn
-            panel.set("Time [s]", 4.0)
+            steer(client, run, time=4.0)
             frames_until(connection, b"at t = 4.00 s of Nominal")
-            panel.set("Avoider's field", False)
+            steer(client, run, layers={"field": False})
             frames_until(connection, b"SetSceneNodeVisibility", b"/field")
 
 
@@ -38,6 +37,6 @@ def test_a_field_that_cannot_be_had_says_why(bare: Service) -> None:
         run = shipped(bare, client, "unicycle_static")
         Work(bare).nominal(flight("nominal"))
         bare.app.state.live.close()
-        with viewing(bare, client, f"/view/{run}/t/2.0") as connection:
-            Panel(connection, last="Nominal").set("Avoider's field", True)
+        with viewing(bare, client, f"/view/{run}/t/2.0/key/{KEY}") as connection:
+            steer(client, run, layers={"field": True})
             frames_until(connection, b"the service is stopping")

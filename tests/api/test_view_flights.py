@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import httpx
+from functools import partial
+
 import msgspec
 import numpy as np
 import pytest
 
-from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work, encounter, straight, turned
 from tests.api.server import Service
-from tests.api.viewing import Panel, frames, frames_until, viewing
-
-
-def shipped(service: Service, client: httpx.Client, campaign: str) -> str:
-    """A run of a campaign of the library, with the components as workers publish them."""
-    service.publish(published_by_workers())
-    document = client.get(f"/api/v1/campaigns/{campaign}").json()["document"]
-    return str(client.post("/api/v1/runs", json={"campaign": document}).json()["id"])
+from tests.api.shipped import shipped
+from tests.api.viewing import KEY, Panel, frames, frames_until, steer, viewing
 
 
 def test_an_intruder_moves_with_the_time_on_its_dashed_track(bare: Service) -> None:
@@ -26,10 +20,15 @@ def test_an_intruder_moves_with_the_time_on_its_dashed_track(bare: Service) -> N
         work = Work(bare)
         work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
         work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 0, 5, 0), rows=301))
-        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
-            panel = Panel(connection, last="Nominal")
+        with viewing(bare, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
+            panel = Panel(connection, last="Show its flight")
             for time in (4.0, 12.5):
-                places = panel.places(time, "/obstacles/0", "/flights/nominal/vehicle", "/flights/worst/vehicle")
+                places = panel.places(
+                    lambda at=time: steer(client, run, time=at),
+                    "/obstacles/0",
+                    "/flights/nominal/vehicle",
+                    "/flights/worst/vehicle",
+                )
                 assert places["/obstacles/0"]["position"] == pytest.approx((300, -40 + 5 * time, 0))
                 for flight in ("nominal", "worst"):
                     assert places[f"/flights/{flight}/vehicle"]["position"][:2] == pytest.approx((20 * time, 5))
@@ -46,9 +45,9 @@ def test_an_intruder_that_answers_is_drawn_for_each_flight(bare: Service) -> Non
         work = Work(bare)
         work.nominal(encounter("nominal", "enu", straight(300, -40, 0, 0, 5, 0)))
         work.found(flown=encounter("F1", "enu", straight(300, -40, 0, 1, 5, 0)))
-        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
-            panel = Panel(connection, last="Nominal")
-            places = panel.places(10.0, "/obstacles/0", "/obstacles/0-worst")
+        with viewing(bare, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
+            panel = Panel(connection, last="Show its flight")
+            places = panel.places(partial(steer, client, run, time=10.0), "/obstacles/0", "/obstacles/0-worst")
             assert places["/obstacles/0"]["position"] == pytest.approx((300, 10, 0))
             assert places["/obstacles/0-worst"]["position"] == pytest.approx((310, 10, 0))
 
@@ -68,10 +67,12 @@ def test_an_aircraft_flies_upright_with_north_ahead_and_east_to_the_right(bare: 
         run = shipped(bare, client, "uav_aca")
         work = Work(bare)
         work.nominal(encounter("nominal", "ned", straight(500, 60, -30, -20, 0, -1)))
-        with viewing(bare, client, f"/view/{run}/t/1.0") as connection:
-            panel = Panel(connection, last="Nominal")
+        with viewing(bare, client, f"/view/{run}/t/1.0/key/{KEY}") as connection:
+            panel = Panel(connection, last="Show its flight")
             for time in (5.0, 14.0):
-                places = panel.places(time, "/obstacles/0", "/flights/nominal/vehicle")
+                places = panel.places(
+                    partial(steer, client, run, time=time), "/obstacles/0", "/flights/nominal/vehicle"
+                )
                 own, other = places["/flights/nominal/vehicle"], places["/obstacles/0"]
                 assert own["position"] == pytest.approx((5, 20 * time, 2 * time))
                 assert other["position"] == pytest.approx((60, 500 - 20 * time, 30 + time))

@@ -18,10 +18,10 @@ from websockets.sync.client import ClientConnection
 from backend.db.access import revoke_token
 from backend.scenes.control import relay
 from backend.scenes.control.allowed import BURST, LARGEST, RATE, Pace, refusal
+from tests.api.answers import problem
 from tests.api.finished import finish
 from tests.api.server import Service, until
-from tests.api.test_access import problem
-from tests.api.test_runs import submit
+from tests.api.submitting import submit
 from tests.api.viewing import CAMERA, KEY, frames_until, viewing
 
 packed = msgspec.msgpack.encode
@@ -120,7 +120,7 @@ def closed(connection: ClientConnection) -> tuple[int, str]:
     [
         (packed(UPLOAD), 1008, "FileTransferStartUpload is not allowed here"),
         (packed(PART | {"content": bytes(3_000_000)}), 1009, ""),
-        ("text", 1008, "messages are msgpack, not text"),
+        ("text", 1008, "messages must be msgpack, not text"),
     ],
     ids=["upload", "large", "text"],
 )

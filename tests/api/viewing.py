@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -73,6 +73,13 @@ def frames_until(connection: ClientConnection, *wanted: bytes, seconds: float = 
     return received
 
 
+def steer(client: httpx.Client, run: str, key: str = KEY, **change: Any) -> dict[str, Any]:
+    """Have the open view show something else, as its page does; what it says it shows."""
+    answer = client.patch(f"/api/v1/runs/{run}/views/{key}", json=change, params={"wait": 10})
+    assert answer.status_code == 200, answer.text
+    return dict(answer.json())
+
+
 Node = dict[str, Any]
 """position and wxyz as last told."""
 
@@ -119,9 +126,9 @@ class Panel:
         assert look_at is not None
         return position, look_at
 
-    def places(self, time: float, *nodes: str) -> dict[str, Node]:
-        """Nodes of the scene once the slider stands at a time, the position of each told anew."""
-        self.set("Time [s]", time)
+    def places(self, go: Callable[[], object], *nodes: str) -> dict[str, Node]:
+        """Nodes of the scene once the view has gone where it is told, the position of each told anew."""
+        go()
         missing = set(nodes)
         for frame in frames(self._connection):
             missing -= self._hear(msgspec.msgpack.decode(frame)["messages"])

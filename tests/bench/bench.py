@@ -22,9 +22,10 @@ import numpy as np
 
 from campaigns import library, load_file
 from tests.bench import methods, reference_pioneer, reference_uav
+from tests.problems import Problem
 from worker.runs.provenance import flown
+from worker.systems.base import Floats
 from worker.systems.closed_loop.assemble import Loop
-from worker.systems.problem import Floats, Problem
 
 BUILD = Path("build")
 FULL = 4096
@@ -34,7 +35,7 @@ FIRST_EVALUATION = """
 import time
 began = time.perf_counter()
 from campaigns import library, load_file
-from worker.systems.problem import Problem
+from tests.problems import Problem
 problem = Problem(load_file(library()["unicycle_static"]))
 problem.fly(problem.nominal_point[None])
 print(time.perf_counter() - began)
@@ -47,7 +48,7 @@ def main() -> None:
     problem = Problem(load_file(library()["unicycle_static"]))
     found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft() | methods.measure()
     found["second_process_first_eval_s"] = second_process()
-    cpu = flown(problem).cpu
+    cpu = flown(problem.system).cpu
     found |= {"cpu": cpu.model if cpu else "", "cores": os.cpu_count(), "python": platform.python_version()}
     (BUILD / "bench.json").write_text(json.dumps(found, indent=2) + "\n")
     width = max(map(len, found))
@@ -59,17 +60,17 @@ def unicycle(problem: Problem) -> dict[str, Any]:
     """Case 1 at full batch: the lockstep loop, the same components at one lane, and hand-written C++."""
     points = np.random.default_rng(0).random((FULL, problem.dimension))
     vectors = problem.vectors(points)
-    steps, _ = problem.counts(problem.step)
-    narrow = Loop(problem.parts, lanes=1)
-    wide = lambda: problem.loop.fly(vectors, problem.step, steps)  # noqa: E731
-    slow = lambda: narrow.fly(vectors[:256], problem.step, steps)  # noqa: E731
+    steps, _ = problem.system.counts(problem.system.step)
+    narrow = Loop(problem.system.parts, lanes=1)
+    wide = lambda: problem.system.loop.fly(vectors, problem.system.step, steps)  # noqa: E731
+    slow = lambda: narrow.fly(vectors[:256], problem.system.step, steps)  # noqa: E731
     library_, compiler = build_cpp()
     costs = np.empty(256)
     handwritten = lambda: fly_cpp(library_, problem, vectors[:256], steps, costs)  # noqa: E731
     handwritten()
-    apart = float(np.abs(costs - problem.loop.fly(vectors[:256], problem.step, steps).costs[:, 0]).max())
+    apart = float(np.abs(costs - problem.system.loop.fly(vectors[:256], problem.system.step, steps).costs[:, 0]).max())
     seconds = interleaved([(wide, FULL), (slow, 256), (handwritten, 256)])
-    one = interleaved([(lambda: problem.loop.fly(vectors[:1], problem.step, steps), 1)], repeats=50)
+    one = interleaved([(lambda: problem.system.loop.fly(vectors[:1], problem.system.step, steps), 1)], repeats=50)
     return {
         "unicycle_evals_per_s": 1.0 / seconds[0],
         "unicycle_us": 1e6 * seconds[0],
@@ -79,7 +80,7 @@ def unicycle(problem: Problem) -> dict[str, Any]:
         "unicycle_vs_one_lane": seconds[1] / seconds[0],
         "unicycle_vs_cpp": seconds[2] / seconds[0],
         "unicycle_largest_difference_from_cpp_m": apart,
-        "unicycle_lanes": problem.loop.lanes,
+        "unicycle_lanes": problem.system.loop.lanes,
         "cpp_compiler": compiler,
     }
 
@@ -89,8 +90,8 @@ def pioneer() -> dict[str, Any]:
     problem = Problem(load_file(library()["pioneer_moving"]))
     vectors = problem.vectors(np.random.default_rng(0).random((FULL, problem.dimension)))
     reference = reference_pioneer.Reference(problem, vectors[:128])
-    apart = float(np.abs(reference.costs() - problem.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
-    seconds = interleaved([(lambda: problem.fly_vectors(vectors), FULL), (reference.costs, 128)])
+    apart = float(np.abs(reference.costs() - problem.system.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
+    seconds = interleaved([(lambda: problem.system.fly_vectors(vectors), FULL), (reference.costs, 128)])
     return {
         "pioneer_us": 1e6 * seconds[0],
         "pioneer_reference_us": 1e6 * seconds[1],
@@ -106,9 +107,9 @@ def aircraft() -> dict[str, Any]:
         problem = Problem(load_file(library()[name]))
         vectors = problem.vectors(np.random.default_rng(0).random((FULL, problem.dimension)))
         reference = reference_uav.Reference(case, problem, vectors[:128])
-        apart = float(np.abs(reference.costs() - problem.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
-        every = [(partial(problem.fly_vectors, vectors), FULL), (reference.costs, 128)]
-        seconds = interleaved([*every, (partial(problem.fly_vectors, vectors[:1]), 1)])
+        apart = float(np.abs(reference.costs() - problem.system.fly_vectors(vectors[:128])[0].costs[:, 0]).max())
+        every = [(partial(problem.system.fly_vectors, vectors), FULL), (reference.costs, 128)]
+        seconds = interleaved([*every, (partial(problem.system.fly_vectors, vectors[:1]), 1)])
         found |= {
             f"{name}_us": 1e6 * seconds[0],
             f"{name}_single_us": 1e6 * seconds[2],
@@ -146,7 +147,7 @@ def build_cpp() -> tuple[ctypes.CDLL, str]:
 def fly_cpp(cpp: ctypes.CDLL, problem: Problem, vectors: Floats, steps: int, costs: Floats) -> None:
     """Fly with the hand-written loop; its parameters stand in the same order."""
     cpp.fly_all(
-        vectors.ctypes.data_as(ctypes.c_void_p), len(vectors), ctypes.c_double(problem.step), steps,
+        vectors.ctypes.data_as(ctypes.c_void_p), len(vectors), ctypes.c_double(problem.system.step), steps,
         costs.ctypes.data_as(ctypes.c_void_p),
     )  # fmt: skip
 

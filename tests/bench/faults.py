@@ -18,9 +18,9 @@ import numpy as np
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
 from tests.bench.bench import BUILD, interleaved
+from tests.problems import Problem
 from worker.catalogue.installed import components
 from worker.kernels.component import Environment, Fault
-from worker.systems.problem import Problem
 
 BATCH = 128
 FLYING = {
@@ -53,8 +53,8 @@ def measure(campaign: Campaign) -> dict[str, dict[str, Any]]:
         problems[part.name] = loop(campaign, part, period if late else campaign.scenario.guidance.period)
     if campaign.scenario.guidance.period:
         problems["(none)"] = problems["(none, sampled)"]
-    vectors = {name: np.repeat(problem.nominal[None], BATCH, axis=0) for name, problem in problems.items()}
-    work = [(lambda n=name: problems[n].fly_vectors(vectors[n]), BATCH) for name in problems]
+    vectors = {name: np.repeat(problem.system.nominal[None], BATCH, axis=0) for name, problem in problems.items()}
+    work = [(lambda n=name: problems[n].system.fly_vectors(vectors[n]), BATCH) for name in problems]
     seconds = dict(zip(problems, interleaved(work, repeats=25), strict=True))
     sampled = {"guidance_delay", "(none, sampled)"}
     return {
@@ -81,7 +81,7 @@ def loop(campaign: Campaign, part: Fault | Environment | None, period: float) ->
 
 def instructions(problem: Problem) -> dict[str, Any]:
     """Counts over the machine code of the compiled loop, which must have been flown."""
-    code = problem.loop.assembly()
+    code = problem.system.loop.assembly()
     return {
         "wide": len(re.findall("%zmm|%ymm", code)),
         "scalar": len(re.findall(r"\bv\w+sd\b", code)),

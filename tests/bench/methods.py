@@ -16,13 +16,13 @@ import numpy as np
 from scipy import optimize
 
 from campaigns import library, load_file
+from tests.problems import Problem
 from tests.unit.functions import PUBLISHED, OnUnitCube, on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.catalogue.installed import methods
 from worker.search.base import Floats, Method
 from worker.search.methods import direct
 from worker.systems.closed_loop.assemble import Loop
-from worker.systems.problem import Problem
 
 EVALUATIONS = 10_000
 DIMENSION = 8
@@ -37,16 +37,16 @@ def measure() -> dict[str, float]:
 def direct_vs_nlopt() -> dict[str, float]:
     """DIRECT on case 5 on one core: ours in batches on all lanes, NLopt's point by point on the one-lane build."""
     problem = Problem(load_file(library()["uav_aca"]))
-    narrow = Loop(problem.parts, lanes=1)
-    counts = problem.counts(problem.step)
+    narrow = Loop(problem.system.parts, lanes=1)
+    counts = problem.system.counts(problem.system.step)
     index = [r.index for r in problem.ranges]
     low = problem.vectors(np.zeros((1, problem.dimension)))[0, index]
     width = problem.vectors(np.ones((1, problem.dimension)))[0, index] - low
-    vector = problem.nominal[None, :].copy()
+    vector = problem.system.nominal[None, :].copy()
 
     def one(x: Floats, _: Floats) -> float:
         vector[0, index] = low + x * width
-        return float(narrow.fly(vector, problem.step, *counts).costs[0, 0])
+        return float(narrow.fly(vector, problem.system.step, *counts).costs[0, 0])
 
     def ours() -> tuple[int, float]:
         search = direct.search(space(problem.dimension, EVALUATIONS), direct.Options())

@@ -12,7 +12,8 @@ import numpy as np
 from numba import njit
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from worker.systems.problem import Floats, Problem
+from tests.problems import Problem
+from worker.systems.base import Floats
 
 NAMES = (
     "m", "I_z", "R_t", "r", "k_a", "R_a", "I_e", "B_e", "k_b", "d", "a", "b", "k_PT", "k_PR", "k_DT", "k_DR",
@@ -150,7 +151,7 @@ class Reference:
         def of(prefix: str, *names: str) -> Floats:
             return np.ascontiguousarray(vectors[:, [problem.paths[f"{prefix}.{n}"] for n in names]])
 
-        self.steps, self.dt = problem.counts(problem.step)[0], problem.step
+        self.steps, self.dt = problem.system.counts(problem.system.step)[0], problem.system.step
         self.starts = of("start", "x", "y", "psi", "u", "omega")
         self.vehicles = of("vehicle", *NAMES)
         gains = of("controller", "k_p", "k_q", "K_1", "K_2", "K_3", "K_4", "k_aw", "u_low", "u_high", "w_high")

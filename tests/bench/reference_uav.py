@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from tests.problems import Problem
 from worker.components.controllers.autopilot_wings_level import WingsLevel
 from worker.physics.aerodynamics import Airframe
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
 
 AIR = Airframe()
 PILOT: Any = WingsLevel()
@@ -234,7 +235,7 @@ class Reference:
         def all_of(prefix: str, *names: str) -> Floats:
             return np.ascontiguousarray(vectors[:, [problem.paths[f"{prefix}.{n}"] for n in names]])
 
-        trim = problem.loop.extended["trim"]
+        trim = problem.system.loop.extended["trim"]
         alpha = float(vectors[0, trim.first])
         x, y, z, psi, speed = one("start", "x", "y", "z", "psi", "speed")
         start = np.zeros(16)
@@ -253,9 +254,9 @@ class Reference:
         errors[:, 4:] = all_of("controller", "k_u", "gamma_max")
         obstacle = np.array([*centre, *velocity, *one("obstacles.0", "radius")])
         bodies = all_of("vehicle", "m", "C_mde", "C_dt")
-        steps, every = problem.counts(problem.step)
+        steps, every = problem.system.counts(problem.system.step)
         at = vectors[0, trim.first : trim.first + 3].copy()
-        self.given = (case, start, bodies, obstacle, np.array(law), errors, at, problem.step, steps, every)
+        self.given = (case, start, bodies, obstacle, np.array(law), errors, at, problem.system.step, steps, every)
 
     def costs(self) -> Floats:
         return np.asarray(fly_all(*self.given))

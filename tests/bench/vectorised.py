@@ -20,8 +20,8 @@ from worker.systems.closed_loop.assemble import LANES
 COUNT = """
 import json, re, sys
 from campaigns import library, load_file
-from worker.systems.problem import Problem
-loop = Problem(load_file(library()[sys.argv[1]])).loop
+from tests.problems import Problem
+loop = Problem(load_file(library()[sys.argv[1]])).system.loop
 loop.warm()
 code = loop.assembly()
 patterns = {

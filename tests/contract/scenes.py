@@ -1,21 +1,29 @@
-"""A small campaign around any one component, so that it can be flown. Start reading at `around`."""
+"""A small campaign around any components, so that they can be flown. Start reading at `scene`."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from campaigns.asked.load import load_document
 from campaigns.catalogue import ComponentEntry, ParameterEntry
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Component, Controller, Criterion, Vehicle
-from worker.systems.problem import Floats, Problem
+from worker.kernels.component import Avoider, Component, Controller, Criterion, Vehicle
+from worker.systems.base import Floats
 
 HORIZON, STEP = 0.32, 0.005
 """[s]"""
+
+ONE = {
+    "vehicle": ("vehicle.", "start."), "controller": ("controller.",), "avoider": ("avoider.", "goal."),
+    "criterion": ("criterion.",),
+}  # fmt: skip
+"""Of which a scene has one; under what a campaign names its parameters."""
 
 
 def entry(component: Component) -> ComponentEntry:
@@ -25,46 +33,84 @@ def entry(component: Component) -> ComponentEntry:
     return found
 
 
-def around(component: Component) -> dict[str, Any]:
-    """A campaign that flies this component with the first others that fit."""
-    vehicle = component if isinstance(component, Vehicle) else _vehicle(component)
-    controller = component if isinstance(component, Controller) else _controller(vehicle)
-    chosen: dict[str, Component] = {"vehicle": vehicle, "controller": controller, component.role: component}
+class Scene(NamedTuple):
+    """A campaign around some components; under what it names the parameters of each, in their order."""
+
+    document: dict[str, Any]
+    prefixes: tuple[tuple[str, ...], ...]
+
+
+def scene(*chosen: Component) -> Scene:
+    """A campaign that flies these components with the first others that fit.
+
+    At most one vehicle, controller, avoider and criterion that decides.
+    """
+    decides = [c for c in chosen if not _beside(c)]
+    vehicle = next((c for c in chosen if isinstance(c, Vehicle)), None) or _vehicle(chosen)
+    controller = next((c for c in chosen if isinstance(c, Controller)), None) or _controller(vehicle)
+    several = {role: [c for c in decides if c.role == role] for role in (*ONE, "obstacle", "environment", "fault")}
+    several |= {"vehicle": [vehicle], "controller": [controller]}
     for role in ("avoider", "obstacle", "criterion"):
-        if role not in chosen or (role == "criterion" and _beside(component)):
-            chosen[role] = _first(role, vehicle, controller)
-    scenario: dict[str, Any] = {role: _part(chosen[role]) for role in ("vehicle", "controller", "avoider")}
+        several[role] = several[role] or [_first(role, vehicle, controller)]
+    (avoider,), (criterion,), beside = several["avoider"], several["criterion"], [c for c in chosen if _beside(c)]
+    goal = _values(entry(avoider).goals, 60.0)
+    scenario: dict[str, Any] = {role: _part(several[role][0]) for role in ("vehicle", "controller", "avoider")}
     scenario |= {
         "start": _values(entry(vehicle).starts, 0.0),
-        "goal": _values(entry(chosen["avoider"]).goals, 60.0),
-        "obstacles": [_part(chosen["obstacle"])],
+        "goal": goal,
+        "obstacles": [_part(c) for c in several["obstacle"]],
+        "environment": [_part(c) for c in several["environment"]],
+        "faults": [_fault(c, vehicle) for c in several["fault"]],
         "horizon": HORIZON,
         "step": STEP,
     }
-    if component.role == "environment":
-        scenario["environment"] = [_part(component)]
-    if component.role == "fault":
-        on = vehicle.inputs[0].name if entry(component).path == "actuator" else ""
-        scenario["faults"] = [_part(component) | {"on": on}]
-        if entry(component).path == "guidance":  # only sampled guidance can be late
-            scenario["guidance"] = {"period": 4 * STEP}
-    more: dict[str, Any] = {}
+    if any(entry(c).path == "guidance" for c in several["fault"]):  # only sampled guidance can be late
+        scenario["guidance"] = {"period": 4 * STEP}
     # Some avoiders only hold a course and have no goal.
-    path, value = next(((f"goal.{name}", at) for name, at in scenario["goal"].items()), ("start.x", 0.0))
-    if _beside(component):
-        more["objectives"] = [_part(component)]
-    return more | {
-        "name": f"{component.role} {component.name}",
+    path, value = next(((f"goal.{name}", at) for name, at in goal.items()), ("start.x", 0.0))
+    document = {
+        "name": "contract",
         "scenario": scenario,
         "uncertain": {path: {"low": value - 1, "high": value + 1}},
-        "criterion": _criterion(chosen["criterion"]),
+        "criterion": _criterion(criterion),
+        "objectives": [_part(c) for c in beside],
         "stages": {"search": [{"method": "direct", "evaluations": 1}]},
     }
+    lists = {"obstacle": "obstacles", "environment": "environment", "fault": "faults"}
+    places = {id(c): f"{lists[role]}.{k}." for role in lists for k, c in enumerate(several[role])}
+    places |= {id(c): f"objectives.{k}." for k, c in enumerate(beside)}
+    return Scene(document, tuple(ONE.get(c.role, ()) if id(c) not in places else (places[id(c)],) for c in chosen))
 
 
-def problem(component: Component, compiled: bool = True) -> Problem:
-    """That campaign, ready to fly; the same for components that share it."""
-    document = around(component) | {"name": "contract"}
+def around(component: Component) -> dict[str, Any]:
+    """A campaign that flies this component with the first others that fit."""
+    return scene(component).document
+
+
+def together() -> list[tuple[Component, ...]]:
+    """Every component, in as few scenes as there are avoiders: the others are dealt to them in turn."""
+    found: list[tuple[Component, ...]] = []
+    for dimension in (2, 3):
+        hands: list[list[Component]] = [[a] for a in _of("avoider") if entry(a).dimension == dimension]
+        vehicles = [v for v in _of("vehicle") if v.dimension == dimension]
+        pairs = [(v, c) for v in vehicles for c in _of("controller") if v.name in c.fits]
+        for k, hand in enumerate(hands):
+            hand.extend(pairs[k % len(pairs)])
+        # What flies in the plane and in space is dealt in the plane, whose loops are compiled in half the time.
+        rest = {role: _of(role) for role in ("obstacle", "environment", "fault", "criterion")}
+        for role, cards in rest.items():
+            fit = [c for c in cards if (entry(c).dimension or 2) == dimension]
+            first = len(hands) // 2 if role == "criterion" else 0
+            for k, card in enumerate(fit):
+                hands[(first + k) % len(hands)].append(card)
+        found += map(tuple, hands)
+    return found
+
+
+def problem(*chosen: Component, compiled: bool = True) -> Problem:
+    """The campaign of a scene, ready to fly, in plain Python half as long; the same for components that share it."""
+    document = scene(*chosen).document
+    document["scenario"]["horizon"] = HORIZON if compiled else HORIZON / 2
     return _problem(json.dumps(document), compiled)
 
 
@@ -73,30 +119,21 @@ def _problem(document: str, compiled: bool) -> Problem:
     return Problem(load_document(json.loads(document)), compiled)
 
 
-def prefixes(component: Component) -> tuple[str, ...]:
-    """Under what a campaign names its parameters."""
-    return {
-        "vehicle": ("vehicle.", "start."), "controller": ("controller.",), "avoider": ("avoider.", "goal."),
-        "obstacle": ("obstacles.0.",), "environment": ("environment.0.",), "fault": ("faults.0.",),
-        "criterion": ("objectives.0." if _beside(component) else "criterion.",),
-    }[component.role]  # fmt: skip
-
-
-def own(component: Component) -> dict[str, ParameterEntry]:
-    """Its parameters by path."""
+def own(component: Component, among: tuple[Component, ...] = ()) -> dict[str, ParameterEntry]:
+    """The parameters of a component by path, in a scene of its own or among others."""
     found: dict[str, ParameterEntry] = {}
-    described = entry(component)
-    for prefix in prefixes(component):
+    described, chosen = entry(component), among or (component,)
+    for prefix in dict(zip(map(id, chosen), scene(*chosen).prefixes, strict=True))[id(component)]:
         entries = {"start.": described.starts, "goal.": described.goals}.get(prefix, described.parameters)
         found |= {prefix + p.name: p for p in entries}
     return found
 
 
-def drawn(component: Component, count: int, seed: int = 1) -> Floats:
-    """Vectors (count, size) whose parameters of this component lie anywhere within its limits, often on them."""
-    chance, flown = np.random.default_rng(seed), problem(component)
-    vectors = np.repeat(flown.nominal[None, :], count, axis=0)
-    for path, p in own(component).items():
+def drawn(flown: Problem, of: Mapping[str, ParameterEntry], count: int, seed: int = 1) -> Floats:
+    """Vectors (count, size) in which these parameters lie anywhere within their limits, often on them."""
+    chance = np.random.default_rng(seed)
+    vectors = np.repeat(flown.system.nominal[None, :], count, axis=0)
+    for path, p in of.items():
         nominal = vectors[0, flown.paths[path]]
         ways = np.stack(
             [
@@ -112,11 +149,11 @@ def drawn(component: Component, count: int, seed: int = 1) -> Floats:
     return vectors
 
 
-def near(component: Component, count: int, seed: int = 1) -> Floats:
-    """Vectors (count, size) whose parameters of this component lie within a tenth of their nominal values."""
-    chance, flown = np.random.default_rng(seed), problem(component)
-    vectors = np.repeat(flown.nominal[None, :], count, axis=0)
-    for path, p in own(component).items():
+def near(flown: Problem, of: Mapping[str, ParameterEntry], count: int, seed: int = 1) -> Floats:
+    """Vectors (count, size) in which these parameters lie within a tenth of their nominal values."""
+    chance = np.random.default_rng(seed)
+    vectors = np.repeat(flown.system.nominal[None, :], count, axis=0)
+    for path, p in of.items():
         k = flown.paths[path]
         vectors[:, k] = np.clip(vectors[:, k] * chance.uniform(0.9, 1.1, count), p.low, p.high)
     return vectors
@@ -137,6 +174,10 @@ def _part(component: Component) -> dict[str, Any]:
     return {"component": component.name, "parameters": _values(entry(component).parameters, 30.0)}
 
 
+def _fault(component: Component, vehicle: Vehicle) -> dict[str, Any]:
+    return _part(component) | {"on": vehicle.inputs[0].name if entry(component).path == "actuator" else ""}
+
+
 def _values(entries: list[ParameterEntry], otherwise: float) -> dict[str, float]:
     """A value for everything that must be given."""
     return {p.name: float(np.clip(otherwise, p.low, p.high)) for p in entries if p.default is None}
@@ -146,16 +187,16 @@ def _of(role: str) -> list[Any]:
     return [c for (r, _), c in components().items() if r == role]
 
 
-def _vehicle(component: Component) -> Vehicle:
-    if isinstance(component, Controller):
-        return next(v for v in _of("vehicle") if v.name in component.fits)
-    dimension = entry(component).dimension
-    demand = getattr(component, "demand", None)
+def _vehicle(components: Sequence[Component]) -> Vehicle:
+    fits = [set(c.fits) for c in components if isinstance(c, Controller)]
+    dimensions = {entry(c).dimension for c in components} - {None}
+    demand = next((c.demand for c in components if isinstance(c, Avoider)), None)
     # The one with the fewest states: its loop is compiled in a fraction of the time of an aircraft's.
     return next(
         v
         for v in sorted(_of("vehicle"), key=lambda v: len(v.states))
-        if dimension in (None, v.dimension)
+        if dimensions <= {v.dimension}
+        and all(v.name in names for names in fits)
         and any(v.name in c.fits and demand in (None, *c.command) for c in _of("controller"))
     )
 

@@ -1,4 +1,7 @@
-"""Every component: documented, limited, and unbreakable within its limits; compiled and plain it flies the same."""
+"""Every component: documented, limited, and unbreakable within its limits.
+
+On the plain form, which needs no compiler; `test_compiled` holds the compiled form to it. Start reading at `EACH`.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,12 @@ import pytest
 
 from campaigns import check
 from campaigns.asked.load import load_document
-from campaigns.results.base import EXCLUDED, FAILED, OK
-from tests.contract.scenes import STEP, around, drawn, entry, near, own, problem
+from campaigns.results.base import OK
+from tests.contract.flights import no_number_shows, unbreakable
+from tests.contract.scenes import around, entry, own, problem
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components, source_of
 from worker.kernels.component import Component, Criterion, Vehicle, declared
-from worker.systems.problem import Problem
 
 EACH = pytest.mark.parametrize("component", components().values(), ids=lambda c: f"{c.role}-{c.name}")
 
@@ -61,6 +65,7 @@ def test_its_parameters_have_unit_text_and_limits(component: Component) -> None:
         assert p.default is None or p.low <= p.default <= p.high, path
 
 
+VEHICLES = [c for (role, _), c in components().items() if role == "vehicle"]
 CRITERIA = [c for (role, _), c in components().items() if role == "criterion"]
 
 
@@ -80,9 +85,9 @@ def test_a_criterion_says_which_end_is_worse(criterion: Criterion) -> None:
 
 @pytest.mark.parametrize("criterion", [c for c in CRITERIA if c.worse == "high"], ids=lambda c: c.name)
 def test_a_criterion_beside_the_one_that_decides_changes_nothing_of_it(criterion: Criterion) -> None:
-    beside = problem(criterion)
-    document = around(criterion) | {"objectives": []}
-    alone = Problem(load_document(document))
+    beside = problem(criterion, compiled=False)
+    document = beside.campaign.document() | {"objectives": []}
+    alone = Problem(load_document(document), compiled=False)
     points = np.random.default_rng(5).random((21, 1))
     batch, _ = beside.fly(points)
     assert batch.costs.shape == (21, 2)
@@ -91,68 +96,37 @@ def test_a_criterion_beside_the_one_that_decides_changes_nothing_of_it(criterion
     assert (batch.costs[:, 1] <= 0.0).all()
 
 
-@EACH
-def test_a_vehicle_tells_its_states_and_limits(component: Component) -> None:
-    if not isinstance(component, Vehicle):
-        return
-    assert len({s.name for s in component.states}) == len(component.states)
-    assert all(limit.text and not limit.text.endswith(".") for limit in component.limits)
-    flown = problem(component)
-    x = flown.loop.part("initial")(flown.loop.extend(flown.nominal))
-    assert len(x) >= len(component.states)
-    assert flown.loop.part("envelope")(x, flown.loop.extend(flown.nominal)) == 0.0
+@pytest.mark.parametrize("vehicle", VEHICLES, ids=lambda v: v.name)
+def test_a_vehicle_tells_its_states_and_limits(vehicle: Vehicle) -> None:
+    assert len({s.name for s in vehicle.states}) == len(vehicle.states)
+    assert all(limit.text and not limit.text.endswith(".") for limit in vehicle.limits)
+    flown = problem(vehicle, compiled=False)
+    x = flown.system.loop.part("initial")(flown.system.loop.extend(flown.system.nominal))
+    assert len(x) >= len(vehicle.states)
+    assert flown.system.loop.part("envelope")(x, flown.system.loop.extend(flown.system.nominal)) == 0.0
 
 
 @EACH
 def test_it_flies_with_the_first_others_that_fit(component: Component) -> None:
     made = load_document(around(component))
     assert check(made, catalogue()) == []
-    batch, reasons = problem(component).fly(np.array([[0.0], [0.5], [1.0]]))
+    batch, reasons = problem(component, compiled=False).fly(np.array([[0.0], [0.5], [1.0]]))
     assert batch.status.tolist() == [OK] * 3, reasons
 
 
 @EACH
 def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(component: Component) -> None:
-    flown, vectors = problem(component), drawn(component, 384)
-    batch, reasons = flown.fly_vectors(vectors)
-    ok = batch.status == OK
-    assert np.isfinite(batch.costs[ok]).all()
-    assert np.isnan(batch.costs[~ok]).all()
-    assert batch.costs.shape == (len(vectors), len(flown.criteria))
-    assert set(np.unique(batch.status)) <= {OK, FAILED, EXCLUDED}
-    assert sorted(reasons) == np.flatnonzero(~ok).tolist()
-    assert all(reason.startswith("the flight ") for reason in reasons.values())
-    again, _ = flown.fly_vectors(vectors[::-1])
-    assert again.costs[::-1].tobytes() == batch.costs.tobytes()
+    unbreakable(problem(component, compiled=False), own(component), 16)
 
 
 @EACH
 def test_a_value_that_is_no_number_fails_the_flight_or_changes_nothing(component: Component) -> None:
-    # NaN must never come out as a cost that looks like one; a parameter that this flight does not use may be anything.
-    flown = problem(component)
-    usual, _ = flown.fly_vectors(flown.nominal[None, :])
-    for path in own(component):
-        vector = flown.nominal.copy()
-        vector[flown.paths[path]] = np.nan
-        batch, _ = flown.fly_vectors(vector[None, :])
-        assert batch.status[0] != OK or np.array_equal(batch.costs, usual.costs), path
-
-
-@EACH
-def test_compiled_it_flies_as_in_plain_python(component: Component) -> None:
-    compiled, vectors, steps = problem(component), near(component, 16), 24
-    plain = problem(component, compiled=False)
-    one, other = (p.loop.fly(vectors, STEP, steps, traced=1) for p in (compiled, plain))
-    assert one.status.tolist() == other.status.tolist()
-    ok = one.status == 0.0
-    assert ok.any()
-    assert one.costs[ok] == pytest.approx(other.costs[ok], rel=1e-12, abs=1e-12)
-    assert one.trace == pytest.approx(other.trace, rel=1e-9, abs=1e-9, nan_ok=True)
+    no_number_shows(problem(component, compiled=False), own(component))
 
 
 def test_a_far_obstacle_does_not_fail_a_flight() -> None:
     obstacle = components()["obstacle", "circle"]
-    flown = problem(obstacle)
+    flown = problem(obstacle, compiled=False)
     vector = flown.vector({"obstacles.0.position.x": 1e6, "obstacles.0.position.y": 1e6})
-    batch, reasons = flown.fly_vectors(vector[None, :])
+    batch, reasons = flown.system.fly_vectors(vector[None, :])
     assert batch.status[0] == OK, reasons

@@ -14,9 +14,9 @@ from campaigns import check
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
 from tests.contract.scenes import around
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Avoider, Controller, Vehicle
-from worker.systems.problem import Problem
 
 STEPS = 12
 
@@ -52,11 +52,11 @@ def test_it_flies(avoider: Avoider, vehicle: Vehicle, controller: Controller) ->
     assert check(campaign, catalogue()) == []
     problem = Problem(campaign, compiled=False)
     vectors = problem.vectors(np.array([[0.0], [0.5], [1.0]]))
-    flown = problem.loop.fly(vectors, problem.step, STEPS)
-    status, reasons = problem.judge(flown.status, flown.when)
+    flown = problem.system.loop.fly(vectors, problem.system.step, STEPS)
+    status, reasons = problem.system.judge(flown.status, flown.when)
     assert status.tolist() == [OK] * 3, reasons
     assert np.isfinite(flown.costs).all()
     held = np.repeat(vectors[1:2], 2, axis=0)
     held[1, problem.paths["start.x"]] += 1e-3
-    apart = problem.loop.fly(held, problem.step, STEPS, traced=1).trace
+    apart = problem.system.loop.fly(held, problem.system.step, STEPS, traced=1).trace
     assert np.isfinite(apart).all()

@@ -6,15 +6,15 @@ Start reading at `Visit`.
 from __future__ import annotations
 
 import io
+import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, ConsoleMessage, Error, Page, Playwright, Request, WebSocket, expect
+from playwright.sync_api import Browser, ConsoleMessage, Error, Locator, Page, Playwright, Request, WebSocket, expect
 
 from tests.faults.processes import REPOSITORY
 
@@ -70,14 +70,18 @@ class Visit:
             self.go(path)
         return self.page
 
-    def shot(self, name: str, *, full: bool = True) -> Path:
-        """Keep a picture of the page."""
+    def shot(self, name: str, *, full: bool = True, of: Locator | None = None) -> None:
+        """Keep a picture of the page, or of a part of it, where CLEARANCE_SCREENSHOTS asks for them."""
+        if not os.environ.get("CLEARANCE_SCREENSHOTS"):
+            return
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         file = SCREENSHOTS / f"{name}.png"
+        if of is not None:
+            of.screenshot(path=file, animations="disabled")
+            return
         if full:
             self.page.evaluate("scrollTo({top: 0, behavior: 'instant'})")  # else the header stands in the middle
         self.page.screenshot(path=file, full_page=full, animations="disabled")
-        return file
 
     def _said(self, message: ConsoleMessage) -> None:
         if message.type == "error":

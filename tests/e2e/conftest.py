@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from tests.e2e.browser import Visit, launch, visiting
 from tests.faults.processes import REPOSITORY
-from tests.faults.test_serve import Service, serving
+from tests.faults.serving import Service, serving
 
 
 @pytest.fixture(scope="module")

@@ -37,9 +37,11 @@ PAGES = {
     "runs-removed": ("/runs?removed=true", "tr[data-run=R-0005]"),
     "run-removed": ("/runs/R-0005", "text=Removed from the lists"),
     "run": ("/runs/R-0001", "#separation canvas"),
+    "run-what-if": ("/runs/R-0001?whatif=F1&set=vehicle.J:0.05", "#what-if input[type=range]"),
+    "run-flight": ("/runs/R-0001/flight?whatif=nominal", "#what-if input[type=range]"),
     "run-violated": ("/runs/R-0002", "#separation canvas"),
     "run-live": ("/runs/R-0003", "[data-testid=best]"),
-    "run-queued": ("/runs/R-0004", "text=This run waits for a worker"),
+    "run-queued": ("/runs/R-0004", "text=This run is waiting for a worker"),
     "launch": ("/launch", "role=radio[name=/Unicycle, static/]"),
     "launch-text": ("/launch?tab=yaml", "role=textbox[name='Campaign as YAML']"),
     "compare": ("/compare?runs=R-0001,R-0002", "[data-testid=change]"),
@@ -78,6 +80,7 @@ VIEW = ViewState(
     ),
     what_if=None,
     what_if_seed=None,
+    what_if_source=None,
 ).model_dump(mode="json")
 """What an open 3D view would answer."""
 
@@ -194,7 +197,7 @@ def test_what_opens_over_a_page_is_accessible(visit: Visit, filled: Service, the
 def test_a_refused_entry_is_accessible(visit: Visit, filled: Service, theme: str) -> None:
     seen(visit, theme, *PAGES["launch"])
     visit.page.get_by_label("Mass, low").fill("-3")
-    expect(visit.page.locator("[data-problem='uncertain.vehicle.m.low']")).to_contain_text("lies within")
+    expect(visit.page.locator("[data-problem='uncertain.vehicle.m.low']")).to_contain_text("must be within")
     assert violations(visit.page) == []
 
 

@@ -26,9 +26,9 @@ from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.flown import CODE, OTHER
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.e2e.browser import SCREENSHOTS, Visit, visiting
+from tests.e2e.browser import Visit, visiting
+from tests.e2e.looking import looks
 from tests.e2e.stored import served
-from tests.e2e.test_whole_way import looks
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
@@ -118,7 +118,6 @@ def test_the_charts_over_time_share_their_crosshair(page: Page) -> None:
     time = float(separation.locator(".tip .b").inner_text().removesuffix(" s"))
     speed = f"{0.4 + 0.05 * math.sin(time):.3f}"  # as `flight` has it
     expect(motion.locator(".readout").first).to_have_text(speed * 2)
-    motion.screenshot(path=SCREENSHOTS / "motion.png")
     separation.get_by_role("button", name="Whole flight").click()
     expect(page).to_have_url(re.compile("time=all"))
     with page.expect_download() as download:
@@ -170,14 +169,14 @@ def test_the_report_is_read_and_printed(page: Page) -> None:
 
 def test_what_is_installed_otherwise_now_is_told(finished: Service, page: Page) -> None:
     card = page.locator("#components")
-    expect(card).to_contain_text("What is installed now says the same.")
+    expect(card).to_contain_text("The installed components are the same.")
     document = CATALOGUE.model_dump(mode="json")
     document["components"][0]["parameters"][1]["default"] = 0.2
     with finished.engine.begin() as writer:
         writer.execute(sa.update(CatalogueDocument).values(document=document, code=OTHER.digest))
     page.reload()
-    expect(card).to_contain_text(f"{CODE.digest[:12]} flew this run, {OTHER.digest[:12]} is installed now")
-    expect(card).not_to_contain_text("says the same")
+    expect(card).to_contain_text(f"{CODE.digest[:12]} simulated this run, {OTHER.digest[:12]} is installed now")
+    expect(card).not_to_contain_text("installed components are the same")
     expect(card.get_by_role("listitem")).to_have_text(
         "The default of J of the vehicle unicycle was 0.05 kg m2, here it is 0.2 kg m2."
     )
@@ -189,7 +188,7 @@ def test_what_is_installed_otherwise_now_is_told(finished: Service, page: Page) 
 def test_results_are_signed_off_and_that_is_withdrawn(visit: Visit, page: Page) -> None:
     page.reload()
     card = page.locator("#signoff")
-    expect(card).to_contain_text("Nobody has signed")
+    expect(card).to_contain_text("These results have not been signed off yet")
     card.get_by_role("button", name="Sign off").click()
     dialog = page.get_by_role("dialog")
     dialog.get_by_role("textbox", name="Name").fill("Grace Hopper")
@@ -276,6 +275,6 @@ def test_a_purged_run_says_what_became_of_it(finished: Service, visit: Visit) ->
     expect(page.get_by_role("heading", name="R-0001 was purged")).to_be_visible()
     expect(page.get_by_role("alert")).to_contain_text("was removed by local on")
     page.locator("#history").get_by_role("button", name="Show").click()
-    expect(page.locator("#history tbody tr").first).to_contain_text("Deleted its results for good")
+    expect(page.locator("#history tbody tr").first).to_contain_text("Permanently deleted its results")
     visit.shot("purged-1440-light")
     visit.wrong = [wrong for wrong in visit.wrong if "410" not in wrong]  # the browser's own note of the answer

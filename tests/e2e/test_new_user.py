@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page, expect
 from backend.db.engine import connect, default_url
 from tests.audited import audited
 from tests.e2e.browser import visiting
-from tests.faults.test_serve import serving
+from tests.faults.serving import serving
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 

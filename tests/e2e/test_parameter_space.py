@@ -17,9 +17,9 @@ from tests.api.catalogue import campaign, published_by_workers
 from tests.api.lost import lose
 from tests.api.reported import finish_fully
 from tests.api.server import Service
-from tests.e2e.browser import PATIENCE, SCREENSHOTS, Visit, visiting
+from tests.e2e.browser import PATIENCE, Visit, visiting
+from tests.e2e.looking import LOOKS
 from tests.e2e.stored import served
-from tests.e2e.test_whole_way import LOOKS
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
@@ -83,14 +83,13 @@ def test_all_evaluations_are_drawn(visit: Visit, card: Locator) -> None:
 
 def test_it_fits_at_both_widths_in_both_themes(visit: Visit, card: Locator) -> None:
     page = visit.page
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     for width, theme in LOOKS:
         page.set_viewport_size({"width": width, "height": 900})
         page.emulate_media(color_scheme=theme)
         expect(page.locator("html")).to_have_attribute("data-theme", theme, timeout=PATIENCE)
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         # The card alone: the 3D view above it takes seconds to be drawn without a graphics card.
-        card.screenshot(path=SCREENSHOTS / f"space-{width}-{theme}.png", animations="disabled")
+        visit.shot(f"space-{width}-{theme}", of=card)
     page.set_viewport_size({"width": 1440, "height": 900})
     page.emulate_media(color_scheme="light")
 
@@ -103,7 +102,7 @@ def test_a_range_on_an_axis_keeps_what_lies_within_it_in_every_view(visit: Visit
     assert 300 < number < 500
     for view in ("Parallel coordinates", "Scatter"):
         expect(card.get_by_role("group", name=re.compile(f"^{view} of {number} evaluations"))).to_be_visible()
-    card.screenshot(path=SCREENSHOTS / "space-range.png")
+    visit.shot("space-range", of=card)
     with visit.page.expect_download() as download:
         card.get_by_role("button", name="Download CSV").click()
     with Path(download.value.path()).open(newline="") as file:
@@ -159,7 +158,7 @@ def test_what_was_really_excluded_or_failed_is_told_apart(visit: Visit) -> None:
         switch.click()
         expect(kept(card)).to_have_text(re.compile(f"^{21 - number} of 21 evaluations kept"))
         switch.click()
-    card.screenshot(path=SCREENSHOTS / "space-lost.png", animations="disabled")
+    visit.shot("space-lost", of=card)
     failures = visit.page.locator("#failures")
     expect(failures).to_contain_text(re.compile("7 failed.*4 excluded", re.S))
     expect(failures.get_by_role("row", name=re.compile("Excluded"))).to_have_count(4)

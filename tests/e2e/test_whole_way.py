@@ -6,7 +6,6 @@ The tests of this file are one story, in order: each begins where the one before
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from typing import Any
 
 import httpx
@@ -16,38 +15,16 @@ from playwright.sync_api import Browser, FrameLocator, expect
 from backend.db.engine import connect, default_url
 from tests.audited import audited
 from tests.e2e.browser import PATIENCE, Visit, near, pixels, visiting
+from tests.e2e.looking import api, looks
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import until
-from tests.faults.test_serve import Service
+from tests.faults.serving import Service
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(600)]
 
 VERDICTS = "Cleared|Violated|Inconclusive"
 VERMILLION = (222, 103, 20)
-LOOKS = [(width, theme) for width in (1440, 1280) for theme in ("light", "dark")]
 THIN = "\u202f"
-
-
-def api(visit: Visit, path: str) -> Any:
-    """What the API says to this browser's session."""
-    answer = visit.page.request.get(f"{visit.address}/api/v1{path}")
-    assert answer.ok, answer.text()
-    return answer.json()
-
-
-def looks(visit: Visit, name: str, settled: Callable[[Visit], object] = lambda visit: None) -> None:
-    """Pictures at both widths in both themes, each once settled; nothing may be wider than the window."""
-    for width, theme in LOOKS:
-        visit.page.set_viewport_size({"width": width, "height": 900})
-        visit.page.emulate_media(color_scheme=theme)
-        expect(visit.page.locator("html")).to_have_attribute("data-theme", theme)
-        # Not by `wait_for_function`: it evaluates text in the page, which the page's policy refuses.
-        until(lambda: visit.page.evaluate("document.fonts.status") == "loaded", "fonts loaded", 30)
-        assert visit.page.evaluate("document.documentElement.scrollWidth") <= width
-        settled(visit)
-        visit.shot(f"{name}-{width}-{theme}")
-    visit.page.set_viewport_size({"width": 1440, "height": 900})
-    visit.page.emulate_media(color_scheme="light")
 
 
 def test_a_stranger_is_told_how_to_come_in(service: Service, browser: Browser) -> None:
@@ -75,7 +52,7 @@ def test_a_wrong_bound_is_refused_beside_its_field(signed_in: Visit) -> None:
     low, start = page.get_by_label("Mass, low"), page.get_by_role("button", name="Start run")
     low.fill("-3")
     said = page.locator("[data-problem='uncertain.vehicle.m.low']")
-    expect(said).to_contain_text("lies within")
+    expect(said).to_contain_text("must be within")
     expect(low).to_have_attribute("aria-invalid", "true")
     expect(start).to_be_disabled()
     low.fill("4.2 kg")
@@ -107,12 +84,12 @@ def test_the_scenario_is_drawn_and_flown_while_it_is_edited(signed_in: Visit) ->
     page.get_by_label("Criterion, threshold").fill("0.95")
     expect(said).to_contain_text("violates 0.95 m by 0.0064 m")
     page.get_by_label("Criterion, threshold").fill("none")
-    expect(said).to_contain_text("once the problems are solved")
+    expect(said).to_contain_text("when the problems are solved")
     expect(said).to_contain_text("Of the campaign before the last edit")
     page.get_by_label("Criterion, threshold").fill("0.5")
     expect(said).to_contain_text("clear by 0.4436 m")
     looks(signed_in, "launch-preview")
-    page.get_by_role("button", name="Stop flying every edit").click()
+    page.get_by_role("button", name="Stop previewing every edit").click()
 
 
 def test_further_criteria_and_faults_are_added_and_taken_out(signed_in: Visit) -> None:
@@ -123,7 +100,7 @@ def test_further_criteria_and_faults_are_added_and_taken_out(signed_in: Visit) -
     expect(page.get_by_role("combobox", name="Further criterion 1, component")).to_have_value("Time to goal")
     page.get_by_role("combobox", name="Add criterion").click()
     page.get_by_role("option", name="Time to goal").click()
-    expect(page.locator("[data-problem='objectives.1.component']")).to_contain_text("given already")
+    expect(page.locator("[data-problem='objectives.1.component']")).to_contain_text("already given")
     page.get_by_role("combobox", name="Add fault").click()
     page.get_by_role("option", name="Sensor noise").click()
     page.get_by_text("Realisations of what is random").click()
@@ -156,7 +133,7 @@ def test_a_draft_is_kept_and_never_overwritten_unseen(signed_in: Visit) -> None:
     expect(page.get_by_label("Mass, low")).to_have_value("4.1")
     page.get_by_label("Mass, low").fill("4.2")
     page.get_by_role("button", name="Save D-0001").click()
-    expect(page.get_by_test_id("kept")).to_have_text("Everything is kept in D-0001.")
+    expect(page.get_by_test_id("kept")).to_have_text("All changes are saved in D-0001.")
     # The browser itself notes the save that was refused.
     assert [wrong for wrong in signed_in.wrong if "409" not in wrong] == []
     signed_in.wrong.clear()
@@ -277,22 +254,85 @@ def colours(picture: Any) -> set[tuple[int, ...]]:
 
 def test_the_flight_is_seen_in_3d(signed_in: Visit) -> None:
     frame = flown(signed_in)
-    expect(frame.locator("body")).to_contain_text("What-if")
+    expect(frame.locator("body")).to_contain_text("Values")
     looks(signed_in, "run", flown)
 
 
 def test_a_slider_flies_the_case_anew(signed_in: Visit) -> None:
-    frame = flown(signed_in)
-    signed_in.page.get_by_role("button", name="Open the panel").click()
-    frame.get_by_role("tab", name="What-if").click()
-    expect(frame.get_by_text("Move a slider to fly the case.")).to_be_visible()
-    slider = frame.get_by_role("slider").first
+    """Its numbers are on the page, the view draws the flight, and the address has it."""
+    flown(signed_in)
+    page = signed_in.page
+    page.get_by_role("button", name="What-if", exact=True).click()
+    card = page.locator("#what-if")
+    expect(page).to_have_url(re.compile("whatif=F1"))
+    cost = card.get_by_test_id("what-if-cost")
+    worst = page.get_by_test_id("worst-cost").inner_text()
+    expect(cost).to_have_text(worst, timeout=PATIENCE)
+    (run,) = re.findall(r"R-\d+", page.url)[:1]
+    found = api(signed_in, f"/runs/{run}/findings")[0]["parameters"]
+    card.get_by_role("combobox", name="Begin at the parameters of").select_option("nominal")
+    expect(cost).to_have_text("0.9436")
+    expect(card.get_by_test_id("what-if-margin")).to_have_text("+0.4436")
+    slider = card.get_by_role("slider").first
     slider.focus()
+    time = page.get_by_role("slider", name="Time").input_value()
     for _ in range(20):
         slider.press("ArrowRight")
-    readout = frame.locator("body")
-    expect(readout).to_contain_text(re.compile(r"d_min\s*0\.94\d\d m"), timeout=PATIENCE)
+    expect(card).to_contain_text("1 changed")
+    expect(cost).not_to_have_text("0.9436")
+    expect(cost).to_have_text(re.compile(r"^0\.94\d\d$"))
+    assert page.get_by_role("slider", name="Time").input_value() == time, "the arrows moved the parameter alone"
+    expect(page).to_have_url(re.compile(r"set=vehicle\.m:"))
+    expect(page.locator("#separation")).to_contain_text("What-if")
     signed_in.shot("what-if-1440-light", full=False)
+    slider.press("End")
+    expect(card.get_by_role("textbox").first).to_have_value("6.000")
+    field = card.get_by_role("textbox").first
+    field.fill(repr(found["vehicle.m"]))
+    field.press("Enter")
+    other = card.get_by_role("textbox").nth(1)
+    other.fill(repr(found["vehicle.J"]))
+    other.press("Enter")
+    expect(cost).to_have_text(worst)
+    other.fill("7")
+    expect(other).to_have_attribute("aria-invalid", "true")
+    other.press("Escape")
+    shared = page.url
+    card.get_by_role("button", name="Back to nominal").click()
+    expect(cost).to_have_text("0.9436")
+    expect(page).not_to_have_url(re.compile("set="))
+    signed_in.page.goto(shared)
+    expect(page.locator("#what-if").get_by_test_id("what-if-cost")).to_have_text(worst)
+    looks(signed_in, "what-if", flown)
+    page.get_by_role("button", name="Close the what-if").click()
+    expect(page.locator("#what-if")).to_have_count(0)
+    expect(page).not_to_have_url(re.compile("whatif"))
+
+
+def test_the_view_in_a_window_of_its_own_has_the_same_controls(signed_in: Visit) -> None:
+    with signed_in.page.context.expect_page() as opened:
+        signed_in.page.get_by_role("link", name="Own window").click()
+    window = Visit(opened.value, signed_in.address)
+    page = window.page
+    expect(page).to_have_url(re.compile(r"/runs/R-\d+/flight\?.*finding=F1"))
+    flown(window)
+    bar = page.get_by_role("group", name="Time of the flight")
+    bar.get_by_role("button", name="Closest approach").click()
+    page.get_by_role("combobox", name="Flight shown").select_option("nominal")
+    expect(page).to_have_url(re.compile("finding=nominal"))
+    page.get_by_role("button", name="What-if", exact=True).click()
+    expect(page.get_by_test_id("what-if-cost")).to_have_text("0.9436", timeout=PATIENCE)
+    bar.get_by_role("button", name="Shown").click()
+    expect(page.get_by_role("checkbox", name="What-if flight")).to_be_checked()
+    page.keyboard.press("Escape")
+    window.shot("flight-window-1440-light", full=False)
+    # An address of the view itself, as earlier links have it, leads here.
+    run = re.findall(r"R-\d+", page.url)[0]
+    window.go(f"/view/{run}/F1/t/3.25/cam/top/dark")
+    expect(page).to_have_url(re.compile(rf"/runs/{run}/flight\?.*finding=F1.*t=3\.25.*cam=top"))
+    expect(bar.get_by_role("slider", name="Time")).to_have_value("3.25")
+    page.close()
+    assert window.wrong == []
 
 
 def test_the_list_shows_it_and_finds_it(signed_in: Visit) -> None:

@@ -17,14 +17,16 @@ from typing import Any
 import numpy as np
 
 from backend.db.records import StagePlan
-from campaigns import Campaign, Problem
+from campaigns import Campaign
+from campaigns import Problem as Wrong
 from campaigns.results import Verdict
 from tests import results
 from tests.faults.cases import columns
+from worker.opening import opened
+from worker.problem.problem import Problem
 from worker.runs import provenance
 from worker.stages.parts.store import Store
-from worker.systems import problem as ready
-from worker.systems.problem import CampaignUnusable
+from worker.systems.base import CampaignUnusable
 
 SEARCH = 400
 CHUNK = 20
@@ -57,9 +59,9 @@ def execute(campaign: Campaign, store: Store) -> Verdict | None:
 
 def flying(campaign: Campaign, store: Store) -> Verdict:
     """The nominal flight alone, in plain Python, of the code that this process loaded; then the accident, if any."""
-    problem = ready.Problem(campaign, compiled=False)
+    problem = Problem(campaign, opened.closed_loop(campaign, compiled=False))
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
-    provenance.begin(store, problem)
+    provenance.begin(store, problem.system)
     if records[0].state != "done":
         store.begin(0)
         batch, _ = problem.fly(problem.nominal_point[None, :])
@@ -101,7 +103,7 @@ def spawn_and_hang() -> None:
 
 def refuse() -> None:
     """As the runner does with a campaign that cannot be run."""
-    raise CampaignUnusable([Problem("scenario.vehicle", "unicycle", "it has no wings; choose another one")])
+    raise CampaignUnusable([Wrong("scenario.vehicle", "unicycle", "it has no wings; choose another one")])
 
 
 def fail() -> None:

@@ -11,28 +11,16 @@ from backend.db.engine import connect, migrate, read
 from backend.db.queue import Claim, submit
 from backend.db.store import RunStore, as_result
 from backend.db.tables import Finding, Run, Stage, Trace
-from campaigns import Campaign, library, load_file
+from campaigns import Campaign
 from tests.audited import audited
 from tests.faults import postgres
+from tests.faults.long import SAMPLE, case
 from tests.faults.processes import alive, kill, until, worker
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 
-SAMPLE = 100_000
-"""Long enough to be killed in the middle, twice."""
-
 SEARCH = 3
 """The position of the random search."""
-
-
-def case() -> Campaign:
-    """Case 1 with a short DIRECT and a long Monte Carlo search."""
-    document = load_file(library()["unicycle_static"]).document()
-    document["stages"]["search"] = [
-        {"method": "direct", "evaluations": 300},
-        {"method": "monte_carlo", "evaluations": SAMPLE},
-    ]
-    return Campaign.model_validate(document)
 
 
 def test_a_search_killed_twice_ends_as_if_it_never_had_been(database: sa.Engine, tmp_path: Path) -> None:

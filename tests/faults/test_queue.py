@@ -79,7 +79,7 @@ def test_a_silent_worker_loses_its_run_and_can_write_nothing(database: sa.Engine
     expire(database, run_id)
     fresh = claimed(queue, "next")
     assert (fresh.fence, fresh.attempt) == (2, 2)
-    assert "lost" in row(database, run_id).error
+    assert "stopped sending heartbeats" in row(database, run_id).error
     old = RunStore(database, stale)
     for write in (lambda: old.begin(0), lambda: old.plan(PLAN), lambda: old.finish(0, results.nominal(), 0.0)):
         with pytest.raises(LostLease):
@@ -120,8 +120,8 @@ def test_three_attempts_then_failed_with_a_sentence(database: sa.Engine) -> None
     ended = row(database, run_id)
     assert (ended.state, ended.finished is None) == ("failed", False)
     assert ended.error == (
-        "Given up after 3 attempts in the search stage (direct); "
-        "the last one: the worker process ended with signal 9 (SIGKILL)."
+        "Failed after 3 attempts in the search stage (direct); "
+        "last attempt: the worker process ended with signal 9 (SIGKILL)."
     )
     assert queue.claim("w") is None
 
@@ -135,7 +135,7 @@ def test_three_lost_workers_end_the_run_too(database: sa.Engine) -> None:
     ended = row(database, run_id)
     assert ended.state == "failed"
     assert ended.error == (
-        "Given up after 3 attempts before its first stage; the last one: its worker was lost without a sign."
+        "Failed after 3 attempts before its first stage; last attempt: its worker stopped sending heartbeats."
     )
 
 

@@ -2,61 +2,20 @@
 
 from __future__ import annotations
 
-import re
 import signal
 import socket
 import subprocess
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import httpx
 import sqlalchemy as sa
 
 from backend.db.engine import connect, default_url, read
 from backend.db.queue import submit
 from backend.db.tables import Run
-from tests.faults.processes import CLEARANCE, REPOSITORY, Started, alive, command_of, kill, started, until
-from tests.faults.test_kill import case
-
-
-class Service(Started):
-    """A running `clearance serve`."""
-
-    data: Path
-
-    def link(self) -> str:
-        found = re.search(r"http://\S+/login\?code=\S+", self.text())
-        assert found, self.text()
-        return found[0]
-
-    def healthy(self) -> bool:
-        return get(self.link().partition("/login")[0] + "/api/v1/health") == 200
-
-    def part(self, words: str) -> int:
-        """The process of that command line; 0 while there is none."""
-        return next((pid for pid in self.family() if words in command_of(pid)), 0)
-
-
-def get(url: str) -> int:
-    """The status of the answer; 0 when there is none."""
-    try:
-        return httpx.get(url, timeout=10, trust_env=False).status_code
-    except httpx.TransportError:
-        return 0
-
-
-@contextmanager
-def serving(folder: Path) -> Iterator[Service]:
-    data = folder / "data"
-    with started([*CLEARANCE, "serve", "--data", str(data), "--port", "0"], folder, "serve") as running:
-        running.__class__ = Service
-        assert isinstance(running, Service)
-        running.data = data
-        until(lambda: "Clearance is ready" in running.text() or running.process.poll() is not None, "ready", 120)
-        assert running.process.poll() is None, running.text()
-        yield running
+from tests.faults.long import case
+from tests.faults.processes import CLEARANCE, REPOSITORY, alive, kill, until
+from tests.faults.serving import get, serving
 
 
 def clearance(*arguments: str) -> subprocess.CompletedProcess[str]:

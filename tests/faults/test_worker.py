@@ -106,7 +106,7 @@ def test_after_one_accident_the_run_goes_on_where_it_was(bench: Bench, tmp_path:
 def test_a_poisonous_run_is_given_up_after_three_attempts(bench: Bench, accident: str, how: str) -> None:
     ended = bench.ended(bench.submit(accident))
     assert ended.state == "failed"
-    assert ended.error == f"Given up after 3 attempts in the search stage (direct); the last one: {how}."
+    assert ended.error == f"Failed after 3 attempts in the search stage (direct); last attempt: {how}."
     assert (ended.fence, ended.attempts, ended.verdict) == (3, 3, None)
 
 
@@ -122,7 +122,9 @@ def test_a_campaign_that_cannot_be_run_fails_at_once(bench: Bench) -> None:
 def test_a_simulation_cannot_take_the_memory_of_the_machine(bench: Bench) -> None:
     ended = bench.ended(bench.submit("devour"))
     assert (ended.state, ended.attempts) == ("failed", 1)
-    assert ended.error.startswith("the simulation needs more than the 8 GiB that one may take: lower the evaluations")
+    assert ended.error.startswith(
+        "the simulation needs more than the limit of 8 GiB per process: lower the evaluations"
+    )
     assert bench.ended(bench.submit("none")).state == "done"
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from tests.problems import Problem
 from worker.systems.closed_loop.trace import trace
-from worker.systems.problem import Problem
 
 SHOWN = ("x", "y", "z", "yaw", "u", "separation")
 
@@ -55,9 +55,9 @@ CLOSEST = {
 @pytest.mark.parametrize("name", PINNED)
 def test_trajectory(name: str) -> None:
     problem = Problem(load_file(library()[name]))
-    flown = trace(problem, "nominal", {})
+    flown = trace(problem.system, "nominal", {})
     columns = [[c.name for c in flown.columns].index(n) for n in SHOWN]
-    rows = [round(t / problem.step) for t, _ in PINNED[name]]
+    rows = [round(t / problem.system.step) for t, _ in PINNED[name]]
     assert flown.data[rows][:, columns] == pytest.approx(np.array([row for _, row in PINNED[name]]), abs=1e-9)
     closest = flown.meta.closest
     assert closest is not None

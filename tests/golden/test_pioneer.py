@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from tests.problems import Problem
+from worker.systems.base import Floats
 from worker.systems.closed_loop.trace import trace
-from worker.systems.problem import Floats, Problem
 
 PROBLEM = Problem(load_file(library()["pioneer_moving"]))
 CORNER = {
@@ -21,7 +22,7 @@ CORNER = {
 
 
 def rows(values: dict[str, float]) -> Floats:
-    flown = trace(PROBLEM, "pinned", values)
+    flown = trace(PROBLEM.system, "pinned", values)
     names = [c.name for c in flown.columns]
     return flown.data[[100, 500, 700, 950, 2000]][:, [names.index(n) for n in ("x", "y", "yaw", "u", "separation")]]
 
@@ -54,7 +55,7 @@ WORST = [
 
 @pytest.mark.parametrize(("values", "time", "value"), [({}, 19.159068, 7.6283915), (CORNER, 20.724839, 5.8948923)])
 def test_closest_approach(values: dict[str, float], time: float, value: float) -> None:
-    closest = trace(PROBLEM, "pinned", values).meta.closest
+    closest = trace(PROBLEM.system, "pinned", values).meta.closest
     assert closest is not None
     assert closest.time == pytest.approx(time, abs=1e-4)
     assert closest.value == pytest.approx(value, abs=1e-6)

@@ -11,17 +11,17 @@ import pytest
 from campaigns import library, load_file
 from campaigns.results import SearchResult
 from tests.audited import audited
+from tests.problems import Problem
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.systems.closed_loop.trace import trace
-from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 
 
 def test_trajectory() -> None:
     # Nominal flight at t = 1, 3, 5, 10, 15 s: it swings left of the obstacle at (4, 4) and settles on the goal (6, 7).
-    flown = trace(Problem(CASE), "nominal", {})
+    flown = trace(Problem(CASE).system, "nominal", {})
     names = [c.name for c in flown.columns]
     rows = flown.data[[200, 600, 1000, 2000, 3000]][:, [names.index(n) for n in ("x", "y", "yaw", "v", "separation")]]
     assert rows == pytest.approx(
@@ -40,7 +40,7 @@ PINNED = [
 
 
 def test_closest_approach() -> None:
-    closest = trace(Problem(CASE), "nominal", {}).meta.closest
+    closest = trace(Problem(CASE).system, "nominal", {}).meta.closest
     assert closest is not None
     assert closest.time == pytest.approx(3.12361551, abs=1e-6)
     assert closest.value == pytest.approx(0.9435644009164, abs=1e-11)

@@ -12,7 +12,7 @@ from worker.kernels.bind import plain
 from worker.kernels.views import Surroundings
 from worker.physics import aerodynamics, trim
 from worker.physics.aerodynamics import Airframe, Constants
-from worker.systems.problem import Floats
+from worker.systems.base import Floats
 
 CALM = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

@@ -8,8 +8,9 @@ from typing import Any
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results.base import OK
+from tests.problems import Problem
+from worker.systems.base import Floats
 from worker.systems.closed_loop.assemble import Loop
-from worker.systems.problem import Floats, Problem
 
 
 def changed(campaign: Campaign, **scenario: Any) -> Campaign:
@@ -24,19 +25,19 @@ def changed(campaign: Campaign, **scenario: Any) -> Campaign:
 def uncompiled(campaign: Campaign) -> Problem:
     """The campaign in plain Python, one flight at a time."""
     problem = Problem(campaign, compiled=False)
-    problem.loop = Loop(problem.parts, lanes=1, compiled=False)
+    problem.system.loop = Loop(problem.system.parts, lanes=1, compiled=False)
     return problem
 
 
 def cost(problem: Problem, values: dict[str, float] | None = None, step: float | None = None) -> float:
     """The criterion's value of one flight, which must be ok."""
-    batch, reasons = problem.fly_vectors(problem.vector(values or {})[None], step)
+    batch, reasons = problem.system.fly_vectors(problem.vector(values or {})[None], step)
     assert batch.status[0] == OK, reasons
     return float(batch.costs[0, 0])
 
 
 def flight(problem: Problem, values: dict[str, float] | None = None, step: float | None = None) -> Floats:
     """The states of one flight (steps + 1, states)."""
-    step = step or problem.step
+    step = step or problem.system.step
     vector = problem.vector(values or {})
-    return problem.loop.fly(vector[None], step, *problem.counts(step), traced=1).trace[0]
+    return problem.system.loop.fly(vector[None], step, *problem.system.counts(step), traced=1).trace[0]

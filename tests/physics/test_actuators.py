@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 
 from tests.physics.conditions import FAULTS, loop_with, parameters
 from tests.physics.scenes import flight
+from tests.problems import Problem
 from worker.kernels.bind import plain
-from worker.systems.problem import Problem
 
 
 class Linear:
@@ -142,7 +142,7 @@ class TestGuidance:
 
     def test_a_whole_period_shifts_the_demand_by_a_sample(self) -> None:
         problem = self.late(2.0)
-        g = flight(problem)[:, problem.loop.n_state :]
+        g = flight(problem)[:, problem.system.loop.n_state :]
         samples = g[::20]
         # newest, then the four before it: a shift register
         for lag in range(1, 5):
@@ -152,11 +152,11 @@ class TestGuidance:
     @pytest.mark.parametrize("periods", [0.0, 1.0, 2.5, 4.0])
     def test_the_demand_that_acts_is_that_many_periods_old(self, periods: float) -> None:
         problem = self.late(periods)
-        waited = problem.loop.part("demand")
+        waited = problem.system.loop.part("demand")
         g = tuple(float(k) for k in range(10))  # newest (0, 1), before it (2, 3) ... (8, 9)
-        p = problem.loop.extend(problem.nominal)
+        p = problem.system.loop.extend(problem.system.nominal)
         assert waited(0.0, (), (), (), g, p) == pytest.approx((2 * periods, 2 * periods + 1))
 
     def test_it_needs_sampled_guidance(self) -> None:
-        with pytest.raises(ValueError, match=r"only guidance with a period can be late"):
+        with pytest.raises(ValueError, match=r"only sampled guidance can be delayed"):
             loop_with("guidance_delay", periods=1.0)

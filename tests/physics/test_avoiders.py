@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from tests.physics.in_space import OBSTACLES
 from tests.physics.scenes import changed, flight, uncompiled
-from tests.physics.test_space import OBSTACLES
+from tests.problems import Problem
 from worker.catalogue.installed import components
 from worker.components.avoiders import closest_approach, closest_approach_3d, ge_cui, gnron, gnron_3d, none
 from worker.components.obstacles import box, box_3d, circle, cylinder
@@ -19,7 +20,6 @@ from worker.kernels.bind import plain
 from worker.kernels.component import Avoider, Controller, Vehicle
 from worker.kernels.views import Body, Body3
 from worker.physics.closest import NEVER, Rules, miss, resolve
-from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 BOX = box.Constants(*plain(box.derive)(box.Box(1.0, 3.2, 1.0, 0.6, 0.4), ()))
@@ -234,7 +234,7 @@ class TestFlown:
     @pytest.mark.parametrize(("vehicle", "avoider"), PAIRS, ids=lambda c: c.name)
     def test_each_avoider_with_each_vehicle(self, vehicle: Vehicle, avoider: Avoider) -> None:
         problem = uncompiled(encounter(vehicle, avoider, horizon=5.0))
-        batch, reasons = problem.fly_vectors(problem.nominal[None])
+        batch, reasons = problem.system.fly_vectors(problem.system.nominal[None])
         assert batch.status[0] == 0, reasons
         assert np.isfinite(flight(problem)).all()
 

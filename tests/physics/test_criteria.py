@@ -6,7 +6,7 @@ A vehicle made for this drifts along a straight line, and rolls and pulls as its
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,134 +14,18 @@ import pytest
 from campaigns import Campaign, check, library, load_file
 from campaigns.asked.load import load_document
 from campaigns.results.base import FAILED, OK
+from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components
-from worker.kernels.component import Avoider, Controller, Parameter, Signal, Vehicle
 from worker.kernels.layout import Parts
-from worker.kernels.maths import sincos
 from worker.reference import Reference
 from worker.systems.closed_loop.assemble import Loop
 from worker.systems.closed_loop.trace import trace
-from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 HORIZON = 10.0
 
 
-class Drift(NamedTuple):
-    vx: Annotated[float, Parameter("m/s", "Speed, x")] = 1.0
-    vy: Annotated[float, Parameter("m/s", "Speed, y")] = 0.0
-    bank: Annotated[float, Parameter("rad", "Amplitude of the bank")] = 0.0
-    rate: Annotated[float, Parameter("rad/s", "Its rate")] = 1.0
-
-
-class Start(NamedTuple):
-    x: Annotated[float, Parameter("m", "Start, x")] = 0.0
-
-
-class Goal(NamedTuple):
-    x: Annotated[float, Parameter("m", "Goal, x")] = 5.0
-    y: Annotated[float, Parameter("m", "Goal, y")] = 0.0
-    z: Annotated[float, Parameter("m", "Goal, z")] = 0.0
-
-
-class Nothing(NamedTuple):
-    """It has nothing to set."""
-
-
-def _bank(x: Any, p: Drift) -> float:
-    return p.bank * sincos(p.rate * x[3])[0]  # type: ignore[no-any-return]
-
-
-def begin(start: Start, p: Drift) -> Any:
-    return start.x, 0.0, 0.0, 0.0
-
-
-def derivative(t: float, x: Any, u: Any, env: Any, p: Drift) -> Any:
-    return p.vx, p.vy, 0.0, 1.0
-
-
-def position(x: Any, p: Drift) -> Any:
-    return x[0], x[1], x[2]
-
-
-def velocity(x: Any, p: Drift) -> Any:
-    return p.vx, p.vy, 0.0
-
-
-def pose(x: Any, p: Drift) -> Any:
-    return x[0], x[1], x[2], _bank(x, p), 0.0, 0.0
-
-
-def outside(x: Any, p: Drift) -> float:
-    return 0.0
-
-
-def measured(x: Any, e: Any, p: Drift) -> Any:
-    return x
-
-
-VEHICLE = Vehicle(
-    name="drift",
-    title="Drift",
-    dimension=3,
-    parameters=Drift,
-    start=Start,
-    states=tuple(Signal(n, n, "") for n in ("x", "y", "z", "t")),
-    inputs=(Signal("pull", "pull", ""), Signal("push", "push", "")),
-    limits=(),
-    begin=begin,
-    derivative=derivative,
-    position=position,
-    velocity=velocity,
-    pose=pose,
-    outside=outside,
-    measured=measured,
-)
-
-
-class Pulls(NamedTuple):
-    pull: Annotated[float, Parameter("", "First input after 1.001 s")] = 0.0
-    push: Annotated[float, Parameter("", "Second input, always")] = 0.0
-
-
-def prepare(x: Any, demand: Any, p: Pulls) -> Any:
-    return ()
-
-
-def command(t: float, x: Any, c: Any, demand: Any, p: Pulls) -> Any:
-    return (p.pull if x[3] > 1.001 else 0.0, p.push), ()
-
-
-def steer(t: float, q: Any, v: Any, goal: Goal, bodies: Any, m: Any, p: Nothing) -> Any:
-    return (0.0, 0.0, 0.0), ()
-
-
-def remember(p: Nothing) -> Any:
-    return ()
-
-
-CONTROLLER = Controller(
-    name="pulls",
-    title="Pulls",
-    fits=("drift",),
-    parameters=Pulls,
-    states=0,
-    signals=(),
-    prepare={"velocity": prepare},
-    command={"velocity": command},
-    references={"velocity": prepare},
-)
-AVOIDER = Avoider(
-    name="nothing",
-    title="Nothing",
-    dimension=3,
-    demand="velocity",
-    parameters=Nothing,
-    goal=Goal,
-    memory=0,
-    steer=steer,
-    remember=remember,
-)
 FAR = {"obstacles.0.position.x": 1e5, "obstacles.0.position.y": 0.0, "obstacles.0.position.z": 0.0}
 
 
@@ -247,11 +131,11 @@ class TestPeakBank:
         made["scenario"] |= {"goal": {"x": -2000.0, "y": 0.0, "z": 0.0}, "horizon": 6.0}
         made["scenario"]["obstacles"][0]["parameters"] |= {"position.x": 1e5, "position.y": 1e5}
         problem = Problem(load_document(made))
-        seen = trace(problem, "turn", {})
+        seen = trace(problem.system, "turn", {})
         names = [c.name for c in seen.columns]
         roll = np.abs(seen.data[:, names.index("roll")])
         batch, _ = problem.fly(problem.nominal_point[None])
-        peak = -batch.costs[0, [c.name for c in problem.criteria].index("peak_bank")]
+        peak = -batch.costs[0, [c.name for c in problem.results].index("peak_bank")]
         assert roll[-20:] == pytest.approx(1.2 * 0.4, rel=0.03)
         assert roll.max() <= peak < roll.max() + 1e-4
         assert 0.48 < peak < 0.52
@@ -306,7 +190,7 @@ class TestTogether:
 
     def test_they_agree_with_the_trace(self) -> None:
         problem = Problem(several(*THREE))
-        seen = trace(problem, "nominal", {})
+        seen = trace(problem.system, "nominal", {})
         data = {c.name: seen.data[:, k] for k, c in enumerate(seen.columns)}
         to_goal = np.hypot(data["x"] - 6.0, data["y"] - 7.0)
         share = np.maximum(np.abs(data["force"]) / 10.0, np.abs(data["torque"]) / 2.0)
@@ -321,7 +205,7 @@ class TestTogether:
     def test_half_the_step_hardly_changes_them(self) -> None:
         problem = Problem(several(*THREE))
         vectors = problem.vectors(POINTS[:8])
-        one, half = (problem.fly_vectors(vectors, step)[0].costs for step in (0.005, 0.0025))
+        one, half = (problem.system.fly_vectors(vectors, step)[0].costs for step in (0.005, 0.0025))
         assert half[:, 0] == pytest.approx(one[:, 0], abs=1e-5)
         assert half[:, 1] == pytest.approx(one[:, 1], abs=1e-4)
         assert half[:, 2] == pytest.approx(one[:, 2], abs=1e-4)
@@ -329,14 +213,14 @@ class TestTogether:
     def test_the_other_integrator_confirms_the_one_that_decides(self) -> None:
         problem = Problem(several(*THREE, horizon=6.0))
         vector = problem.vectors(POINTS[:1])[0]
-        found = Reference(problem).fly(vector)
-        assert found.cost == pytest.approx(problem.fly_vectors(vector[None])[0].costs[0, 0], abs=1e-6)
+        found = Reference(problem.system).fly(vector)
+        assert found.cost == pytest.approx(problem.system.fly_vectors(vector[None])[0].costs[0, 0], abs=1e-6)
 
     def test_a_failed_flight_has_none_of_them(self) -> None:
         problem = Problem(several(*THREE))
         vector = problem.vectors(POINTS[:3])
         vector[1, problem.paths["controller.K_p1"]] = -1e6
-        batch, reasons = problem.fly_vectors(vector)
+        batch, reasons = problem.system.fly_vectors(vector)
         assert batch.status.tolist() == [OK, FAILED, OK], reasons
         assert np.isnan(batch.costs[1]).all()
         assert np.isfinite(batch.costs[[0, 2]]).all()
@@ -381,7 +265,7 @@ class TestCheck:
     def test_none_is_given_twice(self) -> None:
         [(field, message)] = self.said(objectives=[{"component": "goal_miss"}, {"component": "goal_miss"}])
         assert field == "objectives.1.component"
-        assert "given already" in message
+        assert "already given" in message
         assert self.said(objectives=[{"component": "separation"}])[0][0] == "objectives.0.component"
         radii = [{"component": "time_to_goal", "parameters": {"radius": r}} for r in (0.5, 1.0)]
         assert self.said(objectives=radii) == []
@@ -390,13 +274,13 @@ class TestCheck:
         assert self.said(objectives=[{"component": "goal_mis"}])[0][0] == "objectives.0.component"
         [(field, message)] = self.said(objectives=[{"component": "peak_bank"}])
         assert field == "objectives.0.component"
-        assert "lives in 3 dimensions" in message
+        assert "has 3 dimensions" in message
 
     def test_a_course_is_no_goal_to_miss(self) -> None:
         made = load_file(library()["uav_aca"]).document() | {"objectives": [{"component": "goal_miss"}]}
         [problem] = check(load_document(made), catalogue())
         assert problem.field == "objectives.0.component"
-        assert "a course, no place" in problem.message
+        assert "follows a course and has no goal" in problem.message
 
     def test_its_parameters_are_held_to_their_limits(self) -> None:
         wrong = {"component": "time_to_goal", "parameters": {"radius": -1.0}}

@@ -15,11 +15,11 @@ import pytest
 from campaigns import Campaign, library, load_file
 from tests.physics.conditions import CASE, FAULTS, PARTS, loop_with, parameters, short
 from tests.physics.scenes import changed, cost, flight, uncompiled
+from tests.problems import Problem
 from worker.catalogue.installed import components
 from worker.kernels.bind import plain
 from worker.kernels.component import Environment, declared
 from worker.kernels.views import Body3
-from worker.systems.problem import Problem
 
 
 def loops() -> dict[str, Campaign]:
@@ -74,9 +74,9 @@ def thing(x: float, y: float, z: float = 0.0, vx: float = 0.0, vy: float = 0.0, 
 class TestPerception:
     def test_a_displaced_obstacle_is_displaced_with_its_surface(self) -> None:
         problem = loop_with("position_error", dx=0.7, dy=-0.2)
-        p = problem.loop.extend(problem.nominal)
-        x = problem.loop.part("initial")(p)
-        *_, q, _, seen = problem.loop.part("aware")(0.0, x, p)
+        p = problem.system.loop.extend(problem.system.nominal)
+        x = problem.system.loop.part("initial")(p)
+        *_, q, _, seen = problem.system.loop.part("aware")(0.0, x, p)
         assert (seen[0].x, seen[0].y) == pytest.approx((4.7, 3.8))
         assert seen[0].gap == pytest.approx(math.hypot(4.7 - q[0], 3.8 - q[1]) - 0.5, abs=1e-12)
 
@@ -129,8 +129,8 @@ YIELDING = {"component": "cooperative_circle", "parameters": MOVING["parameters"
 class TestTiming:
     def seen(self, t: float, name: str, obstacle: dict[str, Any] = MOVING, **given: float) -> Any:
         problem = loop_with(name, "", {"obstacles": [obstacle]}, **given)
-        p = problem.loop.extend(problem.nominal)
-        return problem.loop.part("aware")(t, problem.loop.part("initial")(p), p)[3][0]
+        p = problem.system.loop.extend(problem.system.nominal)
+        return problem.system.loop.part("aware")(t, problem.system.loop.part("initial")(p), p)[3][0]
 
     def true(self, t: float) -> Any:
         return self.seen(t, "latency")
@@ -161,8 +161,8 @@ class TestTiming:
 class TestNavigation:
     def believed(self, t: float, name: str, **given: float) -> Any:
         problem = loop_with(name, **given)
-        p = problem.loop.extend(problem.nominal)
-        return np.array(problem.loop.part("aware")(t, (1.0, 2.0, 0.3, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0), p)[0])
+        p = problem.system.loop.extend(problem.system.nominal)
+        return np.array(problem.system.loop.part("aware")(t, (1.0, 2.0, 0.3, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0), p)[0])
 
     def test_a_bias_is_added_to_what_is_true(self) -> None:
         found = self.believed(0.0, "navigation_bias", dx=0.1, dy=-0.2, dpsi=0.05, du=0.3)
@@ -221,8 +221,8 @@ class TestInSpace:
         )
 
     def seen(self, t: float, problem: Problem) -> Any:
-        p = problem.loop.extend(problem.nominal)
-        return problem.loop.part("aware")(t, problem.loop.part("initial")(p), p)[3][0]
+        p = problem.system.loop.extend(problem.system.nominal)
+        return problem.system.loop.part("aware")(t, problem.system.loop.part("initial")(p), p)[3][0]
 
     def test_errors_have_a_third_component(self) -> None:
         true = self.seen(3.0, self.with_fault("position_error"))
@@ -248,11 +248,11 @@ class TestInSpace:
 
     def test_a_late_demand_is_that_of_earlier_samples(self) -> None:
         problem = self.with_fault("guidance_delay", periods=2.0)
-        g = flight(problem)[::2, problem.loop.n_state :]
-        first = 3 + problem.parts.avoider.memory
+        g = flight(problem)[::2, problem.system.loop.n_state :]
+        first = 3 + problem.system.parts.avoider.memory
         for lag in range(1, 5):
             kept = g[lag:, first + 3 * (lag - 1) : first + 3 * lag]
             assert kept.tolist() == g[: len(g) - lag, 0:3].tolist()
-        waited = problem.loop.part("demand")
-        p = problem.loop.extend(problem.nominal)
+        waited = problem.system.loop.part("demand")
+        p = problem.system.loop.extend(problem.system.nominal)
         assert waited(0.0, (), (), (), tuple(g[10].tolist()), p) == pytest.approx(g[8, 0:3].tolist())

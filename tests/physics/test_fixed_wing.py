@@ -16,13 +16,14 @@ from campaigns import library, load_file
 from campaigns.results.base import FAILED
 from tests.physics.airframe import CALM, aircraft, constants, flown, linear
 from tests.physics.scenes import changed, cost, flight
+from tests.problems import Problem
 from worker.components.vehicles import fixed_wing, fixed_wing_linear
 from worker.kernels.bind import plain
 from worker.kernels.component import NoTrim
 from worker.kernels.views import Surroundings
 from worker.physics import aerodynamics, trim
 from worker.physics.aerodynamics import Airframe
-from worker.systems.problem import CampaignUnusable, Floats, Problem
+from worker.systems.base import CampaignUnusable, Floats
 
 CRUISE = load_file(library()["uav_aca_no_avoidance"])
 
@@ -165,7 +166,7 @@ class TestWind:
         end = flight(problem)[-20:]
         heading = end[:, 5]
         assert heading == pytest.approx(np.full(20, 0.9), abs=2e-3)
-        ground = np.diff(end[:, :2], axis=0).mean(axis=0) / problem.step
+        ground = np.diff(end[:, :2], axis=0).mean(axis=0) / problem.system.step
         assert ground == pytest.approx([20 * math.cos(0.9) + 3.0, 20 * math.sin(0.9) - 2.0], abs=0.05)
 
     def test_shear_and_calm(self) -> None:
@@ -186,8 +187,10 @@ class TestIntegrator:
         problem = Problem(changed(CRUISE, vehicle=smooth, goal={"speed": 19.5, "heading": 1.1}, horizon=4.0))
         ends = {}
         for step in (0.01, 0.005, 0.0025):
-            counts = problem.counts(step)
-            ends[step] = problem.loop.fly(problem.nominal[None], step, *counts, traced=1).trace[0, -1, :12]
+            counts = problem.system.counts(step)
+            ends[step] = problem.system.loop.fly(problem.system.nominal[None], step, *counts, traced=1).trace[
+                0, -1, :12
+            ]
         coarse, fine = np.abs(ends[0.01] - ends[0.005]), np.abs(ends[0.005] - ends[0.0025])
         assert np.log2(coarse / fine) == pytest.approx(np.full(12, 4.0), abs=0.3)
 
@@ -203,7 +206,7 @@ class TestIntegrator:
     )
     def test_leaving_the_envelope_is_a_failure_with_a_reason(self, values: dict[str, float], said: str) -> None:
         problem = Problem(CRUISE)
-        batch, reasons = problem.fly_vectors(problem.vector(values)[None])
+        batch, reasons = problem.system.fly_vectors(problem.vector(values)[None])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])
         assert any(part in reasons[0] for part in said.split("|")), reasons

@@ -13,7 +13,7 @@ from worker.components.vehicles import fixed_wing, fixed_wing_linear
 from worker.kernels.bind import plain
 from worker.physics import trim
 from worker.physics.aerodynamics import Airframe
-from worker.systems.problem import Floats
+from worker.systems.base import Floats
 
 TABLES = {
     20.0: """

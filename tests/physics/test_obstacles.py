@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 
 from campaigns import library, load_file
+from tests.physics.bodies import OBSTACLES, _body, centre
 from tests.physics.scenes import changed, flight, uncompiled
-from worker.catalogue.installed import components
 from worker.kernels.bind import plain
-from worker.kernels.component import Obstacle, declared
+from worker.kernels.component import Obstacle
 from worker.physics.closest import Rules, resolve
 
-OBSTACLES = [c for c in components().values() if isinstance(c, Obstacle)]
 CASE = load_file(library()["unicycle_static"])
 
 
@@ -25,24 +24,8 @@ def made(name: str, **given: float) -> Any:
     return _body(obstacle, given)
 
 
-def _body(obstacle: Obstacle, given: dict[str, float]) -> Any:
-    # what has no default is put somewhere, all different
-    values = {
-        p.field: 1.0 + 0.7 * k if p.default is None else p.default for k, p in enumerate(declared(obstacle.parameters))
-    }
-    p: Any = obstacle.parameters(**values | given)
-    if obstacle.derived is not None:
-        p = obstacle.derived.constants(*plain(obstacle.derived.derive)(p, ()))
-    state = plain(obstacle.wake)(p) if obstacle.wake is not None else ()
-    return lambda t, q: plain(obstacle.body)(t, state, q, p)
-
-
 def normal(body: Any, dimension: int) -> np.ndarray[Any, Any]:
     return np.array([body.nx, body.ny] + ([body.nz] if dimension == 3 else []))
-
-
-def centre(body: Any, dimension: int) -> np.ndarray[Any, Any]:
-    return np.array([body.x, body.y] + ([body.z] if dimension == 3 else []))
 
 
 def speed(body: Any, dimension: int) -> np.ndarray[Any, Any]:

@@ -11,11 +11,11 @@ from scipy.optimize import minimize
 
 from campaigns import library, load_file
 from tests.physics.scenes import cost
+from tests.problems import Problem
 from worker.components.avoiders import orca
 from worker.kernels.bind import plain
 from worker.kernels.views import Body
 from worker.reference import Reference
-from worker.systems.problem import Problem
 
 CORNER = {
     "vehicle.m": 34.0, "vehicle.B_e": 0.48, "vehicle.delta_u": 0.9, "vehicle.delta_w": 0.1, "vehicle.I_e": 3.8,
@@ -127,7 +127,7 @@ class TestCase2:
     def test_anchor(self, values: dict[str, float], d_min: float) -> None:
         found = cost(self.PROBLEM, values)
         assert found == pytest.approx(d_min, abs=1e-4)
-        assert cost(self.PROBLEM, values, self.PROBLEM.step / 2) == pytest.approx(found, abs=3e-6)
-        other = Reference(self.PROBLEM).fly(self.PROBLEM.vector(values))
+        assert cost(self.PROBLEM, values, self.PROBLEM.system.step / 2) == pytest.approx(found, abs=3e-6)
+        other = Reference(self.PROBLEM.system).fly(self.PROBLEM.vector(values))
         assert not other.reason
         assert other.cost == pytest.approx(found, abs=3e-6)

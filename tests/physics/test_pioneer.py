@@ -16,10 +16,10 @@ from campaigns import library, load_file
 from campaigns.results.base import FAILED
 from tests.bench.reference_pioneer import Reference
 from tests.physics.scenes import changed, cost, flight, uncompiled
+from tests.problems import Problem
 from worker import reference
 from worker.components.vehicles import pioneer_3dx
 from worker.kernels.bind import plain
-from worker.systems.problem import Problem
 
 CASE = load_file(library()["pioneer_moving"])
 PROBLEM = Problem(CASE)
@@ -120,20 +120,20 @@ class TestIntegrator:
     @pytest.mark.parametrize("values", [{}, CORNER])
     def test_agrees_with_dop853_where_nothing_switches(self, values: dict[str, float]) -> None:
         given = {k: v for k, v in values.items() if k in ALONE.paths}
-        other = reference.Reference(ALONE).fly(ALONE.vector(given))
+        other = reference.Reference(ALONE.system).fly(ALONE.vector(given))
         assert not other.reason
         assert other.cost == pytest.approx(cost(ALONE, given), abs=1e-6)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 5e-4), (CORNER, 3e-3)])
     def test_and_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
         # The flight slides along v_RO = 0, where the force jumps: no integrator has an order there.
-        other = reference.Reference(PROBLEM).fly(PROBLEM.vector(values))
+        other = reference.Reference(PROBLEM.system).fly(PROBLEM.vector(values))
         assert "switches to and fro" in other.reason
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 3e-4), (CORNER, 1e-3)])
     def test_half_the_step(self, values: dict[str, float], apart: float) -> None:
-        assert cost(PROBLEM, values, PROBLEM.step / 2) == pytest.approx(cost(PROBLEM, values), abs=apart)
+        assert cost(PROBLEM, values, PROBLEM.system.step / 2) == pytest.approx(cost(PROBLEM, values), abs=apart)
 
 
 class TestSymmetry:
@@ -256,7 +256,9 @@ class TestStops:
         vectors = PROBLEM.vectors(points)
         without = vectors.copy()
         without[:, PROBLEM.paths["controller.k_aw"]] = 0.0
-        assert PROBLEM.fly_vectors(without)[0].costs == pytest.approx(PROBLEM.fly_vectors(vectors)[0].costs, abs=1e-12)
+        assert PROBLEM.system.fly_vectors(without)[0].costs == pytest.approx(
+            PROBLEM.system.fly_vectors(vectors)[0].costs, abs=1e-12
+        )
 
 
 class TestFailures:
@@ -275,7 +277,7 @@ class TestFailures:
         ],
     )
     def test_ends_as_failed_with_a_reason(self, values: dict[str, float]) -> None:
-        batch, reasons = PROBLEM.fly_vectors(PROBLEM.vector(values)[None])
+        batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector(values)[None])
         assert batch.status[0] == FAILED
         assert math.isnan(batch.costs[0, 0])
         assert "at t = " in reasons[0]

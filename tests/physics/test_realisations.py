@@ -23,13 +23,13 @@ from campaigns.asked.load import load_document
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from campaigns.results.trace import Realisation
 from tests.audited import audited
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Environment, Fault
 from worker.reference import Reference
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.systems.closed_loop.trace import fly, trace
-from worker.systems.problem import Problem
 
 CASE = load_file(library()["unicycle_static"])
 NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.05, "period": 0.1}}
@@ -107,8 +107,8 @@ class TestCombining:
 class TestShown:
     def test_the_trace_is_that_of_the_worst(self) -> None:
         problem = Problem(noisy([3, 1, 8, 5]))
-        shown = trace(problem, "nominal", {})
-        single = {s: trace(Problem(noisy([s])), "nominal", {}).meta.cost for s in (3, 1, 8, 5)}
+        shown = trace(problem.system, "nominal", {})
+        single = {s: trace(Problem(noisy([s])).system, "nominal", {}).meta.cost for s in (3, 1, 8, 5)}
         worst = min(single, key=lambda s: single[s])
         assert shown.meta.realisation == Realisation(seed=worst, seeds=4, combine="worst", cost=single[worst])
         assert shown.meta.cost == single[worst]
@@ -116,23 +116,25 @@ class TestShown:
 
     def test_it_is_flown_alone_bit_by_bit_and_takes_the_memory_of_one(self) -> None:
         problem = Problem(noisy(list(range(32))))
-        flown = fly(problem, {})
+        flown = fly(problem.system, {})
         vectors = problem.realisations.flights(problem.vector({})[None, :])
-        every = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=len(vectors))
+        every = problem.system.loop.fly(
+            vectors, problem.system.step, *problem.system.counts(problem.system.step), traced=len(vectors)
+        )
         shown = int(np.argmin(every.costs[:, 0]))
         assert shown == flown.realisation > 0
         assert flown.states.tobytes() == every.trace[shown].tobytes()
         assert flown.costs[0, 0] == flown.own_cost == every.costs[shown, 0]
         tracemalloc.start()
         try:
-            fly(problem, {})
+            fly(problem.system, {})
             peak = tracemalloc.get_traced_memory()[1]
         finally:
             tracemalloc.stop()
         assert peak < 4 * flown.states.nbytes < every.trace.nbytes / 4
 
     def test_of_a_mean_the_worst_is_shown_and_the_mean_told(self) -> None:
-        shown = trace(Problem(noisy([3, 1, 8, 5], "mean")), "nominal", {}).meta
+        shown = trace(Problem(noisy([3, 1, 8, 5], "mean")).system, "nominal", {}).meta
         assert shown.realisation is not None
         assert shown.realisation.cost is not None
         assert shown.cost is not None
@@ -141,10 +143,12 @@ class TestShown:
     @pytest.mark.parametrize("guidance", [0.0, 0.1])
     def test_another_integrator_and_half_the_step_agree(self, guidance: float) -> None:
         problem = Problem(noisy([3, 1], guidance={"period": guidance}))
-        vector = problem.nominal
-        found = problem.fly_vectors(vector[None])[0].costs[0, 0]
-        assert problem.fly_vectors(vector[None], problem.step / 2)[0].costs[0, 0] == pytest.approx(found, abs=2e-6)
-        assert Reference(problem).fly(vector).cost == pytest.approx(found, abs=2e-6)
+        vector = problem.system.nominal
+        found = problem.system.fly_vectors(vector[None])[0].costs[0, 0]
+        assert problem.system.fly_vectors(vector[None], problem.system.step / 2)[0].costs[0, 0] == pytest.approx(
+            found, abs=2e-6
+        )
+        assert Reference(problem.system).fly(vector).cost == pytest.approx(found, abs=2e-6)
 
     def test_a_run_says_what_its_verdict_holds_for(self) -> None:
         store = MemoryStore()
@@ -171,7 +175,7 @@ class TestRefused:
         document = noisy([1]).document()
         document["uncertain"] = {"faults.0.seed": {"low": 0, "high": 9}}
         (problem,) = check(load_document(document), catalogue())
-        assert "is no quantity" in str(problem)
+        assert "is not a quantity" in str(problem)
 
     @pytest.mark.parametrize("seeds", [[], [1, 1], [-1], [2**20], [0.5], list(range(65))])
     def test_seeds_that_cannot_be(self, seeds: list[float]) -> None:
@@ -225,8 +229,8 @@ class TestWithinLimits:
     @given(seed=st.integers(0, 2**32 - 1), touched=st.floats(0.0, 1.0), reach=st.floats(0.0, 8.0))
     def test_nothing_ends_badly_unseen(self, sampled: bool, seed: int, touched: float, reach: float) -> None:
         problem, random = everything(sampled), np.random.default_rng(seed)
-        vectors = np.repeat(problem.nominal[None], 16, axis=0)
-        for section in problem.loop.sections:
+        vectors = np.repeat(problem.system.nominal[None], 16, axis=0)
+        for section in problem.system.loop.sections:
             for k, p in enumerate(section.parameters):
                 if not section.prefix.startswith(("faults", "environment")):
                     continue
@@ -236,7 +240,7 @@ class TestWithinLimits:
                 value = np.choose(random.integers(0, 8, 16), [wide, ends, *[near] * 6])
                 chosen = random.random(16) < touched
                 vectors[chosen, section.first + k] = value[chosen]
-        batch, reasons = problem.fly_vectors(vectors)
+        batch, reasons = problem.system.fly_vectors(vectors)
         ok = batch.status == OK
         assert np.isfinite(batch.costs[ok]).all()
         assert np.isnan(batch.costs[~ok]).all()

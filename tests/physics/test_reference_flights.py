@@ -17,9 +17,9 @@ import pytest
 from campaigns import library, load_file
 from campaigns.results.base import OK
 from tests.physics.scenes import changed
+from tests.problems import Problem
 from tests.unit.cases import campaign
 from worker.reference import Flight, Reference, compiled, flight
-from worker.systems.problem import Problem
 
 SMOOTH, SLIDING = 1e-8, 1e-3
 
@@ -32,7 +32,7 @@ SOME = {
 
 
 def agree(problem: Problem, vector: Any) -> None:
-    ours, theirs = Reference(problem).fly(vector), Reference(problem, compiled=False).fly(vector)
+    ours, theirs = Reference(problem.system).fly(vector), Reference(problem.system, compiled=False).fly(vector)
     if theirs.cost is None or ours.cost is None:
         assert ours == theirs
         return
@@ -44,7 +44,7 @@ def agree(problem: Problem, vector: Any) -> None:
 @pytest.mark.parametrize("name", SOME)
 def test_compiled_and_plain_agree(name: str) -> None:
     problem = Problem(changed(load_file(library()[name]), horizon=SOME[name]))
-    agree(problem, problem.nominal)
+    agree(problem, problem.system.nominal)
 
 
 @pytest.mark.nightly
@@ -53,7 +53,7 @@ def test_compiled_and_plain_agree_on_the_library(name: str) -> None:
     """Every campaign, whole flights: the nominal one and a few at random."""
     problem = Problem(load_file(library()[name]))
     points = np.random.default_rng(1).random((3, problem.dimension))
-    for vector in [problem.nominal, *problem.vectors(points)]:
+    for vector in [problem.system.nominal, *problem.vectors(points)]:
         agree(problem, vector)
 
 
@@ -64,22 +64,22 @@ def case1() -> Problem:
 
 def test_compiled_and_interpreted_give_the_same_bits(case1: Problem) -> None:
     """The integrator in Python over the compiled loop, and compiled: nothing is reordered, fused or assumed away."""
-    system = compiled.system(case1.loop)
+    system = compiled.system(case1.system.loop)
     numbers = ctypes.POINTER(ctypes.c_double)
 
     def called(what: int, t: float, *rows: Any) -> float:
         return float(system.ctypes(what, t, *(row.ctypes.data_as(numbers) for row in rows)))
 
-    here, there = Reference(case1), Reference(case1)
+    here, there = Reference(case1.system), Reference(case1.system)
     there.__dict__["_system"] = SimpleNamespace(address=called), flight.fly
-    assert there.fly(case1.nominal) == here.fly(case1.nominal)
+    assert there.fly(case1.system.nominal) == here.fly(case1.system.nominal)
 
 
 def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits() -> None:
     problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
-    assert compiled.draws(problem.loop) == 3
-    drawn = numba.cfunc(compiled.SYSTEM, **compiled.STRICT)(compiled.bound(problem.loop, keep=False))
-    keeping, drawing = Reference(problem), Reference(problem)
+    assert compiled.draws(problem.system.loop) == 3
+    drawn = numba.cfunc(compiled.SYSTEM, **compiled.STRICT)(compiled.bound(problem.system.loop, keep=False))
+    keeping, drawing = Reference(problem.system), Reference(problem.system)
     drawing.__dict__["_system"] = drawn, compiled.integrator()
     for seed in (1, 2):
         vector = problem.vector({"environment.0.W": 5.0})
@@ -91,29 +91,32 @@ def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits()
 def test_the_seed_that_counts_need_not_be_searched_again() -> None:
     problem = Problem(changed(load_file(library()["uav_moving_gusts"]), horizon=3.0))
     vectors = problem.vectors(np.random.default_rng(3).random((3, problem.dimension)))
-    batch, _, seeds = problem.fly_realised(vectors)
+    batch, _, seeds = problem.system.fly_realised(vectors)
     assert seeds is not None
-    assert (batch.costs == problem.fly_vectors(vectors)[0].costs).all()
-    reference = Reference(problem)
+    assert (batch.costs == problem.system.fly_vectors(vectors)[0].costs).all()
+    reference = Reference(problem.system)
     searched = reference.fly_all(vectors)
     assert reference.fly_all(vectors, counts=seeds) == searched == [reference.fly(v) for v in vectors]
     assert all(f.cost is not None for f in searched)
 
 
 def test_it_is_found_on_disk_by_a_digest_of_the_loop(case1: Problem) -> None:
-    first, again = (compiled.system(case1.loop) for _ in range(2))
+    first, again = (compiled.system(case1.system.loop) for _ in range(2))
     assert again.cache_hits == 1
-    assert compiled.bound(case1.loop).__qualname__ == compiled.bound(Problem(case1.campaign).loop).__qualname__
+    assert (
+        compiled.bound(case1.system.loop).__qualname__
+        == compiled.bound(Problem(case1.campaign).system.loop).__qualname__
+    )
     other = Problem(campaign(scenario__guidance={"period": 0.1}))
-    assert compiled.bound(other.loop).__qualname__ != compiled.bound(case1.loop).__qualname__
+    assert compiled.bound(other.system.loop).__qualname__ != compiled.bound(case1.system.loop).__qualname__
     assert first.address != again.address
 
 
 def test_many_flights_are_those_flown_one_by_one(case1: Problem) -> None:
-    reference = Reference(case1)
+    reference = Reference(case1.system)
     vectors = case1.vectors(np.random.default_rng(2).random((5, case1.dimension)))
     assert reference.fly_all(vectors) == [reference.fly(vector) for vector in vectors]
-    batch, _ = case1.fly_vectors(vectors)
+    batch, _ = case1.system.fly_vectors(vectors)
     assert (batch.status == OK).all()
     assert [f.cost for f in reference.fly_all(vectors)] == pytest.approx(batch.costs[:, 0], abs=2e-6)
     assert reference.fly_all(vectors[:0]) == []
@@ -128,21 +131,21 @@ def test_cancelled_it_stops_with_what_there_is(case1: Problem, monkeypatch: pyte
         asked.append(None)
         return len(asked) > 2
 
-    reference, vectors = Reference(case1), np.repeat(case1.nominal[None], 9, axis=0)
+    reference, vectors = Reference(case1.system), np.repeat(case1.system.nominal[None], 9, axis=0)
     flown = reference.fly_all(vectors, cancelled)
-    assert flown == [reference.fly(case1.nominal)] * (2 * threads)
+    assert flown == [reference.fly(case1.system.nominal)] * (2 * threads)
 
 
 class TestWhatCannotBeFlown:
     @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
     def test_an_excluded_start_is_excluded_here_too(self, case1: Problem, by: bool) -> None:
         vector = case1.vector({"criterion.threshold": 100.0})
-        _, reasons = case1.fly_vectors(vector[None])
-        assert Reference(case1, compiled=by).fly(vector) == Flight(None, f"DOP853: {reasons[0]}")
+        _, reasons = case1.system.fly_vectors(vector[None])
+        assert Reference(case1.system, compiled=by).fly(vector) == Flight(None, f"DOP853: {reasons[0]}")
 
     @pytest.mark.parametrize("by", [True, False], ids=["compiled", "plain"])
     @pytest.mark.parametrize("value", [1e-300, 0.0, np.nan, np.inf, -1.0])
     def test_wrong_parameters_end_with_a_sentence(self, case1: Problem, by: bool, value: float) -> None:
-        found = Reference(case1, compiled=by).fly(case1.vector({"vehicle.J": value}))
+        found = Reference(case1.system, compiled=by).fly(case1.vector({"vehicle.J": value}))
         assert found.cost is None
         assert found.reason.startswith("DOP853")

@@ -50,11 +50,11 @@ def test_published_local_minima_are_none(campaign: str, flights: Flights) -> Non
 
 def test_case_3_has_a_local_minimum_of_its_own(flights: Flights) -> None:
     # At the worst mass and elevator d_min does not rise steadily with thrust: the second published start ends there.
-    problem = flights.open("uav_static").problem
+    loop = flights.open("uav_static").loop
     edge = {"vehicle.m": 2.28, "vehicle.C_mde": -1.017}
-    for step in (problem.step, problem.step / 4):
-        points = [problem.vector(edge | {"vehicle.C_dt": thrust}) for thrust in (10.971, 12.0, 12.918, 13.409)]
-        corner, before, lowest, after = problem.fly_vectors(np.array(points), step)[0].costs[:, 0]
+    for step in (loop.step, loop.step / 4):
+        points = [loop.vector(edge | {"vehicle.C_dt": thrust}) for thrust in (10.971, 12.0, 12.918, 13.409)]
+        corner, before, lowest, after = loop.fly_vectors(np.array(points), step)[0].costs[:, 0]
         assert lowest == pytest.approx(27.5408, abs=2e-4)
         assert lowest < before - 0.015
         assert lowest < after - 0.008

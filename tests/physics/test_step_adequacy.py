@@ -9,8 +9,8 @@ from __future__ import annotations
 import pytest
 
 from campaigns import library, load_file
+from tests.problems import Problem
 from worker.reproduce.steps import adequacy, sentence
-from worker.systems.problem import Problem
 
 PUBLISHED = ("unicycle_static", "pioneer_moving", "uav_static", "uav_moving", "uav_aca")
 """The five cases, and what is theirs; the variations of them by night."""
@@ -21,9 +21,9 @@ PUBLISHED = ("unicycle_static", "pioneer_moving", "uav_static", "uav_moving", "u
 )
 def test_half_the_step(name: str) -> None:
     problem = Problem(load_file(library()[name]))
-    found = adequacy(name, problem)
+    found = adequacy(name, problem.system)
     assert found.ok, sentence(found)
     if found.declared is not None:
-        many = adequacy(name, problem, 10_000)
+        many = adequacy(name, problem.system, 10_000)
         assert many.ok, sentence(many)
         assert many.exceeding + many.differing > 0, "its notes allow for what no longer happens: correct them"

@@ -10,16 +10,16 @@ import pytest
 
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
+from tests.physics.bodies import OBSTACLES, _body, centre
+from tests.physics.drifting import AVOIDER, CONTROLLER, VEHICLE
 from tests.physics.scenes import cost, uncompiled
-from tests.physics.test_criteria import AVOIDER, CONTROLLER, VEHICLE
-from tests.physics.test_obstacles import OBSTACLES, _body, centre
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Obstacle, declared
 from worker.kernels.layout import Parts
 from worker.reference import Reference
 from worker.systems.closed_loop.assemble import Loop
 from worker.systems.closed_loop.trace import trace
-from worker.systems.problem import Problem
 
 EACH = pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda o: o.name)
 SPHERE = {"position.x": 5.0037, "position.y": 2.0, "position.z": 1.0, "radius": 0.5}
@@ -141,20 +141,20 @@ def test_through_a_wall_is_no_clear_flight() -> None:
     assert cost(centres) > 4.0
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
     assert cost(surfaces) == pytest.approx(-0.1, abs=2e-3)
-    flight = Reference(surfaces).fly(surfaces.nominal)
+    flight = Reference(surfaces.system).fly(surfaces.system.nominal)
     assert flight.cost == pytest.approx(-0.1, abs=2e-3)
 
 
 def test_a_flight_says_what_must_stay_free_and_comes_closest_where_its_cost_is() -> None:
     surfaces = wall({"component": "surface_separation", "threshold": 0.0})
-    flight = trace(surfaces, "nominal", {})
+    flight = trace(surfaces.system, "nominal", {})
     assert flight.meta.obstacles[0].free_radius is None, "no disc"
     assert flight.meta.closest is not None
     assert flight.meta.closest.value == pytest.approx(flight.meta.cost, abs=1e-9)
     centres = wall({"component": "separation", "threshold": 0.5, "from_centre": True})
-    assert trace(centres, "nominal", {}).meta.obstacles[0].free_radius == 0.5
+    assert trace(centres.system, "nominal", {}).meta.obstacles[0].free_radius == 0.5
     criterion = {"component": "surface_separation", "threshold": 0.3, "parameters": {"body_radius": 0.2}}
     document = load_file(library()["unicycle_static"]).document() | {"criterion": criterion}
     document["scenario"]["horizon"] = 0.1
-    free = trace(uncompiled(load_document(document)), "nominal", {}).meta.obstacles[0].free_radius
+    free = trace(uncompiled(load_document(document)).system, "nominal", {}).meta.obstacles[0].free_radius
     assert free == pytest.approx(0.5 + 0.3 + 0.2)

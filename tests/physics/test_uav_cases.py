@@ -18,8 +18,9 @@ from campaigns.results.base import OK
 from tests.bench import vectorised
 from tests.bench.reference_uav import Reference
 from tests.physics.scenes import changed, cost, uncompiled
+from tests.problems import Problem
 from worker import reference
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
 
 HELD = 0.02
 """[m]"""
@@ -96,7 +97,7 @@ def corners(name: str) -> Floats:
 
 
 def costs(name: str, vectors: Floats) -> Floats:
-    batch, reasons = problem(name).fly_vectors(vectors)
+    batch, reasons = problem(name).system.fly_vectors(vectors)
     assert (batch.status == OK).all(), reasons
     return batch.costs[:, 0]
 
@@ -106,7 +107,7 @@ class TestFigures:
     def test_nominal_and_corners(self, name: str) -> None:
         corner = CORNERS["_".join(name.split("_")[:2])]
         nominal, published, *all_corners = costs(
-            name, np.vstack([problem(name).nominal, at(name, corner), corners(name)])
+            name, np.vstack([problem(name).system.nominal, at(name, corner), corners(name)])
         )
         assert (nominal, published, min(all_corners)) == pytest.approx(FIGURES[name], abs=HELD)
 
@@ -142,7 +143,7 @@ class TestFigures:
     @pytest.mark.parametrize("structure", STRUCTURES)
     def test_case_5_with_another_structure(self, structure: str) -> None:
         given, *expected = STRUCTURES[structure]
-        vectors = np.vstack([problem("uav_aca").nominal, at("uav_aca", CORNERS["uav_aca"]), corners("uav_aca")])
+        vectors = np.vstack([problem("uav_aca").system.nominal, at("uav_aca", CORNERS["uav_aca"]), corners("uav_aca")])
         for name, value in given.items():
             vectors[:, problem("uav_aca").paths[f"avoider.{name}"]] = value
         nominal, published, *all_corners = costs("uav_aca", vectors)
@@ -162,8 +163,10 @@ class TestFigures:
 
     def test_the_closest_approach_without_avoidance_comes_after_25_4_s(self) -> None:
         made = problem("uav_aca_no_avoidance")
-        states = made.loop.fly(made.nominal[None], made.step, *made.counts(made.step), traced=1).trace[0]
-        t = made.step * np.arange(len(states))
+        states = made.system.loop.fly(
+            made.system.nominal[None], made.system.step, *made.system.counts(made.system.step), traced=1
+        ).trace[0]
+        t = made.system.step * np.arange(len(states))
         north, east = 20 * t * math.cos(-0.911), 800.0 + 20 * t * math.sin(-0.911)
         apart = np.hypot(np.hypot(states[:, 0] - north, states[:, 1] - east), states[:, 2])
         assert t[apart.argmin()] == pytest.approx(25.4, abs=0.1)
@@ -171,7 +174,7 @@ class TestFigures:
     def test_right_of_way_gives_the_side_of_the_rules(self) -> None:
         # the intruder comes from the right: as with the side right, and a violation at the corner that is its worst
         name = "uav_aca_right_of_way"
-        nominal, *all_corners = costs(name, np.vstack([problem(name).nominal, corners(name)]))
+        nominal, *all_corners = costs(name, np.vstack([problem(name).system.nominal, corners(name)]))
         assert (nominal, min(all_corners)) == pytest.approx((91.205, 38.579), abs=HELD)
 
     def test_three_intruders_are_kept_off(self) -> None:
@@ -194,8 +197,8 @@ class TestFormulations:
     def test_lockstep_equals_plain_python(self, name: str) -> None:
         slow = uncompiled(load_file(library()[name]))
         vector = problem(name).vectors(np.random.default_rng(5).random((1, problem(name).dimension)))
-        plainly = slow.loop.fly(vector, slow.step, *slow.counts(slow.step), traced=1)
-        fast = problem(name).loop.fly(vector, slow.step, *slow.counts(slow.step), traced=1)
+        plainly = slow.system.loop.fly(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
+        fast = problem(name).system.loop.fly(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
         assert plainly.costs == pytest.approx(fast.costs, abs=1e-12)
         # after the encounter a flight may turn round at its goal, where rounding grows
         assert plainly.trace[0, :400] == pytest.approx(fast.trace[0, :400], abs=1e-11)
@@ -203,8 +206,8 @@ class TestFormulations:
     @pytest.mark.parametrize("name", ["uav_static", "uav_moving", "uav_aca", "uav_aca_linear", "uav_aca_bank"])
     def test_agrees_with_dop853(self, name: str) -> None:
         made = Problem(changed(load_file(library()[name]), horizon=28.0))
-        fine = float(made.fly_vectors(made.nominal[None], made.step / 8)[0].costs[0, 0])
-        assert reference.Reference(made).fly(made.nominal).cost == pytest.approx(fine, abs=1e-5)
+        fine = float(made.system.fly_vectors(made.system.nominal[None], made.system.step / 8)[0].costs[0, 0])
+        assert reference.Reference(made.system).fly(made.system.nominal).cost == pytest.approx(fine, abs=1e-5)
         assert cost(made) == pytest.approx(fine, abs=2e-3)
 
     @pytest.mark.skipif(not vectorised.supported(), reason="reads machine code of x86-64")
@@ -227,15 +230,15 @@ class TestSymmetry:
         c, s = math.cos(turn), math.sin(turn)
         for prefix in ("start", "goal", "obstacles.0.position"):
             if f"{prefix}.x" in made.paths:
-                x, y, z = (float(made.nominal[made.paths[f"{prefix}.{a}"]]) for a in "xyz")
+                x, y, z = (float(made.system.nominal[made.paths[f"{prefix}.{a}"]]) for a in "xyz")
                 y *= mirror
                 values |= {f"{prefix}.x": c * x - s * y + shift, f"{prefix}.y": s * x + c * y - shift}
                 values[f"{prefix}.z"] = z + 3 * shift
         for path in ("start.psi", "goal.heading", "obstacles.0.heading"):
             if path in made.paths:
-                values[path] = mirror * float(made.nominal[made.paths[path]]) + turn
+                values[path] = mirror * float(made.system.nominal[made.paths[path]]) + turn
         if "avoider.side" in made.paths:
-            values["avoider.side"] = mirror * float(made.nominal[made.paths["avoider.side"]])
+            values["avoider.side"] = mirror * float(made.system.nominal[made.paths["avoider.side"]])
         return values
 
     @pytest.mark.parametrize("name", CORNERS)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 from campaigns import Campaign
+from campaigns.claims.say import say
 from campaigns.flown import Flown
 from campaigns.results import CertifyResult, Finding, NominalResult, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import MethodKind, Result, Stop
@@ -13,9 +14,9 @@ from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost, 
 from campaigns.results.sample import QuantileBound, Sample
 from campaigns.results.search import Best
 from campaigns.results.validate import Compared, Encounter, Gathered, SpotChecks, Spread, Unseen, Violations
+from tests.problems import Problem
 from tests.unit.cases import case1
 from worker.stages.parts.claims import bound
-from worker.systems.problem import Problem
 from worker.verdicts.conclude import conclude
 from worker.verdicts.evidence import Evidence
 
@@ -35,6 +36,8 @@ R = TypeVar("R", bound=Result)
 
 def changed(made: R, **changes: Any) -> R:
     """The same with other fields, validated as anything that is stored."""
+    if "text" in changes:
+        changes["said"] = say(changes.pop("text"))
     assert changes.keys() <= type(made).model_fields.keys()
     return type(made).model_validate({**dict(made), **changes})
 

@@ -21,10 +21,11 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
 from campaigns import Campaign
 from campaigns.asked.load import load_document
+from campaigns.claims.spans import words
 from tests.audited import audited, recorded
 from tests.unit.cases import searching
 from worker.audit import judge
-from worker.audit.judge import Item, audit, closing
+from worker.audit.judge import SAID, Item, audit, closing
 from worker.audit.recompute import cumulative, upper_bound
 from worker.audit.record import MISSING, UnreadableError, of_folder
 from worker.catalogue.installed import catalogue
@@ -133,6 +134,15 @@ def test_it_follows(name: str, tmp_path: Path) -> None:
     assert audited(store, campaign) == audited(written(tmp_path / "out", name))
 
 
+@pytest.mark.parametrize("name", RUNS)
+def test_it_follows_where_words_alone_are_stored(name: str, tmp_path: Path) -> None:
+    folder = Folder(written(tmp_path / "out", name))
+    folder.forget_spans()
+    items = folder.items()
+    assert all(item.agrees for item in items), closing(items)[1]
+    assert {"sentence.worst", "sentence.evaluations", "sentence.methods"} <= {item.name for item in items}
+
+
 def test_it_follows_in_a_database(database: sa.Engine, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert len(audited(database)) > len(audited(ran("cleared")[1], ran("cleared")[0]))
     assert invoke(["audit", "R-0001", "--data", str(tmp_path)]) == 0
@@ -152,6 +162,10 @@ class Folder:
             self.arrays: Any = {name: held[name].copy() for name in held.files}
 
     FILES = ("result.json", "evidence.json", "campaign.json")
+
+    @property
+    def worst(self) -> float:
+        return float(self.result["worst"]["cost"])
 
     def items(self) -> list[Item]:
         for name, value in zip(self.FILES, (self.result, self.evidence, self.campaign), strict=True):
@@ -177,6 +191,32 @@ class Folder:
         assert old in self.result["reason"]
         self.result["reason"] = self.result["reason"].replace(old, new)
 
+    def lie(self, name: str, value: float) -> None:
+        """Another number in the sentence, in its spans and in its words."""
+        (span,) = [s for s in self.result["said"] if s.get("name") == name]
+        span["value"] = value
+        self.render()
+
+    def restate(self, old: str, new: str) -> None:
+        """Other words in the sentence, in its spans and in what is written."""
+        spans = [s for s in self.result["said"] if old in (s.get("text") or s.get("label") or "")]
+        assert spans
+        for span in spans:
+            key = "text" if span["kind"] == "text" else "label"
+            span[key] = span[key].replace(old, new)
+        self.render()
+
+    def render(self) -> None:
+        said, scope = (SAID.validate_python(self.result[name]) for name in ("said", "holds_for"))
+        self.result["reason"] = f"{words(said)} Scope: {words(scope)}"
+
+    def forget_spans(self) -> None:
+        """The record as a version before spans wrote it: words alone."""
+        for name in ("said", "holds_for", "values", "sentence", "scope"):
+            del self.result[name]
+        for check in self.result["checks"]:
+            del check["said"], check["values"], check["code"], check["limit"]
+
     def withdraw_a_draw(self) -> None:
         """Take the last draw of the sample out, and make every count fit."""
         row = len(self.arrays[f"status_{CERTIFY}"]) - GRID - 1
@@ -194,7 +234,25 @@ def edit(path: str, to: Any) -> Callable[[Folder], None]:
 
 
 def say(old: str, new: str) -> Callable[[Folder], None]:
+    """Other words, of a record that has words alone."""
+
+    def change(folder: Folder) -> None:
+        folder.forget_spans()
+        folder.reword(old, new)
+
+    return change
+
+
+def reword(old: str, new: str) -> Callable[[Folder], None]:
     return lambda folder: folder.reword(old, new)
+
+
+def lie(name: str, value: float) -> Callable[[Folder], None]:
+    return lambda folder: folder.lie(name, value)
+
+
+def restate(old: str, new: str) -> Callable[[Folder], None]:
+    return lambda folder: folder.restate(old, new)
 
 
 NOMINAL, SAMPLE_ = "evidence/results/5/nominal", "evidence/results/4/sample"
@@ -216,13 +274,34 @@ CORRUPTIONS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
     ("a wrong count in the summary", "cleared", edit("result/evaluations/succeeded", 9), "evaluations.succeeded"),
     ("a wrong count of violations", "violated", edit("result/evaluations/violating", 0), "evaluations.violating"),
     ("a wrong count of a stage", "cleared", edit("result/stages/2/evaluations", 999), "stages.2.evaluations"),
-    ("a wrong count in the sentence", "cleared", say(" evaluations, s", "0 evaluations, s"), "sentence.in all"),
+    ("a wrong count in the sentence", "cleared", say(" evaluations, s", "0 evaluations, s"), "sentence.evaluations"),
     ("a wrong count of a method", "cleared", say("DIRECT (100)", "DIRECT (1000)"), "sentence.methods"),
     ("a method left out", "violated", say(" and Monte Carlo (60)", ""), "sentence.methods"),
-    ("a wrong bound in the sentence", "cleared", say("is at most ", "is at most 0.0"), "sentence.bound"),
+    ("a wrong bound in the sentence", "cleared", say("is at most ", "is at most 0.0"), "sentence.upper_bound"),
     ("another worst in the sentence", "cleared", say("d_min = 0.9", "d_min = 1.9"), "sentence.worst"),
     ("another threshold in the sentence", "cleared", say("above 0.5 m", "above 0.9 m"), "sentence.threshold"),
     ("a sentence of another verdict", "violated", say("falls to or below", "stayed above"), "sentence.opening"),
+    ("words that are not the spans'", "cleared", reword(" evaluations, s", "0 evaluations, s"), "sentence.words"),
+    ("a bound that is not the spans'", "cleared", reword("is at most ", "is at most 0.0"), "sentence.words"),
+    ("another verdict in words", "violated", reword("falls to or below", "stayed above"), "sentence.words"),
+    ("a wider scope", "cleared", edit("result/holds_for/0/text", "Everything"), "sentence.words"),
+    ("a false count", "cleared", lie("evaluations", 9999), "sentence.evaluations"),
+    ("a false worst", "cleared", lie("worst", 1.9), "sentence.worst"),
+    (
+        "a worst that is written alike",
+        "cleared",
+        lambda f: f.lie("worst", f.result["worst"]["cost"] + 1e-8),
+        "sentence.worst",
+    ),
+    ("a false margin", "violated", lie("margin", 0.1), "sentence.margin"),
+    ("a false threshold", "cleared", lie("threshold", 0.9), "sentence.threshold"),
+    ("a false bound", "cleared", lie("upper_bound", 0.001), "sentence.upper_bound"),
+    ("a false count of violations", "violated", lie("violating", 1), "sentence.violating"),
+    ("a false count of draws", "cleared", lie("samples", 3000), "sentence.samples"),
+    ("a false count of a method", "cleared", lie("searched.direct", 1000), "sentence.methods"),
+    ("a method under another name", "cleared", restate("DIRECT", "Everything"), "sentence.methods"),
+    ("a sentence of another opening", "violated", restate("falls to or below", "stayed above"), "sentence.opening"),
+    ("a check in other words", "cleared", edit("result/checks/0/text", "all is well"), "sentence.checks.nominal"),
     ("violated changed to cleared", "violated", edit("result/verdict", "cleared"), "verdict"),
     ("inconclusive changed to cleared", "inconclusive", edit("result/verdict", "cleared"), "verdict"),
     ("cleared changed to violated", "cleared", edit("result/verdict", "violated"), "verdict"),

@@ -8,9 +8,9 @@ import pytest
 
 from campaigns import Campaign, check, library, load_file
 from campaigns.asked import effort
+from tests.problems import Problem
 from tests.unit.cases import campaign
 from worker.catalogue.installed import catalogue
-from worker.systems.problem import Problem
 
 SEARCH = {"method": "direct", "evaluations": 10_000_000}
 NOISE = [{"component": "sensor_noise", "parameters": {"sigma": 0.05}}]
@@ -26,7 +26,7 @@ def test_the_library_stays_far_below(name: str) -> None:
     asked = load_file(library()[name])
     assert problems(asked) == []
     problem = Problem(asked, compiled=False)
-    numbers = problem.loop.n_state + problem.loop.n_held + len(problem.loop.signals)
+    numbers = problem.system.loop.n_state + problem.system.loop.n_held + len(problem.system.loop.signals)
     assert effort.traced_steps(asked) * numbers <= effort.traced(asked) <= 0.02 * effort.MOST_TRACED
 
 
@@ -44,7 +44,8 @@ def test_the_library_stays_far_below(name: str) -> None:
                 {"component": "circle", "parameters": {"position.x": 4 + i, "position.y": 4.0, "radius": 0.5}}
                 for i in range(2)]},
             "scenario.step",
-            "the trace of one flight would take about 0.9 GB, at most 0.8 GB: lengthen the step, shorten the horizon",
+            "the trace of one simulation would take about 0.9 GB, at most 0.8 GB: lengthen the step, shorten the "
+            "horizon",
         ),
     ],
     ids=["steps", "results", "trace"],

@@ -9,9 +9,10 @@ import pytest
 from campaigns import Catalogue, check
 from campaigns.asked.check import parameters
 from campaigns.catalogue import MethodEntry
+from tests.problems import Problem
 from tests.unit.cases import campaign, searching
 from worker.catalogue.installed import catalogue
-from worker.systems.problem import CampaignUnusable, Problem
+from worker.systems.base import CampaignUnusable
 
 
 def found(**changes: Any) -> list[tuple[str, str, str]]:
@@ -36,7 +37,7 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     ),
     "component far": (
         {"scenario__avoider__component": "zzz"},
-        ("scenario.avoider.component", "zzz", f"no such avoider; there are: {NAMES}"),
+        ("scenario.avoider.component", "zzz", f"no such avoider; choose one of: {NAMES}"),
     ),
     "obstacle": (
         {"scenario__obstacles": [{"component": "cirle"}]},
@@ -52,15 +53,15 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     ),
     "value": (
         {"scenario__vehicle__parameters__m": -1, **ONLY_J},
-        (M, "-1", "Mass lies within 0.001 to 100000 kg"),
+        (M, "-1", "Mass must be within 0.001 to 100000 kg"),
     ),
     "value shown with its digits": (
         {"scenario__start__theta": 6.400001},
-        ("scenario.start.theta", "6.400001", "Start heading, from the x axis lies within -6.4 to 6.4 rad"),
+        ("scenario.start.theta", "6.400001", "Start heading, from the x axis must be within -6.4 to 6.4 rad"),
     ),
     "start": (
         {"scenario__start": {"X": 1}},
-        ("scenario.start.X", "1", "no such parameter; there are: x, y, theta, v, omega"),
+        ("scenario.start.X", "1", "no such parameter; choose one of: x, y, theta, v, omega"),
     ),
     "missing": (
         {"scenario__goal": {"x": 6}},
@@ -72,7 +73,7 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     ),
     "threshold is no parameter": (
         {"criterion__parameters": {"threshold": 1}},
-        ("criterion.parameters.threshold", "1", "no such parameter; there are none"),
+        ("criterion.parameters.threshold", "1", "no such parameter; no name is valid here"),
     ),
     "uncertain path": (
         {"uncertain__vehicle.n": {"low": 1, "high": 2}},
@@ -83,15 +84,15 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     ),
     "low": (
         {BOUNDS: {"low": 0, "high": 6}},
-        ("uncertain.vehicle.m.low", "0", "low bound: Mass lies within 0.001 to 100000 kg"),
+        ("uncertain.vehicle.m.low", "0", "low bound: Mass must be within 0.001 to 100000 kg"),
     ),
     "high": (
         {BOUNDS: {"low": 4, "high": 1e6}},
-        ("uncertain.vehicle.m.high", "1000000", "high bound: Mass lies within 0.001 to 100000 kg"),
+        ("uncertain.vehicle.m.high", "1000000", "high bound: Mass must be within 0.001 to 100000 kg"),
     ),
     "share beyond the limits": (
         {BOUNDS: {"plus_minus": "100%"}},
-        ("uncertain.vehicle.m.plus_minus", "0", "low bound: Mass lies within 0.001 to 100000 kg"),
+        ("uncertain.vehicle.m.plus_minus", "0", "low bound: Mass must be within 0.001 to 100000 kg"),
     ),
     "share of nothing": (
         {"uncertain__start.x": {"plus_minus": "20%"}},
@@ -102,15 +103,16 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     ),
     "nominal outside": (
         {BOUNDS: {"low": 5.5, "high": 6}, **one_search()},
-        ("uncertain.vehicle.m", "5.5 to 6", "the nominal value 5 lies outside the bounds; widen them or move it"),
+        ("uncertain.vehicle.m", "5.5 to 6", "the nominal value 5 is outside the bounds; widen the bounds or change "
+            "the nominal value"),
     ),
     "mode": (
         {BOUNDS: {"plus_minus": 1, "distribution": {"kind": "triangular", "mode": 6.5}}},
-        ("uncertain.vehicle.m.distribution.mode", "6.5", "must lie within 4 to 6"),
+        ("uncertain.vehicle.m.distribution.mode", "6.5", "must be within 4 to 6"),
     ),
     "mean": (
         {BOUNDS: {"plus_minus": 1, "distribution": {"kind": "truncated_normal", "mean": 3, "deviation": 1}}},
-        ("uncertain.vehicle.m.distribution.mean", "3", "must lie within 4 to 6"),
+        ("uncertain.vehicle.m.distribution.mean", "3", "must be within 4 to 6"),
     ),
     "method": (
         one_search(method="dirct"), ("stages.search.0.method", "dirct", "no such method; did you mean 'direct'?"),
@@ -154,11 +156,12 @@ WRONG: dict[str, tuple[dict[str, Any], tuple[str, str, str]]] = {
     ),
     "start outside": (
         one_search(method="sqp", starts=[{"vehicle.m": 5}, {"vehicle.m": 6.1}]),
-        ("stages.search.0.starts.1.vehicle.m", "6.1", "a start lies within the bounds 4 to 6"),
+        ("stages.search.0.starts.1.vehicle.m", "6.1", "a start must be within the bounds 4 to 6"),
     ),
     "start of what is certain": (
         one_search(method="sqp", starts=[{"start.v": 1}]),
-        ("stages.search.0.starts.0.start.v", "start.v", "not an uncertain parameter; there are: vehicle.m, vehicle.J"),
+        ("stages.search.0.starts.0.start.v", "start.v", "not an uncertain parameter; choose one of: "
+            "vehicle.m, vehicle.J"),
     ),
 }  # fmt: skip
 
@@ -208,14 +211,14 @@ def altered(component: str, **changes: Any) -> Catalogue:
 def test_a_controller_flies_what_it_fits() -> None:
     problems = check(campaign(), altered("pid_speed", fits=["quadrotor", "blimp"]))
     assert [(p.field, p.given, p.message) for p in problems] == [
-        ("scenario.controller.component", "pid_speed", "this controller flies quadrotor, blimp, not unicycle")
+        ("scenario.controller.component", "pid_speed", "this controller controls quadrotor, blimp, not unicycle")
     ]
 
 
 def test_components_share_their_dimension() -> None:
     problems = check(campaign(), altered("circle", dimension=3))
     assert [(p.field, p.given, p.message) for p in problems] == [
-        ("scenario.obstacles.0.component", "circle", "lives in 3 dimensions, the vehicle 'unicycle' in 2")
+        ("scenario.obstacles.0.component", "circle", "has 3 dimensions, the vehicle 'unicycle' has 2")
     ]
     assert check(campaign(), altered("circle", dimension=None)) == []
 

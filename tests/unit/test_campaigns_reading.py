@@ -33,7 +33,7 @@ def one_search(**changes: Any) -> list[dict[str, Any]]:
     return [{"method": "direct", "evaluations": 10, **changes}]
 
 
-UNKNOWN = "this key is not known here; remove it or correct its spelling"
+UNKNOWN = "unknown key; remove it or correct its spelling"
 
 KEYS = {
     "top": ({"sede": 1}, "sede", "1", UNKNOWN),
@@ -230,7 +230,7 @@ OTHERS: dict[str, tuple[dict[str, Any], str, str]] = {
     "name of two lines": ({"name": "a\nb"}, "name", "one line of readable text"),
     "name with NUL": ({"name": "a\0"}, "name", "one line of readable text"),
     "notes with NUL": ({"notes": "a\0"}, "notes", "without control characters"),
-    "half a surrogate pair": ({"name": "\ud800"}, "name", "half a surrogate pair"),
+    "half a surrogate pair": ({"name": "\ud800"}, "name", "unpaired surrogate"),
     "key with half a pair": ({"scenario__start": {"\udfff": 1}}, "scenario.start", "a key is Unicode text"),
     "key of another kind": ({"scenario__start": {1: 1}}, "scenario.start", "a key is Unicode text"),
     "component": ({"scenario__vehicle__component": "Uni cycle"}, "scenario.vehicle.component", "pattern"),

@@ -20,8 +20,8 @@ from tests.unit.cases import campaign, document
 TEXTS = {
     "name: x\nname: y": "line 2, column 1: not readable as YAML: the key 'name' is given twice",
     "a: &x 1\nb: *x": "line 2, column 4: not readable as YAML: aliases (*name) are not allowed, write the value out",
-    "1: x": "line 1, column 1: not readable as YAML: keys are text, given 1 ",
-    "? [a]\n: x": "line 1, column 3: not readable as YAML: keys are text, given ['a']",
+    "1: x": "line 1, column 1: not readable as YAML: keys must be text, given 1 ",
+    "? [a]\n: x": "line 1, column 3: not readable as YAML: keys must be text, given ['a']",
     "a: !!float x": "line 1, column 4: not readable as YAML: tags (tag:yaml.org,2002:float) are not allowed",
     "!!int ''": "tags (tag:yaml.org,2002:int) are not allowed",
     "!!timestamp x": "tags (tag:yaml.org,2002:timestamp) are not allowed",

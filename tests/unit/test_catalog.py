@@ -14,8 +14,9 @@ import pytest
 from campaigns import Catalogue
 from campaigns.version import VERSION
 from tests.unit.cases import campaign
+from tests.unit.packages import package
 from worker.catalogue.installed import catalogue, components, methods, source_of
-from worker.systems.evaluate import usual_threads
+from worker.systems.threads import usual_threads
 
 
 def test_case_1_is_there() -> None:
@@ -51,15 +52,6 @@ def in_a_new_process(code: str, folder: Path) -> subprocess.CompletedProcess[str
     return subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=120, check=False
     )
-
-
-def package(folder: Path, group: str, name: str, text: str) -> None:
-    """An installed package with one entry point."""
-    (folder / f"{name}.py").write_text(text, encoding="utf-8")
-    info = folder / f"{name}-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n", encoding="utf-8")
-    (info / "entry_points.txt").write_text(f"[{group}]\n{name} = {name}\n", encoding="utf-8")
 
 
 CAR = '''"""Car: a unicycle by another name."""

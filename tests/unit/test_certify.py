@@ -12,6 +12,7 @@ from campaigns.asked.plan import plan
 from campaigns.results import CertifyResult
 from campaigns.results.sample import QuantileBound
 from campaigns.results.sample import Sample as Statement
+from tests.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile
 from worker.catalogue.installed import catalogue
@@ -21,7 +22,6 @@ from worker.stages.parts.claims import bound
 from worker.stages.parts.sample import Sample
 from worker.stages.parts.store import Columns
 from worker.stages.parts.streams import stream
-from worker.systems.problem import Problem
 
 REPETITIONS = 400
 HELD = 0.93
@@ -213,7 +213,7 @@ def test_the_grid_of_a_large_dimension_is_refused() -> None:
     many = {path: {"plus_minus": "1%"} for path in ("vehicle.m", "vehicle.J", *(f"controller.K_p{i}" for i in (1, 2)))}
     (problem,) = check(asked({"certify": {"grid": {"points": 57}}}, uncertain=many), catalogue())
     assert problem.field == "stages.certify.grid.points"
-    assert problem.message.endswith("more than 10,000,000 flights; at most 56 points per axis")
+    assert problem.message.endswith("more than 10,000,000 evaluations; at most 56 points per axis")
     assert check(asked({"certify": {"grid": {"points": 56}}}, uncertain=many), catalogue()) == []
 
 

@@ -84,15 +84,15 @@ def test_what_is_old_enough_goes_and_the_space_comes_back(data: Path, capsys: py
     assert invoke(["purge", "--yes", "--data", str(data)]) == 0
     said = capsys.readouterr().out
     assert "1 run purged." in said
-    sizes = [float(size) for size in re.findall(r"([0-9.]+) MB now, it was ([0-9.]+) MB", said)[0]]
-    assert sizes[1] - sizes[0] == pytest.approx(3.3, abs=0.2)
-    assert file.stat().st_size == pytest.approx(1e6 * sizes[0], abs=1e5)
+    before, after = (float(size) for size in re.findall(r"reduced from ([0-9.]+) MB to ([0-9.]+) MB", said)[0])
+    assert before - after == pytest.approx(3.3, abs=0.2)
+    assert file.stat().st_size == pytest.approx(1e6 * after, abs=1e5)
     assert left(data) == [2, 3]
     assert invoke(["purge", "--older-than", "1w", "--yes", "--data", str(data)]) == 0
     assert left(data) == [3]
     capsys.readouterr()
     assert invoke(["purge", "--older-than", "0d", "--data", str(data)]) == 0
-    assert "No run was removed longer ago than 0d" in capsys.readouterr().out
+    assert "There is no run to purge that was removed more than 0d ago." in capsys.readouterr().out
 
 
 def test_a_file_that_is_in_use_is_made_smaller_another_time(
@@ -114,7 +114,7 @@ def test_a_file_that_is_in_use_is_made_smaller_another_time(
     monkeypatch.setattr(purge, "reclaim", real)
     assert left(data) == [2, 3]
     assert invoke(["purge", "--yes", "--data", str(data)]) == 0
-    assert "MB now, it was" in capsys.readouterr().out
+    assert "The file was reduced from" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("given", ["90", "d", "-1d", "1.5d", "90 d", "90m"])

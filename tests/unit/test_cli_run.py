@@ -21,7 +21,8 @@ from campaigns import Campaign, load_file
 from tests.audited import audited_summary
 from tests.unit.cases import campaign, document, searching
 from worker.cli import CLEARED, INCONCLUSIVE, INTERNAL, INTERRUPTED, VIOLATED, WRONG_INPUT, invoke
-from worker.systems.problem import Problem
+from worker.opening import opened
+from worker.problem.problem import Problem
 
 PATIENCE = 120.0
 """[s]; a process of its own may have to compile."""
@@ -144,12 +145,12 @@ def test_a_failure_of_clearance_itself_is_4(
     out, err = capsys.readouterr()
     assert out == ""
     assert "ZeroDivisionError" in err
-    assert err.rstrip().endswith("Clearance itself failed; this is not a statement about your campaign.")
+    assert err.rstrip().endswith("Internal error in Clearance; this is not a result of your campaign.")
 
 
 KEYS = {
     "verdict", "reason", "nominal", "worst", "stages", "comparison", "checks", "statistics", "findings", "evaluations",
-    "digest", "seed", "versions",
+    "digest", "seed", "versions", "sentence", "scope", "said", "holds_for", "values",
 }  # fmt: skip
 
 
@@ -217,9 +218,9 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
         rows = list(csv.DictReader(lines))
     assert len(rows) == sum(s["evaluations"] for s in printed["stages"])
     assert list(rows[0]) == ["stage", "kind", "method", "index", "status", "cost", "vehicle.m", "vehicle.J"]
-    problem = Problem(asked)
+    problem = opened.problem(asked)
     vectors = np.array([problem.vector({p: float(r[p]) for p in ("vehicle.m", "vehicle.J")}) for r in rows])
-    again = problem.fly_vectors(vectors)[0].costs[:, 0]
+    again = problem.system.fly_vectors(vectors)[0].costs[:, 0]
     assert [
         float(r["cost"]) for r in rows
     ] == again.tolist()  # every digit is there: a flight is flown again to the bit
@@ -314,7 +315,7 @@ def test_a_run_that_needs_more_memory_than_it_may_take_ends_with_a_sentence(
     monkeypatch.setenv("CLEARANCE_CHILD_MEMORY", "1")
     before = resource.getrlimit(resource.RLIMIT_AS)
     assert invoke(["run", "unicycle_static"]) == 3
-    assert "the simulation needs more than the 1 GiB that one may take: lower the" in capfd.readouterr().err
+    assert "the simulation needs more than the limit of 1 GiB per process: lower the" in capfd.readouterr().err
     assert resource.getrlimit(resource.RLIMIT_AS) == before
 
 

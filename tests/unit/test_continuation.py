@@ -23,13 +23,13 @@ from tests.unit.cases import searching
 from worker.catalogue.installed import catalogue
 from worker.cli import WRONG_INPUT, invoke
 from worker.cli._results import read_folder
+from worker.problem.evaluate import InProcess
 from worker.runs import sources
 from worker.runs.continuation import Budget, CannotContinue, carried, continued
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts.store import StagePlan
-from worker.systems.evaluate import InProcess
-from worker.systems.problem import Floats
+from worker.systems.base import Floats
 
 SHORT = {"scenario__horizon": 4.0}
 """[s]; the closest approach comes at 3.1 s."""
@@ -135,7 +135,7 @@ def test_it_equals_one_long_run(first: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (["--continue", "nowhere", "--budget", "+10"], "there is no campaign.json in it"),
+        (["--continue", "nowhere", "--budget", "+10"], "it contains no campaign.json"),
         (["--continue", "nowhere"], "belong together"),
         (["unicycle_static", "--budget", "+10"], "belong together"),
         (["unicycle_static", "--continue", "R-0001", "--budget", "+10"], "not both"),

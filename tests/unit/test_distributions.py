@@ -11,10 +11,10 @@ from scipy import stats
 from campaigns import CampaignError, check
 from campaigns.asked.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
 from campaigns.asked.uncertainty import matrix, positive_definite
+from tests.problems import Problem
 from tests.unit.cases import campaign
 from worker.catalogue.installed import catalogue
-from worker.systems.distributions import Distributions, Floats, Range
-from worker.systems.problem import Problem
+from worker.problem.distributions import Distributions, Floats, Range
 
 LOW, HIGH = 4.0, 6.0
 
@@ -156,11 +156,11 @@ FAR = {"low": 4, "high": 6, "distribution": {"kind": "normal", "mean": 7, "devia
         ),
         (
             correlated(("vehicle.m", "vehicle.m", 0.5)),
-            "correlations.0.between", "a parameter is correlated with another one, not with itself",
+            "correlations.0.between", "a parameter cannot be correlated with itself; name two different parameters",
         ),
         (
             correlated(("vehicle.m", "vehicle.J", 0.5), ("vehicle.J", "vehicle.m", 0.2)),
-            "correlations.1.between", "this pair is given already, as correlations.0",
+            "correlations.1.between", "this pair is already given as correlations.0",
         ),
         (
             correlated(
@@ -168,11 +168,11 @@ FAR = {"low": 4, "high": 6, "distribution": {"kind": "normal", "mean": 7, "devia
                 ("vehicle.J", "avoider.k_rep", -0.9), uncertain=THREE,
             ),
             "correlations",
-            "no joint distribution has all of these: their matrix is not positive definite; bring some nearer to 0",
+            "the correlation matrix is not positive definite; reduce the magnitude of some correlations",
         ),
         (
             {"uncertain__vehicle.m": FAR},
-            "uncertain.vehicle.m.distribution.mean", "must lie within 4 to 6",
+            "uncertain.vehicle.m.distribution.mean", "must be within 4 to 6",
         ),
     ],
 )  # fmt: skip

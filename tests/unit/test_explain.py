@@ -8,15 +8,15 @@ from pathlib import Path
 import pytest
 
 from campaigns import library, load_file
+from tests.problems import Problem
 from worker.cli import WRONG_INPUT, invoke
-from worker.systems.problem import Problem
 
 
 @pytest.mark.parametrize("name", ["unicycle_static", "uav_aca_latency"])
 def test_it_prints_the_text_that_is_simulated(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["explain", name]) == 0
     shown = capsys.readouterr()
-    loop = Problem(load_file(library()[name])).loop
+    loop = Problem(load_file(library()[name])).system.loop
     assert shown.out == loop.text
     assert "closed_loop" in {node.name for node in ast.parse(shown.out).body if isinstance(node, ast.FunctionDef)}
     file = Path(shown.err.removeprefix("The file to set breakpoints in: ").strip())

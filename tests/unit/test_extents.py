@@ -12,12 +12,13 @@ from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.check import flyable
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
+from campaigns.claims.spans import words
+from tests.problems import Problem
 from tests.unit.cases import campaign, document
 from worker.catalogue.installed import catalogue
 from worker.cli import invoke
 from worker.runs.continuation import Budget, CannotContinue, continued
-from worker.stages.parts.distances import clause, overlooked
-from worker.systems.problem import Problem
+from worker.systems.closed_loop.distances import clause, overlooked
 
 WALL = {"component": "box", "parameters": {"position": {"x": 9.0, "y": 3.5}, "length": 16.0, "width": 0.2}}
 
@@ -145,15 +146,15 @@ def test_a_verdict_can_state_which_point_distances_end_at() -> None:
     def of(**changes: Any) -> Problem:
         return Problem(campaign(**changes), compiled=False)
 
-    assert clause(of()) == "distances measured to the obstacles' centres, not their surfaces"
-    assert overlooked(of()) == ""
+    assert words(clause(of().system)) == "distances measured to the obstacles' centres, not their surfaces"
+    assert words(overlooked(of().system)) == ""
     wall = of(scenario__obstacles=[WALL])
-    assert clause(wall).endswith("; a vehicle inside obstacles.0 may count as clear")
-    assert "obstacles.0, which reaches 8.00062 m" in overlooked(wall)
-    assert overlooked(of(scenario__obstacles=[WALL], criterion__from_centre=True)) == ""
+    assert words(clause(wall.system)).endswith("; a vehicle inside obstacles.0 may count as clear")
+    assert "obstacles.0, which reaches 8.00062 m" in words(overlooked(wall.system))
+    assert words(overlooked(of(scenario__obstacles=[WALL], criterion__from_centre=True).system)) == ""
     surface = {"criterion__component": "surface_separation"}
-    assert clause(of(**surface)) == "distances measured to the obstacles' surfaces"
+    assert words(clause(of(**surface).system)) == "distances measured to the obstacles' surfaces"
     body = surface | {"criterion__parameters": {"body_radius": 0.2}}
-    assert clause(of(**body)).endswith("surfaces, less the radius of the vehicle's body of 0.2 m")
+    assert words(clause(of(**body).system)).endswith("surfaces, less the radius of the vehicle's body of 0.2 m")
     uncertain = document()["uncertain"] | {"criterion.body_radius": {"low": 0.0, "high": 0.2}}
-    assert clause(of(**surface, uncertain=uncertain)).endswith("surfaces, less criterion.body_radius")
+    assert words(clause(of(**surface, uncertain=uncertain).system)).endswith("surfaces, less criterion.body_radius")

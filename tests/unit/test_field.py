@@ -11,13 +11,14 @@ import pytest
 from campaigns import library, load_file
 from campaigns.asked.load import load_document
 from tests.contract.scenes import problem
+from tests.problems import Problem
 from tests.unit.cases import CASE1
-from tests.unit.test_live import Live, live  # noqa: F401
+from tests.unit.living import Live
 from worker.catalogue.installed import components
 from worker.kernels.component import Avoider
+from worker.systems.base import Floats
 from worker.systems.closed_loop.field import UNITS, Field, field
 from worker.systems.closed_loop.trace import Flown, fly
-from worker.systems.problem import Floats, Problem
 
 AVOIDERS = sorted(c.name for c in components().values() if isinstance(c, Avoider))
 SHIPPED = {name: load_file(path) for name, path in library().items()}
@@ -36,9 +37,9 @@ def case1() -> Problem:
 
 def test_the_potential_field_of_case_1_is_its_closed_form(case1: Problem) -> None:
     places = around(np.array([4.0, 4.0]), 3.7, 12)
-    found = field(case1, fly(case1, {}), 2.5, places)
+    found = field(case1.system, fly(case1.system, {}), 2.5, places)
     assert (found.kind, UNITS[found.kind], found.time) == ("force", "N", 2.5)
-    values = {path: float(case1.nominal[k]) for path, k in case1.paths.items()}
+    values = {path: float(case1.system.nominal[k]) for path, k in case1.paths.items()}
     goal = np.array([values["goal.x"], values["goal.y"]])
     obstacle = np.array([values["obstacles.0.position.x"], values["obstacles.0.position.y"]])
     away = places - obstacle
@@ -57,19 +58,19 @@ def test_the_potential_field_of_case_1_is_its_closed_form(case1: Problem) -> Non
 @pytest.mark.parametrize("name", ["unicycle_static", "uav_aca"])
 def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
     flown_by = Problem(SHIPPED[name])
-    loop, flown, every = flown_by.loop, fly(flown_by, {}), flown_by.counts(flown_by.step)[1]
-    dimension = flown_by.parts.vehicle.dimension
+    loop, flown, every = flown_by.system.loop, fly(flown_by.system, {}), flown_by.system.counts(flown_by.system.step)[1]
+    dimension = flown_by.system.parts.vehicle.dimension
     # Guidance that is asked at every stage is kept in the trace as it was at the start only.
-    rows = [0, every, len(flown.states) // 2 // every * every] if flown_by.parts.sampled else [0]
+    rows = [0, every, len(flown.states) // 2 // every * every] if flown_by.system.parts.sampled else [0]
     p = loop.extend(flown.vector)
     for row in rows:
-        time = row * flown_by.step
-        found = field(flown_by, flown, time, np.zeros((1, 2)))
+        time = row * flown_by.system.step
+        found = field(flown_by.system, flown, time, np.zeros((1, 2)))
         state = tuple(float(v) for v in flown.states[row, : loop.n_state])
         believed = loop.part("aware")(time, state, p)[0]
         held = loop.part("on_sample")(believed, tuple(found.own[:dimension].tolist()), p)
         assert held == pytest.approx(flown.states[row, loop.n_state : loop.n_state + dimension], rel=1e-9, abs=1e-9)
-        same = field(flown_by, flown, time, found.place[None, :2])
+        same = field(flown_by.system, flown, time, found.place[None, :2])
         assert same.demand[0] == pytest.approx(found.own, rel=1e-9, abs=1e-9)
 
 
@@ -77,25 +78,25 @@ def standing(made: Problem) -> Flown:
     """A flight of no duration, which nothing has to be compiled for."""
     vector = made.realisations.flights(made.vector({})[None, :])[0]
     with np.errstate(all="ignore"):
-        p = made.loop.extend(vector)
-        state = (*made.loop.part("initial")(p), *made.loop.part("blank")(p))
+        p = made.system.loop.extend(vector)
+        state = (*made.system.loop.part("initial")(p), *made.system.loop.part("blank")(p))
     return Flown(vector, np.array([state]), 0, "", np.full((1, 1), np.nan), 0, np.nan)
 
 
 def check(made: Problem) -> None:
     """The avoider answers wherever it is asked, each place by itself, with a demand of its kind and dimension."""
     flown = standing(made)
-    here = field(made, flown, 0.0, np.zeros((1, 2)))
+    here = field(made.system, flown, 0.0, np.zeros((1, 2)))
     places = around(here.place, 30.0, 7)
-    found = field(made, flown, 0.0, places)
-    assert found.kind == made.parts.avoider.demand
+    found = field(made.system, flown, 0.0, places)
+    assert found.kind == made.system.parts.avoider.demand
     assert found.demand.shape == (49, 3)
     assert np.isfinite(found.demand).all()
     assert np.isfinite(found.own).all()
     assert found.demand[24] == pytest.approx(found.own, rel=1e-9, abs=1e-9), "the middle is where the vehicle is"
     for one, place in zip(found.demand[::8], places[::8], strict=True):
-        assert (field(made, flown, 0.0, place[None]).demand[0] == one).all()
-    if made.parts.avoider.dimension == 2:
+        assert (field(made.system, flown, 0.0, place[None]).demand[0] == one).all()
+    if made.system.parts.avoider.dimension == 2:
         assert not found.demand[:, 2].any()
 
 
@@ -111,24 +112,26 @@ def test_every_campaign_of_the_library_has_a_field(name: str) -> None:
 
 @pytest.mark.parametrize(("time", "shown"), [(-1.0, 0.0), (0.0, 0.0), (7.4 * 0.005, 0.035), (1e9, 15.0)])
 def test_the_time_is_that_of_the_nearest_step_of_the_flight(case1: Problem, time: float, shown: float) -> None:
-    flown = fly(case1, {})
-    found = field(case1, flown, time, np.zeros((1, 2)))
+    flown = fly(case1.system, {})
+    found = field(case1.system, flown, time, np.zeros((1, 2)))
     assert found.time == pytest.approx(shown)
-    assert found.place[:2] == pytest.approx(flown.states[round(shown / case1.step), :2])
+    assert found.place[:2] == pytest.approx(flown.states[round(shown / case1.system.step), :2])
 
 
 def test_values_change_the_field_and_unknown_ones_are_refused(case1: Problem) -> None:
     place = np.array([[3.0, 3.0]])
-    weak, strong = (field(case1, fly(case1, {"avoider.k_rep": k}), 1.0, place).demand[0] for k in (0.0, 8.0))
+    weak, strong = (
+        field(case1.system, fly(case1.system, {"avoider.k_rep": k}), 1.0, place).demand[0] for k in (0.0, 8.0)
+    )
     assert np.linalg.norm(strong - weak) > 1.0
     with pytest.raises(KeyError):
-        fly(case1, {"avoider.nothing": 1.0})
+        fly(case1.system, {"avoider.nothing": 1.0})
 
 
-def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:  # noqa: F811
+def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
     places = [[1.0, 2.0], [4.5, 4.5]]
     answer = live.ask(id=1, kind="field", campaign=CASE1, parameters={"vehicle.m": 6.0}, time=3.0, places=places)
-    found: Field = field(case1, fly(case1, {"vehicle.m": 6.0}), 3.0, np.array(places))
+    found: Field = field(case1.system, fly(case1.system, {"vehicle.m": 6.0}), 3.0, np.array(places))
     assert answer["id"] == 1
     assert {k: answer[k] for k in ("time", "kind", "unit")} == {"time": 3.0, "kind": "force", "unit": "N"}
     assert answer["demand"] == found.demand.tolist()
@@ -140,18 +143,18 @@ def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"kind": "music"}, "kind is 'flight' or 'field', given 'music'"),
-        ({"places": []}, "places are 1 to 10000 pairs of finite numbers"),
-        ({"places": [[1.0]]}, "places are 1 to 10000 pairs of finite numbers"),
-        ({"places": [[1.0, float("nan")]]}, "places are 1 to 10000 pairs of finite numbers"),
-        ({"places": [[0.0, 0.0]] * 10_001}, "places are 1 to 10000 pairs of finite numbers"),
+        ({"kind": "music"}, "kind must be 'flight' or 'field', given 'music'"),
+        ({"places": []}, "places must be 1 to 10000 pairs of finite numbers"),
+        ({"places": [[1.0]]}, "places must be 1 to 10000 pairs of finite numbers"),
+        ({"places": [[1.0, float("nan")]]}, "places must be 1 to 10000 pairs of finite numbers"),
+        ({"places": [[0.0, 0.0]] * 10_001}, "places must be 1 to 10000 pairs of finite numbers"),
         ({"places": "many"}, "not a request"),
-        ({"time": "late"}, "time takes a number of seconds, given 'late'"),
-        ({"time": float("inf")}, "time takes a number of seconds, given inf"),
+        ({"time": "late"}, "time must be a number of seconds, given 'late'"),
+        ({"time": float("inf")}, "time must be a number of seconds, given inf"),
         ({"parameters": {"vehicle.n": 1.0}}, "the scenario has no parameter 'vehicle.n'"),
     ],
 )
-def test_requests_that_are_none(live: Live, changes: dict[str, Any], said: str) -> None:  # noqa: F811
+def test_requests_that_are_none(live: Live, changes: dict[str, Any], said: str) -> None:
     request: dict[str, Any] = {"kind": "field", "campaign": CASE1, "time": 1.0, "places": [[0.0, 0.0]]}
     answer = live.ask(id=2, **(request | changes))
     assert set(answer) == {"id", "error"}

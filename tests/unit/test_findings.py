@@ -20,7 +20,7 @@ from worker.stages.parts.comparison import compare
 from worker.stages.parts.findings import Found
 from worker.stages.parts.store import StagePlan
 from worker.stages.parts.streams import stream
-from worker.systems.problem import Floats
+from worker.systems.base import Floats
 
 GLOBAL = [m.name for m in methods().values() if m.kind == "global"]
 BUDGET = 3000

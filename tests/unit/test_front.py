@@ -16,14 +16,14 @@ from campaigns.asked.load import load_document
 from campaigns.results import SearchResult
 from campaigns.results.base import FAILED, OK
 from tests.audited import audited
+from tests.problems import Problem
 from tests.unit.cases import CASE1, campaign
 from worker.cli._results import write_results
+from worker.problem.criteria import criteria
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts import front
 from worker.stages.parts.store import Columns
-from worker.systems.criteria import criteria
-from worker.systems.problem import Problem
 
 TABLES = arrays(np.float64, st.tuples(st.integers(0, 30), st.integers(1, 4)), elements=st.integers(0, 5).map(float))
 

@@ -3,66 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
-import select
-import subprocess
 import sys
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from campaigns import library, load_file
+from tests.problems import Problem
 from tests.unit.cases import CASE1, document
+from tests.unit.living import Live
 from worker.stages.parts.seeds import of_draws
-from worker.systems.problem import Problem
-
-PATIENCE = 60.0
-"""[s]; the first flight may have to be compiled."""
-
-
-class Live:
-    """One process that answers."""
-
-    def __init__(self, **environment: str) -> None:
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-        command = [sys.executable, "-m", "worker.processes.live"]
-        self.process = subprocess.Popen(command, env={**os.environ, **environment}, **pipes)
-        assert self.process.stdout is not None
-        self.buffer = b""
-
-    def say(self, line: bytes) -> None:
-        assert self.process.stdin is not None
-        self.process.stdin.write(line + b"\n")
-        self.process.stdin.flush()
-
-    def hear(self) -> Any:
-        """The next line, which must be JSON as the standard has it."""
-        assert self.process.stdout is not None
-        while b"\n" not in self.buffer:
-            assert select.select([self.process.stdout], [], [], PATIENCE)[0], "no answer"
-            more = os.read(self.process.stdout.fileno(), 1 << 16)
-            assert more, "the process ended"
-            self.buffer += more
-        line, _, self.buffer = self.buffer.partition(b"\n")
-        return json.loads(line, parse_constant=lambda name: pytest.fail(f"{name} in an answer"))
-
-    def ask(self, **request: Any) -> Any:
-        self.say(json.dumps(request).encode())
-        return self.hear()
-
-    def end(self) -> tuple[int, bytes]:
-        """Close its input; exit code and what it wrote to standard error."""
-        _, errors = self.process.communicate(timeout=PATIENCE)
-        return self.process.returncode, errors
-
-
-@pytest.fixture(scope="module")
-def live() -> Iterator[Live]:
-    made = Live()
-    assert made.hear() == {"ready": True}
-    yield made
-    assert made.end() == (0, b"")
 
 
 def test_a_flight(live: Live) -> None:
@@ -115,12 +65,12 @@ def test_an_excluded_flight_has_a_reason(live: Live) -> None:
     ("parameters", "said"),
     [
         ({"vehicle.n": 1.0}, "the scenario has no parameter 'vehicle.n'"),
-        ({"vehicle.m": 0.0}, "vehicle.m lies within 0.001 to 100000 kg, given 0.0"),
-        ({"vehicle.m": float("nan")}, "vehicle.m lies within 0.001 to 100000 kg, given nan"),
-        ({"vehicle.m": float("inf")}, "vehicle.m lies within 0.001 to 100000 kg, given inf"),
-        ({"vehicle.m": "5"}, "vehicle.m takes a number, given '5'"),
-        ({"vehicle.m": True}, "vehicle.m takes a number, given True"),
-        ({"vehicle.m": None}, "vehicle.m takes a number, given None"),
+        ({"vehicle.m": 0.0}, "vehicle.m must be within 0.001 to 100000 kg, given 0.0"),
+        ({"vehicle.m": float("nan")}, "vehicle.m must be within 0.001 to 100000 kg, given nan"),
+        ({"vehicle.m": float("inf")}, "vehicle.m must be within 0.001 to 100000 kg, given inf"),
+        ({"vehicle.m": "5"}, "vehicle.m must be a number, given '5'"),
+        ({"vehicle.m": True}, "vehicle.m must be a number, given True"),
+        ({"vehicle.m": None}, "vehicle.m must be a number, given None"),
         ([5.0], "not a request for a flight"),
     ],
 )
@@ -139,8 +89,8 @@ def test_parameters_that_cannot_be_flown(live: Live, parameters: Any, said: str)
         (b"null", "not a request for a flight: TypeError"),
         (b"{}", "not a request for a flight: KeyError: 'id'"),
         (b'{"id": "\xff"}', "not a request for a flight: UnicodeDecodeError"),
-        (b'{"id": NaN, "campaign": {}}', "not a request for a flight: TypeError: id is a whole number or text"),
-        (b'{"id": [1], "campaign": {}}', "not a request for a flight: TypeError: id is a whole number or text"),
+        (b'{"id": NaN, "campaign": {}}', "not a request for a flight: TypeError: id must be a whole number or text"),
+        (b'{"id": [1], "campaign": {}}', "not a request for a flight: TypeError: id must be a whole number or text"),
         (b'{"id": 1}', "not a request for a flight: KeyError: 'campaign'"),
         (b"[" * 100_000, "nested too deeply"),
         (b'{"id": 1, "campaign": [], "rows": 5}', "a campaign is a mapping"),
@@ -189,7 +139,7 @@ def test_a_flight_that_needs_more_memory_than_it_may_take_is_an_error_and_the_ne
     assert small.hear() == {"ready": True}
     long = document(scenario__horizon=2000, scenario__step=0.001)
     answer = small.ask(id=1, campaign=long, parameters={})
-    assert answer["error"].startswith("the simulation needs more than the 0.25 GiB that one may take: lower the")
+    assert answer["error"].startswith("the simulation needs more than the limit of 0.25 GiB per process: lower the")
     assert small.ask(id=2, campaign=CASE1, parameters={})["status"] == "ok"
     assert small.end()[0] == 0
 
@@ -220,4 +170,4 @@ def test_a_flight_has_its_own_noise(live: Live) -> None:
 @pytest.mark.parametrize("given", [{"seed": -1}, {"seed": 2**20}, {"seed": 1.5}, {"draw": True}, {"draw": "3"}])
 def test_noise_that_does_not_exist_is_refused(live: Live, given: dict[str, Any]) -> None:
     error = live.ask(id=1, campaign=CASE1, **given)["error"]
-    assert f"{next(iter(given))} is a whole number from 0 to " in error
+    assert f"{next(iter(given))} must be a whole number from 0 to " in error

@@ -29,7 +29,7 @@ from backend.scenes.panel.convergence_tab import ConvergenceTab
 from campaigns import Catalogue
 from campaigns.asked.snapshot import changes
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
-from tests.unit.test_catalog import package
+from tests.unit.packages import package
 from worker.catalogue.installed import catalogue
 from worker.catalogue.looks import shipped
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from tests.problems import Problem
 from tests.unit.cases import campaign, case1, searching
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Context
-from worker.systems.problem import Problem
 
 
 @pytest.mark.parametrize(
@@ -63,11 +63,11 @@ def test_bounds_and_nominal_values_are_exact() -> None:
 def test_every_parameter_may_be_uncertain() -> None:
     paths = {path: index for path, index in case1().paths.items() if path != "criterion.threshold"}
     for path in paths:
-        nominal = float(case1().nominal[paths[path]])
+        nominal = float(case1().system.nominal[paths[path]])
         bounds = {"low": nominal, "high": nominal + 0.01 * max(nominal, 1.0)}
         problem = Problem(searching({"method": "direct", "evaluations": 1}, uncertain={path: bounds}))
         vector = problem.vectors(np.array([[1.0]]))[0]
-        assert np.flatnonzero(vector != problem.nominal).tolist() == [paths[path]]
+        assert np.flatnonzero(vector != problem.system.nominal).tolist() == [paths[path]]
 
 
 def test_a_context_of_nothing_has_nothing() -> None:

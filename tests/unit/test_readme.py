@@ -15,12 +15,12 @@ from typer.core import TyperGroup
 
 from campaigns import check
 from campaigns.asked.load import load_text
+from tests.problems import Problem
 from worker.catalogue.installed import catalogue, components, methods
 from worker.cli import build
 from worker.kernels.component import Obstacle, declared
 from worker.kernels.layout import Parts
 from worker.systems.closed_loop.assemble import Loop
-from worker.systems.problem import Problem
 
 REPOSITORY = Path(__file__).parents[2]
 PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]

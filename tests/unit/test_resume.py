@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
-from campaigns.results import Verdict
 from campaigns.results.base import EXCLUDED
 from tests.audited import audited
 from tests.unit.cases import searching
+from tests.unit.interrupted import Interrupted, Unreliable, outcome
+from worker.opening import opened
+from worker.problem.evaluate import InProcess
+from worker.problem.problem import Problem
 from worker.runs.runner import Cancelled, Tally, execute
 from worker.runs.store import MemoryStore
 from worker.search.base import Floats
 from worker.stages.parts import base
-from worker.stages.parts.store import Columns, join
-from worker.systems.evaluate import InProcess
-from worker.systems.problem import Problem
 
 SEARCHES = (
     {"method": "direct", "evaluations": 150},
@@ -28,46 +28,6 @@ SEARCHES = (
 )
 QUICK = searching(*SEARCHES, scenario__horizon=1.0)
 """One second of flight: a run takes no time."""
-
-
-class Interrupted(Exception):
-    pass
-
-
-class Unreliable(MemoryStore):
-    """Raises after so many evaluations were stored."""
-
-    def __init__(self, left: int) -> None:
-        super().__init__()
-        self.left = left
-
-    def append(self, position: int, first: int, columns: Columns) -> None:
-        super().append(position, first, columns)
-        self.left -= len(columns.status)
-        if self.left <= 0:
-            self.left = 10**9
-            raise Interrupted
-
-
-def without_time(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {k: without_time(v) for k, v in value.items() if k != "seconds"}
-    return [without_time(v) for v in value] if isinstance(value, list) else value
-
-
-def outcome(store: MemoryStore, conclusion: Verdict) -> Any:
-    """All that a run found, without the time it took."""
-    columns = [join(store.chunks.get(k, [])) for k in range(len(store.stages))]
-    return (
-        conclusion,
-        [None if r.result is None else without_time(r.result.model_dump()) for r in store.stages],
-        [without_time(f.model_dump()) for f in store.findings],
-        [
-            None if c is None else (c.points.tobytes(), c.costs.tobytes(), c.status.tobytes(), c.reasons)
-            for c in columns
-        ],
-        {name: (t.data.tobytes(), t.meta) for name, t in store.traces.items()},
-    )
 
 
 def run(asked: Campaign, threads: int = 1) -> Any:
@@ -141,7 +101,7 @@ def test_progress_is_told() -> None:
 
 @pytest.mark.parametrize("count", [1, 15, 16, 17, 33, 100])
 def test_bits_do_not_depend_on_the_batch(count: int) -> None:
-    problem = Problem(QUICK)
+    problem = opened.problem(QUICK)
     points = np.random.default_rng(1).random((100, 2))
     alone = problem.fly(points[:1])[0].costs
     evaluate = InProcess(problem, 3)
@@ -156,7 +116,7 @@ def test_bits_do_not_depend_on_the_batch(count: int) -> None:
 
 def test_reasons_keep_their_rows_over_threads() -> None:
     uncertain = {"start.x": {"low": 0.0, "high": 4.0}, "start.y": {"low": 0.0, "high": 4.0}}
-    problem = Problem(searching({"method": "direct", "evaluations": 1}, uncertain=uncertain))
+    problem = opened.problem(searching({"method": "direct", "evaluations": 1}, uncertain=uncertain))
     points = np.random.default_rng(1).random((200, 2)) * 0.1
     inside = [3, 64, 150, 199]
     points[inside] = 1.0  # on the obstacle

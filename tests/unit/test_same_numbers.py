@@ -10,7 +10,7 @@ from campaigns import Campaign
 from campaigns.results import CertifyResult
 from tests.audited import audited
 from tests.unit.cases import campaign
-from tests.unit.test_resume import Interrupted, Unreliable, outcome
+from tests.unit.interrupted import Interrupted, Unreliable, outcome
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts import base

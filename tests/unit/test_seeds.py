@@ -11,12 +11,12 @@ import pytest
 from campaigns.asked.spec import MAX_SEED
 from campaigns.results import CertifyResult, Verdict
 from tests.audited import audited
+from tests.problems import Problem
 from tests.unit.cases import searching
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts import offered, seeds
 from worker.stages.parts.base import Context
-from worker.systems.problem import Problem
 
 NOISE: list[dict[str, Any]] = [{"component": "sensor_noise", "parameters": {"sigma": 0.15}}]
 

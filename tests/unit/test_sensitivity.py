@@ -14,11 +14,11 @@ from campaigns.asked.plan import plan
 from campaigns.results import SensitivityResult
 from campaigns.results.base import OK
 from campaigns.results.sensitivity import MorrisStudy, SobolStudy
+from tests.problems import Problem
 from tests.unit.sampled import asked, context, evaluate
 from worker.runs.store import MemoryStore
 from worker.search.base import Batch, Floats
 from worker.stages import sensitivity
-from worker.systems.problem import Problem
 
 THREE: dict[str, Any] = {
     "vehicle.m": {"low": 4, "high": 6}, "vehicle.J": {"low": 0.04, "high": 0.06}, "avoider.k_rep": {"plus_minus": 1},
@@ -149,7 +149,7 @@ def test_the_seed_decides_the_design() -> None:
         ({"sobol": {"samples": 100}}, "Sobol points are balanced for powers of two only; give 64 or 128"),
         ({"morris": {"levels": 5}}, "multiple of 2"),
         ({"morris": {"trajectories": 1}}, "greater than or equal to 2"),
-        ({"fast": {}}, "not known here"),
+        ({"fast": {}}, "unknown key"),
     ],
 )
 def test_settings_that_make_no_sense(study: dict[str, Any], message: str) -> None:

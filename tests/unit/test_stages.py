@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from campaigns import Campaign
+from campaigns.claims.codes import StopCode
 from campaigns.results import NominalResult, SearchResult, SensitivityResult, ValidateResult, Verdict
-from campaigns.results.base import Result, Stop
+from campaigns.results.base import Result
 from campaigns.results.verdict import NominalCost
 from tests.audited import audited
 from tests.unit.cases import campaign, case1, searching
@@ -95,14 +96,16 @@ def test_a_search_tells_its_best_in_the_parameters_units() -> None:
     problem, found = case1(), result(2, SearchResult)
     best = found.best
     assert best is not None
-    assert best.cost == problem.loop.fly(problem.vector(best.parameters)[None, :], 0.005, 3000).costs[0]
+    assert best.cost == problem.system.loop.fly(problem.vector(best.parameters)[None, :], 0.005, 3000).costs[0]
     assert best.margin == best.cost - 0.5
     store = ran()[0]
     columns = store.evaluations(2)
     assert columns is not None
     assert columns.costs[best.index, 0] == best.cost == columns.costs[columns.status == 0, 0].min()
     assert (found.method, found.title, found.kind, found.sample) == ("direct", "DIRECT", "global", None)
-    assert found.stop == Stop(kind="budget", text="used its budget of 200 evaluations")
+    assert found.stop is not None
+    assert (found.stop.kind, found.stop.code) == ("budget", StopCode.BUDGET)
+    assert (found.stop.text, found.stop.values) == ("used its budget of 200 evaluations", {"budget": 200})
 
 
 def test_a_local_search_tells_its_minima() -> None:
@@ -269,7 +272,7 @@ def test_validation_catches_a_step_that_is_too_long() -> None:
 
 def test_the_other_integrator_says_why_it_could_not_fly() -> None:
     problem = case1()
-    flight = Reference(problem).fly(problem.vector({"vehicle.J": 1e-300}))
+    flight = Reference(problem.system).fly(problem.vector({"vehicle.J": 1e-300}))
     assert flight.cost is None
     assert "DOP853" in flight.reason
 

@@ -15,13 +15,13 @@ import pytest
 
 from campaigns import Campaign, library, load_file
 from campaigns.asked.load import load_document
+from tests.problems import Problem
 from tests.unit.assembled import check, parts, vector
 from worker.catalogue.installed import components
 from worker.kernels import maths
 from worker.reference import compiled
 from worker.systems.closed_loop import assemble
 from worker.systems.closed_loop.assemble import Loop
-from worker.systems.problem import Problem
 
 EARLIER = json.loads((Path(__file__).parents[1] / "golden" / "closed_loops.json").read_text(encoding="utf-8"))
 """State and guidance after 25 steps, and what a trace shows there, of one random point of every campaign of the library
@@ -35,13 +35,13 @@ def test_no_campaign_of_the_library_is_left_out() -> None:
 @pytest.mark.parametrize("name", EARLIER)
 def test_the_library(name: str) -> None:
     problem = Problem(campaign(name), compiled=False)
-    loop = Loop(problem.parts, lanes=1, compiled=False)
+    loop = Loop(problem.system.parts, lanes=1, compiled=False)
     check(loop.text)
     point = np.random.default_rng(7).random((1, problem.dimension))
     vector = problem.realisations.flights(problem.vectors(point))[:1]
-    flown = loop.fly(vector, problem.step, 25, problem.counts(problem.step)[1], traced=1)
+    flown = loop.fly(vector, problem.system.step, 25, problem.system.counts(problem.system.step)[1], traced=1)
     assert flown.trace[0, -1] == pytest.approx(np.array(EARLIER[name]["state"]), rel=1e-9, abs=1e-12)
-    seen = loop.observe(flown.trace[0], vector[0], problem.step)[-1]
+    seen = loop.observe(flown.trace[0], vector[0], problem.system.step)[-1]
     assert seen == pytest.approx(np.array(EARLIER[name]["seen"]), rel=1e-9, abs=1e-12)
     if "costs" in EARLIER[name]:
         assert flown.costs[0] == pytest.approx(np.array(EARLIER[name]["costs"]), rel=1e-9, abs=1e-12)
@@ -94,9 +94,9 @@ def test_the_reference_calls_the_platforms_functions(name: str, monkeypatch: pyt
     for kernel, other in list(assemble.LIBRARY.items()):
         monkeypatch.setitem(assemble.LIBRARY, kernel, counting(kernel, other))
     problem = Problem(load_file(library()[name]), compiled=False)
-    loop = problem.loop
+    loop = problem.system.loop
     with np.errstate(over="ignore"):  # random bits are products of whole numbers that wrap
-        p = loop.extend(problem.realisations.flights(problem.nominal[None])[0])
+        p = loop.extend(problem.realisations.flights(problem.system.nominal[None])[0])
         x, g = loop.part("initial")(p), loop.part("blank")(p)
     codes = {kernel.py_func.__code__: kernel for kernel in calls}
     polynomials = dict.fromkeys(calls, 0)
@@ -128,7 +128,7 @@ def test_the_reference_calls_the_platforms_functions(name: str, monkeypatch: pyt
 
 @pytest.mark.parametrize("name", ["unicycle_static", "uav_moving_gusts"])
 def test_the_compiled_reference_reaches_no_polynomial(name: str) -> None:
-    loop = Problem(load_file(library()[name]), compiled=False).loop
+    loop = Problem(load_file(library()[name]), compiled=False).system.loop
     polynomials = {kernel.py_func.__code__ for kernel in assemble.LIBRARY}
     assert polynomials & reached(loop.kernel("closed_loop"), set()) >= {maths.sincos.py_func.__code__}
     assert not polynomials & reached(compiled.bound(loop), set())

@@ -7,8 +7,8 @@ import pytest
 
 from tests.unit.cases import case1
 from worker.stages.parts.store import Trace
+from worker.systems.base import Floats
 from worker.systems.closed_loop.trace import trace
-from worker.systems.problem import Floats
 
 WORST = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 
@@ -18,7 +18,7 @@ def column(shown: Trace, name: str) -> Floats:
 
 
 def test_the_columns() -> None:
-    shown = trace(case1(), "nominal", {})
+    shown = trace(case1().system, "nominal", {})
     assert [(c.name, c.unit, c.group) for c in shown.columns] == [
         ("t", "s", "time"),
         ("x", "m", "pose"), ("y", "m", "pose"), ("z", "m", "pose"),
@@ -34,7 +34,7 @@ def test_the_columns() -> None:
 
 
 def test_the_meta() -> None:
-    meta = trace(case1(), "F1", WORST).meta
+    meta = trace(case1().system, "F1", WORST).meta
     (obstacle,) = meta.obstacles
     assert {
         "component": "circle",
@@ -50,8 +50,8 @@ def test_the_meta() -> None:
 @pytest.mark.parametrize("values", [{}, WORST, {"vehicle.m": 4.0, "start.y": -1.0}])
 def test_it_is_the_flight_that_was_counted(values: dict[str, float]) -> None:
     problem = case1()
-    shown = trace(problem, "flight", values)
-    cost = problem.fly_vectors(problem.vector(values)[None, :])[0].costs[0, 0]
+    shown = trace(problem.system, "flight", values)
+    cost = problem.system.fly_vectors(problem.vector(values)[None, :])[0].costs[0, 0]
     assert shown.meta.cost == cost
     closest, separation = shown.meta.closest, column(shown, "separation")
     assert closest is not None
@@ -69,20 +69,20 @@ def test_it_is_the_flight_that_was_counted(values: dict[str, float]) -> None:
 
 
 def test_the_separation_is_the_distance_to_the_centre() -> None:
-    shown = trace(case1(), "nominal", {})
+    shown = trace(case1().system, "nominal", {})
     distance = np.hypot(column(shown, "x") - 4, column(shown, "y") - 4)
     assert column(shown, "separation") == pytest.approx(distance, abs=1e-12)
 
 
 def test_the_commands_move_the_vehicle() -> None:
-    shown = trace(case1(), "nominal", {})
+    shown = trace(case1().system, "nominal", {})
     acceleration = np.gradient(column(shown, "v"), 0.005)
     assert column(shown, "force")[5:-5] / 5.0 == pytest.approx(acceleration[5:-5], abs=2e-3)
 
 
 @pytest.mark.parametrize("rows", [2, 30, 400, 3000, 3001, 10**6])
 def test_thinned_it_keeps_the_ends_and_the_closest_approach(rows: int) -> None:
-    whole, shown = trace(case1(), "nominal", {}), trace(case1(), "nominal", {}, rows)
+    whole, shown = trace(case1().system, "nominal", {}), trace(case1().system, "nominal", {}, rows)
     assert len(shown.data) <= max(rows, 23)
     assert np.isin(shown.data[:, 0], whole.data[:, 0]).all()
     assert (np.diff(shown.data[:, 0]) > 0).all()
@@ -92,7 +92,7 @@ def test_thinned_it_keeps_the_ends_and_the_closest_approach(rows: int) -> None:
 
 
 def test_a_failed_flight_is_shown_up_to_its_failure() -> None:
-    shown = trace(case1(), "F1", {"vehicle.J": 0.001})
+    shown = trace(case1().system, "F1", {"vehicle.J": 0.001})
     assert (shown.meta.status, shown.meta.cost) == ("failed", None)
     assert shown.meta.reason == "the flight left the model's envelope at t = 0.005 s: the turn rate exceeds 1000 rad/s"
     assert column(shown, "t").tolist() == [0.0, 0.005]
@@ -103,7 +103,7 @@ def test_a_failed_flight_is_shown_up_to_its_failure() -> None:
 
 
 def test_an_excluded_flight_says_so() -> None:
-    shown = trace(case1(), "F1", {"start.x": 4.1, "start.y": 4.0})
+    shown = trace(case1().system, "F1", {"start.x": 4.1, "start.y": 4.0})
     assert (shown.meta.status, shown.meta.cost) == ("excluded", None)
     assert shown.meta.closest is not None
     assert shown.meta.closest.value == pytest.approx(0.1)
@@ -111,4 +111,4 @@ def test_an_excluded_flight_says_so() -> None:
 
 def test_an_unknown_parameter() -> None:
     with pytest.raises(KeyError, match=r"vehicle\.n"):
-        trace(case1(), "F1", {"vehicle.n": 1.0})
+        trace(case1().system, "F1", {"vehicle.n": 1.0})

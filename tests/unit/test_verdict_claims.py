@@ -10,6 +10,7 @@ from campaigns.results import CertifyResult
 from campaigns.results.base import Stop
 from campaigns.results.finding import ClosestApproach, HalfStep, ReferenceCost
 from campaigns.results.validate import Spread, Unseen, Violations
+from tests.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.evidence import (
     FLOWN,
@@ -30,7 +31,6 @@ from tests.unit.evidence import (
     validation,
     violation,
 )
-from worker.systems.problem import Problem
 from worker.verdicts.conclude import conclude
 
 STOPPED = Stop(kind="budget", text="used its budget")

@@ -6,20 +6,28 @@ Start reading at `audit`; `closing` is the sentence at its end.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from campaigns.asked import extents
 from campaigns.asked.check import parameters, seeded
+from campaigns.catalogue import ComponentEntry
+from campaigns.claims import earlier
+from campaigns.claims.numbers import count
+from campaigns.claims.say import listed
+from campaigns.claims.spans import Quantity, Said, words
 from campaigns.results.base import OK, STATUS
+from campaigns.results.verdict import SCOPE
 from worker.audit.recompute import FLOOR, Run, Tree
 from worker.audit.record import MISSING, Record, UnreadableError
 
 AT_MOST, SPOT_CHECKS = 200, 200
 """How many stored violations, and how many random evaluations, a run simulates again."""
+
+SAID: TypeAdapter[Said] = TypeAdapter(Said)
 
 
 class Item(NamedTuple):
@@ -131,19 +139,10 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
     """Every check that the rules ask for, by name; what the author states to be intended holds."""
     campaign, sample, threshold = run.campaign, run.claimed, run.threshold
     results, components, findings = run.claims["results"], run.claims["components"], run.claims["findings"]
-    spot, encounter, nominal = results[-1]["spot_checks"], results[-1]["encounter"], run.nominal
-    moved, unseen = (math.nan if c is None else c for c in (encounter["moved"], encounter["unseen"]["cost"]))
-    criterion = {c.name: c for c in components.components if c.role == "criterion"}[campaign.criterion.component]
+    spot, nominal = results[-1]["spot_checks"], run.nominal
     ended = all(stage.get("state", "done") == "done" for stage in run.claims["stages"])
     compared = spot["violating"] == 0 and (spot["compared"] > 0 or spot["checked"] == 0)
-    shown = {
-        "motion": moved > 0.01 * abs(nominal),
-        "avoidance": nominal - unseen > FLOOR * max(abs(nominal), abs(unseen)),
-        "influence": run.varies,
-    }
-    if criterion.of == "obstacles":
-        closest = [encounter["closest"], *(f["closest"] for f in findings)]
-        shown["closest approach"] = all(c["at"] == "inside" for c in closest)
+    shown = {"influence": run.varies} | (_encounter(run) if campaign.simulator is None else {})
     told = {name: holds or name.replace(" ", "_") in campaign.encounter.intended for name, holds in shown.items()}
     told |= {
         "nominal": nominal > threshold,
@@ -151,15 +150,17 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
         "no violation": run.lowest > threshold,
         "minimum": bool(findings) and findings[0]["cost"] <= run.lowest and results[-1]["findings"]["complete"],
         "agreement": _agreement(run),
-        "validation": agreed and compared,
+        "validation" if campaign.simulator is None else "repetition": agreed and compared,
         "evaluations": run.total["failed"] == 0,
     }
-    centre = criterion.measured_to == "centre" and not campaign.criterion.from_centre
-    if centre and extents.within(campaign, components, parameters(campaign, components)):
+    centre = campaign.simulator is None and _deciding(run).measured_to == "centre"
+    stated = campaign.criterion.from_centre
+    if centre and not stated and extents.within(campaign, components, parameters(campaign, components)):
         told["distances"] = False
     noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
-    asked, excluded = campaign.scenario.realisations, run.total["excluded"] / max(len(run.status), 1)
+    excluded = run.total["excluded"] / max(len(run.status), 1)
     if seeded(campaign, components):
+        asked = campaign.given_scenario.realisations
         told["noise"] = noise == "drawn" and not (asked.combine == "mean" and len(asked.seeds) > 1)
     if excluded:
         told["exclusions"] = max(sample["excluded_fraction"] if sample else 0.0, excluded) <= 0.1
@@ -168,6 +169,27 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
     elif sample is not None:
         told["probability"] = bound <= 0.05
     return told
+
+
+def _deciding(run: Run) -> ComponentEntry:
+    """The criterion of a scenario that decides."""
+    known = {c.name: c for c in run.claims["components"].components if c.role == "criterion"}
+    found: ComponentEntry = known[run.campaign.criterion.component]
+    return found
+
+
+def _encounter(run: Run) -> dict[str, bool]:
+    """What must be shown of the encounter; a simulator shows none of it."""
+    encounter, nominal = run.claims["results"][-1]["encounter"], run.nominal
+    moved, unseen = (math.nan if c is None else c for c in (encounter["moved"], encounter["unseen"]["cost"]))
+    shown = {
+        "motion": moved > 0.01 * abs(nominal),
+        "avoidance": nominal - unseen > FLOOR * max(abs(nominal), abs(unseen)),
+    }
+    if _deciding(run).of == "obstacles":
+        closest = [encounter["closest"], *(f["closest"] for f in run.claims["findings"])]
+        shown["closest approach"] = all(c["at"] == "inside" for c in closest)
+    return shown
 
 
 def _agreement(run: Run) -> bool:
@@ -188,28 +210,41 @@ def _agreement(run: Run) -> bool:
 
 
 def _sentence(run: Run) -> tuple[Tree, Tree]:
-    """The counts and values that the sentence states, as text, and those that it must; None where there is none."""
-    said, _ = run.claims["verdict"], run.claims["evaluations"]  # earlier versions, without these, used other words
-    text = run.claims["reason"].replace("\u202f", "").replace("\u2212", "-").replace("), ", ") and ")
-    opening = {"cleared": "stayed above", "violated": "falls to or below"}.get(said, "Nothing may")
-    excluded, violating = run.total["excluded"] if said == "cleared" else 0, sum(run.below)
-    sample, limit = (None, None) if said == "inconclusive" else (run.claimed, f"{run.threshold:.6g}")
-    spent: Tree = {}
+    """What the sentence states, its numbers by name, and what it must; its words must be those of its spans.
+
+    Of versions that stored words alone the numbers are those in the words, with the digits that are written there.
+    """
+    claims, verdict, total = run.claims, run.claims["verdict"], run.claims["evaluations"] and run.total
+    exact = "said" in claims
+    said = SAID.validate_python(claims["said"]) if exact else earlier.verdict(claims["reason"])
+    scope = f" {SCOPE}{words(SAID.validate_python(claims['holds_for']))}" if exact else ""
+    stated = {span.name: span for span in said if isinstance(span, Quantity) and span.name}
+    sample, spent = run.claimed if verdict != "inconclusive" else None, dict[str, int]()
     for k in run.searches:
         spent[run.methods[k].title] = spent.get(run.methods[k].title, 0) + run.ended[k]["evaluations"]
-    rules = {
-        "opening": ("(stayed above|falls to or below|^Nothing may|^No flight)", opening),
-        "threshold": (r"(?:stayed above|falls to or below) (\S+)", limit),
-        "in all": (r"(\d+) evaluations, searched", f"{len(run.costs if said == 'cleared' else run.raw)}"),
-        "methods": (r"searched by (.+? \(\d+\))\.", " and ".join(f"{title} ({n})" for title, n in spent.items())),
-        "worst": (r"worst case found has .+? = (\S+) ", f"{run.lowest:.6g}"),
-        "margin": (r"worst case found .+? a margin of (\S+) ", f"{run.lowest - run.threshold:+.6g}"),
-        "excluded": (r"(\d+) more were excluded", str(excluded) if excluded else None),
-        "violating": (r"(\d+) stored evaluations? violates? the", str(violating) if violating else None),
-        "drawn": (r"(\d+ of \d+) flights drawn", sample and f"{sample['violations']} of {sample['samples']}"),
-        "bound": (r"P\(violation\) is at most (\S+) %", sample and f"{100 * sample['upper_bound']:.3g}"),
-    }
-    if not len(run.costs):
-        rules = {"opening": (rules["opening"][0], "No flight")}
-    found = {name: re.search(pattern, text) for name, (pattern, _) in rules.items()}
-    return {k: m and m[1] for k, m in found.items()}, {k: expected for k, (_, expected) in rules.items()}
+    methods, text = f"{words(listed([f'{title} ({count(n)})' for title, n in spent.items()]))}.", words(said)
+    opening = {"cleared": "stayed above", "violated": "falls to or below"}.get(verdict, "Nothing may be claimed")
+    one = "flight" if run.campaign.simulator is None else "case"
+    opening, begun = opening if len(run.costs) else f"No {one} could be evaluated", text.partition(".")[0]
+    must: Tree = {
+        "threshold": None if verdict == "inconclusive" else run.threshold,
+        "evaluations": len(run.costs if verdict == "cleared" else run.raw),
+        "worst": run.lowest,
+        "margin": run.lowest - run.threshold,
+        "excluded": total["excluded"] or None if verdict == "cleared" else None,
+        "violating": sum(run.below) or None,
+    } | {name: sample and sample[name] for name in ("violations", "samples", "upper_bound")}
+
+    def written(name: str, value: Any) -> Any:
+        span = stated.get(name)
+        return value if exact or not span or value is None else words((span.model_copy(update={"value": value}),))
+
+    given: Tree = {"opening": opening if opening in begun else begun, "words": claims["reason"]}
+    expected: Tree = {"opening": opening, "words": text + scope if exact else claims["reason"]}
+    if len(run.costs):
+        given |= {name: written(name, stated[name].value) if name in stated else None for name in must}
+        given |= {"methods": text.partition("searched by ")[2][: len(methods)]}
+        expected |= {name: written(name, value) for name, value in must.items()} | {"methods": methods}
+    texts = {c["name"]: words(SAID.validate_python(c["said"])) for c in claims["checks"] if "said" in c}
+    given["checks"] = {c["name"]: c["text"] for c in claims["checks"]}
+    return given, expected | {"checks": texts}

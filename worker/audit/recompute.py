@@ -13,10 +13,11 @@ import numpy as np
 
 from campaigns.asked.check import parameters, seeded
 from campaigns.asked.plan import plan
+from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
 from worker.audit.record import MISSING, Record
 
-Tree = dict[str, Any]
+Tree = JsonObject
 FLOOR = 1e-6
 """Fraction of the scale of what is compared below which a difference is rounding."""
 
@@ -74,17 +75,16 @@ class Run:
         return told | {"validation": {"name": name, "cost": cost} | self.case(given["validation"])}
 
     def case(self, given: Tree) -> Tree:
-        """What follows from the three costs of a case: the one at the campaign's step and the two others."""
-        stated = (given["cost"], given["half_step"]["cost"], given["integrator"]["cost"])
+        """What follows from the costs of a case: the one that the campaign asks for and those by other means."""
+        others = ("half_step", "integrator") if self.campaign.simulator is None else ("again",)
+        stated = (given["cost"], *(given[k]["cost"] for k in others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, of which no comparison holds
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
         floor = min(FLOOR, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
         allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), floor)
         violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
-        apart = {
-            k: {"difference": float(c) - cost} for k, c in zip(("half_step", "integrator"), costs[1:], strict=True)
-        }
+        apart = {k: {"difference": float(c) - cost} for k, c in zip(others, costs[1:], strict=True)}
         return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
 
     def describe(self) -> None:

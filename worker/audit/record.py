@@ -16,6 +16,7 @@ import sqlalchemy as sa
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
 from campaigns.asked.snapshot import digest_of
+from campaigns.documents import JsonObject
 from campaigns.results import earlier
 from campaigns.runs import run_name
 
@@ -31,7 +32,7 @@ class Record(NamedTuple):
     point on the unit cube (m, n), the costs (m, k), and the status (m,): 0 ok, 3 excluded."""
 
     campaign: Campaign
-    claims: dict[str, Any]
+    claims: JsonObject
     twice: dict[str, tuple[str, str]]
     stage: Any
     points: Any
@@ -63,7 +64,7 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     """The stored run; raises as `of_folder` does. Tables are read as they are, of any version."""
     tables, name = sa.MetaData(), run_name(run_id)
 
-    def rows(table: str, order: str, **of: Any) -> list[dict[str, Any]]:
+    def rows(table: str, order: str, **of: Any) -> list[JsonObject]:
         found = sa.select(sa.Table(table, tables, autoload_with=connection)).filter_by(**of)
         return [dict(row) for row in connection.execute(found.order_by(*map(sa.column, order.split()))).mappings()]
 

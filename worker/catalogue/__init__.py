@@ -1,1 +1,1 @@
-"""What this installation has: components and search methods, found by presence. Start reading at `installed`."""
+"""What this installation has: components, search methods and simulators. Start reading at `installed`."""

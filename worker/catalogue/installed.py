@@ -1,7 +1,8 @@
-"""Which components and methods there are: found by presence, one file each, and by entry points of other packages.
+"""Which components, methods and simulators there are: by presence, one file each, or by other packages' entry points.
 
 A module in a folder of `worker.components` that has an attribute `component`, or a module of `worker.search.methods`
-with `method`, is one. `catalogue` renders them as data, which is all that the service ever sees. Start reading there.
+with `method`, is one. Simulators come from entry points alone (`simulator`). `catalogue` renders them as data, which is
+all that the service ever sees. Start reading there.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
+from worker.catalogue.simulator import Simulator
 from worker.kernels.component import (
     Avoider,
     Component,
@@ -60,21 +62,37 @@ def methods() -> dict[str, Method]:
 
 
 @cache
+def simulators() -> dict[str, Simulator]:
+    """Every simulator of this installation by name; two of one name are an error."""
+    found: dict[str, Simulator] = {}
+    for module in _modules(group="clearance.simulators"):
+        simulator = getattr(module, "simulator", None)
+        if isinstance(simulator, Simulator):
+            _add(found, simulator.entry.name, simulator, module)
+    return found
+
+
+@cache
 def catalogue() -> Catalogue:
-    """Components and methods as data: units, limits, defaults, text from their own files."""
+    """Components, methods and simulators as data: units, limits, defaults, text from their own files."""
     return Catalogue(
         version=version("clearance"),
         components=[_component_entry(c) for c in components().values()],
         methods=[_method_entry(m) for m in methods().values()],
+        simulators=[s.entry for s in simulators().values()],
     )
 
 
-def source_of(thing: Component | Method) -> ModuleType:
-    """The module that declares a component or method."""
-    function = thing.search if isinstance(thing, Method) else _a_kernel(thing)
+def source_of(thing: Component | Method | Simulator) -> ModuleType:
+    """The module that declares a component or method, or opens a simulator."""
+    function = thing.open if isinstance(thing, Simulator) else _function(thing)
     module = inspect.getmodule(getattr(function, "py_func", function))
     assert module is not None
     return module
+
+
+def _function(thing: Component | Method) -> Any:
+    return thing.search if isinstance(thing, Method) else _a_kernel(thing)
 
 
 def _add(found: dict[Any, Any], key: Any, thing: Any, module: ModuleType) -> None:

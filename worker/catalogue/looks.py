@@ -9,12 +9,12 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
+from campaigns.documents import JsonObject
 from worker.catalogue.installed import methods
 
 
-def shipped() -> list[dict[str, Any]]:
+def shipped() -> list[JsonObject]:
     """Name, title and look of every method that is part of this package."""
     own = [m for m in methods().values() if m.search.__module__.startswith("worker.")]
     return [{"name": m.name, "title": m.title, "look": asdict(m.look)} for m in own if m.look is not None]

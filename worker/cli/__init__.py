@@ -51,7 +51,7 @@ def invoke(arguments: Sequence[str]) -> int:
         return INTERRUPTED
     except Exception:
         traceback.print_exc()
-        typer.echo("Clearance itself failed; this is not a statement about your campaign.", err=True)
+        typer.echo("Internal error in Clearance; this is not a result of your campaign.", err=True)
         return INTERNAL
     return code if isinstance(code, int) else 0
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sqlalchemy as sa
 
@@ -24,6 +24,7 @@ from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
 from campaigns.asked.plan import plan
 from campaigns.asked.snapshot import values_changed
+from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
@@ -45,7 +46,7 @@ class Continued(NamedTuple):
     campaign: Campaign
     store: MemoryStore
     verdict: Verdict
-    cites: dict[str, Any]
+    cites: JsonObject
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class _Earlier:
         return campaign, carried(self.campaign, campaign, self.store)
 
     @property
-    def cited(self) -> dict[str, Any]:
+    def cited(self) -> JsonObject:
         unknown = {} if self.flown.code else {"code": None}
         return {"run": self.run, "digest": self.campaign.digest} | unknown
 
@@ -76,7 +77,7 @@ def execute_continued(run: str, budget: str, data: Path, database: str, execute:
             return _of_database(run_id, asked, existing_url_of(data, database), execute)
         return _of_folder(Path(run), asked, execute)
     except (CannotContinue, ReplayMismatch) as error:
-        raise WrongInputError(f"{run} cannot be continued: {error}") from None
+        raise WrongInputError(f"{run} cannot be extended: {error}") from None
 
 
 def _of_folder(folder: Path, budget: Budget, execute: Execute) -> Continued:
@@ -94,7 +95,7 @@ def _of_database(run_id: int, budget: Budget, url: str, execute: Execute) -> Con
         earlier = _earlier(engine, run_id)
         onward, columns = earlier.onward(budget)
         planned = [StagePlan(*p) for p in plan(onward)]
-        named: dict[str, Any] = {"worker": "clearance run", "lease": LEASE, "catalogue": catalogue()}
+        named: JsonObject = {"worker": "clearance run", "lease": LEASE, "catalogue": catalogue()}
         flew = earlier.flown if earlier.flown.code else None
 
         def begin(connection: sa.Connection) -> Claim:
@@ -113,20 +114,20 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
     with read(engine) as connection:
         found = stored.state(connection, run_id)
         if found is None:
-            raise CannotContinue("there is no such run in this database; --data names the folder of the service")
+            raise CannotContinue("there is no such run in this database; check --data, the data folder of the service")
         state, document = found
         if stored.is_removed(connection, run_id):
             raise CannotContinue("it was removed; restore it on its page first")
         if state not in ENDED:
-            raise CannotContinue(f"it is {state}; wait for its end, or cancel it first")
+            raise CannotContinue(f"it is {state}; wait for it to end, or cancel it first")
         try:
             campaign = load_document(document, run_name(run_id))
         except CampaignError as error:
-            raise CannotContinue(f"its campaign is of another version of Clearance: {error}") from None
+            raise CannotContinue(f"its campaign was written for another version of Clearance: {error}") from None
         flown = snapshots.of_run(connection, run_id)
         others = [] if flown is None else values_changed(campaign, flown, catalogue())
         if others:
-            raise CannotContinue(f"its evaluations were flown with other components: {'; '.join(others)}")
+            raise CannotContinue(f"its evaluations used different components: {'; '.join(others)}")
         flew = stored.flown(connection, run_id)
         return _Earlier(
             run_name(run_id), campaign, _snapshot(connection, run_id), flew, codes.modules(connection, flew.code)

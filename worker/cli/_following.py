@@ -9,10 +9,11 @@ import json
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from campaigns.documents import JsonObject
 from worker.cli import CODES, INTERNAL, INTERRUPTED, UnreachableError, WrongInputError
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ FILES = {
     "findings.csv": "runs/{run}/exports/findings.csv",
     "report.html": "runs/{run}/report.html",
 }
-"""What is saved of a run, and where the service has it."""
+"""Files of a run that are saved, and their address in the service."""
 
 Service = Annotated[
     str, typer.Option(help="Address of the service.", envvar="CLEARANCE_SERVICE", metavar="URL", show_default=True)
@@ -40,8 +41,8 @@ Token = Annotated[
 ]  # fmt: skip
 Out = Annotated[Path | None, typer.Option(help=f"Folder for the run's files: {', '.join(FILES)}.", file_okay=False)]
 PATIENCE = 120.0
-Patience = Annotated[float, typer.Option(help="How long a service that does not answer is asked again [s].", min=0.0)]
-AsJson = Annotated[bool, typer.Option("--json", help="Print the run as the API gives it, and nothing else.")]
+Patience = Annotated[float, typer.Option(help="How long to retry while the service does not answer [s].", min=0.0)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print only the run's JSON, as the API returns it.")]
 
 
 def token_of(file: str) -> str:
@@ -58,7 +59,7 @@ def token_of(file: str) -> str:
             "no API token: set CLEARANCE_TOKEN or give --token-file; `clearance token create ci` makes one"
         )
     if not token.isascii() or not token.isprintable() or " " in token:
-        raise WrongInputError("the API token is not one word of ASCII; `clearance token create ci` prints one")
+        raise WrongInputError("invalid API token: it must be one ASCII word; `clearance token create ci` prints one")
     return token
 
 
@@ -67,7 +68,7 @@ def follow_to_the_end(service: Remote, run: str, out: Path | None, as_json: bool
     try:
         told = _shown(service, run, quiet=as_json)
     except (KeyboardInterrupt, UnreachableError):
-        typer.echo(f"{run} goes on by itself; `clearance follow {run}` takes it up again", err=True)
+        typer.echo(f"{run} continues in the background; `clearance follow {run}` follows it again", err=True)
         raise
     # Before the files, which the service may not be able to give.
     typer.echo(json.dumps(told, indent=2) if as_json else "\n".join(_ended(service, told)))
@@ -80,7 +81,7 @@ def follow_to_the_end(service: Remote, run: str, out: Path | None, as_json: bool
     return INTERRUPTED if told["state"] == "cancelled" else INTERNAL
 
 
-def _shown(service: Remote, run: str, quiet: bool) -> dict[str, Any]:
+def _shown(service: Remote, run: str, quiet: bool) -> JsonObject:
     """The run once it has ended; until then a line for every stage, in place where that is a terminal."""
     live, before, told = not quiet and sys.stderr.isatty(), "", {}
     for told in service.followed(run):
@@ -94,7 +95,7 @@ def _shown(service: Remote, run: str, quiet: bool) -> dict[str, Any]:
     return told
 
 
-def _line(told: dict[str, Any], figures: bool) -> str:
+def _line(told: JsonObject, figures: bool) -> str:
     stage = told["stage"]
     if told["state"] != "running" or stage is None:
         return f"{told['id']} {told['state']}"
@@ -105,14 +106,14 @@ def _line(told: dict[str, Any], figures: bool) -> str:
     return f"{told['id']} {name}, {stage['evaluations']:,} of at most {stage['planned']:,} evaluations{best}"
 
 
-def _counts(told: dict[str, Any]) -> str:
+def _counts(told: JsonObject) -> str:
     """How many evaluations there are; a service of an earlier version does not report the excluded ones."""
     excluded = told.get("excluded_evaluations")
     left_out = "" if excluded is None else f", {excluded:,} excluded"
     return f"Evaluations: {told['evaluations']:,}, {told['failed_evaluations']:,} failed{left_out}"
 
 
-def _ended(service: Remote, told: dict[str, Any]) -> list[str]:
+def _ended(service: Remote, told: JsonObject) -> list[str]:
     if told["state"] == "done":
         lines = [told["verdict"].capitalize(), told["reason"], _counts(told)]
     elif told["state"] == "cancelled":

@@ -14,11 +14,12 @@ from typing import Any, Self
 import httpx
 
 from campaigns import CampaignError, Problem
+from campaigns.documents import JsonObject
 from campaigns.runs import ACTIVE
 from worker.cli import UnreachableError, WrongInputError
 
 PAUSE = 1.0
-"""Between two questions [s]."""
+"""Time between two requests [s]."""
 _BUSY = (429, 502, 503, 504)
 LONGEST = 300.0
 """For a file that the service has to make first, such as a report [s]."""
@@ -44,7 +45,7 @@ class Remote:
     def __exit__(self, *_: object) -> None:
         self._client.close()
 
-    def submit(self, body: Mapping[str, Any], source: str, key: str) -> dict[str, Any]:
+    def submit(self, body: Mapping[str, Any], source: str, key: str) -> JsonObject:
         """Queue a run; asked again under the same key it is the same run. Raises `CampaignError` for a refused one."""
         answer = self._ask("POST", "runs", json=body, headers={"Idempotency-Key": key})
         errors = _problem(answer).get("errors")
@@ -53,11 +54,11 @@ class Remote:
             raise CampaignError(source, list(problems))
         return self._read(answer)
 
-    def run(self, run: str) -> dict[str, Any]:
+    def run(self, run: str) -> JsonObject:
         """One run as it stands."""
         return self._read(self._ask("GET", f"runs/{run}"))
 
-    def followed(self, run: str) -> Iterator[dict[str, Any]]:
+    def followed(self, run: str) -> Iterator[JsonObject]:
         """The run as it stands, again and again until it has ended."""
         while (told := self.run(run))["state"] in ACTIVE:
             yield told
@@ -93,14 +94,14 @@ class Remote:
                 if answer.status_code not in _BUSY:
                     return answer
                 answer.read()
-                said = _problem(answer).get("detail") or f"it answers {answer.status_code}"
+                said = _problem(answer).get("detail") or f"it answered {answer.status_code}"
             except httpx.TransportError as error:
                 said = _said(error)
             if time.monotonic() > until:
                 raise UnreachableError(f"{self.address} did not answer for {self.patience:g} s: {said}")
             time.sleep(PAUSE)
 
-    def _read(self, answer: httpx.Response) -> dict[str, Any]:
+    def _read(self, answer: httpx.Response) -> JsonObject:
         if answer.is_error:
             raise self._refused(answer)
         try:
@@ -108,15 +109,15 @@ class Remote:
         except ValueError:
             told = None
         if not isinstance(told, dict) or "id" not in told:
-            raise WrongInputError(f"{self.address} is no Clearance service: it does not answer as one")
+            raise WrongInputError(f"{self.address} is not a Clearance service: unexpected answer")
         return told
 
     def _refused(self, answer: httpx.Response) -> WrongInputError:
-        said = _problem(answer).get("detail") or f"it answers {answer.status_code} {answer.reason_phrase}"
+        said = _problem(answer).get("detail") or f"it answered {answer.status_code} {answer.reason_phrase}"
         return WrongInputError(f"{self.address}: {said}")
 
 
-def _problem(answer: httpx.Response) -> dict[str, Any]:
+def _problem(answer: httpx.Response) -> JsonObject:
     """The problem document of an answer; empty where it is none, or not whole."""
     if not answer.headers.get("content-type", "").startswith("application/problem+json"):
         return {}
@@ -132,4 +133,4 @@ def _said(error: Exception) -> str:
 
 
 def _no_address(given: str) -> WrongInputError:
-    return WrongInputError(f"{given!r} is not the address of a service; it is like http://127.0.0.1:8000")
+    return WrongInputError(f"{given!r} is not the address of a service; give one such as http://127.0.0.1:8000")

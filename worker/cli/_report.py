@@ -15,10 +15,13 @@ from rich.text import Text
 
 from campaigns import Campaign
 from campaigns.asked.plan import plan
+from campaigns.claims.numbers import count, number, signed
+from campaigns.claims.say import listed
+from campaigns.claims.spans import words
+from campaigns.documents import JsonObject
 from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
-from campaigns.wording import count, listed, number, signed
 from worker.catalogue.installed import methods
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Tally
@@ -64,7 +67,7 @@ def print_report(
     store: MemoryStore,
     verdict: Verdict,
     out: Path | None,
-    cites: dict[str, Any] | None = None,
+    cites: JsonObject | None = None,
 ) -> None:
     """The stages, the methods side by side, the findings, the verdict."""
     console = Console(width=None if sys.stdout.isatty() else 120)
@@ -72,7 +75,7 @@ def print_report(
         named = f"{cites['as']} continues" if "as" in cites else "Continues"
         console.print(Text(f"{named} {cites['run']} (campaign {cites['digest'][:12]})"))
         if "code" in cites and cites["code"] is None:
-            console.print(Text(f"The code that flew {cites['run']} was not stored, so it could not be compared."))
+            console.print(Text(f"The code version of {cites['run']} was not stored, so the code cannot be compared."))
     console.print(_stages(store, verdict))
     console.print(_comparison(store, verdict))
     if store.findings:
@@ -135,7 +138,7 @@ def _validated(store: MemoryStore) -> ValidateResult | None:
 def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
     """The methods side by side, as `worker.stages.parts.comparison` counted."""
     table = Table("Method")
-    for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", "To 1 % of best"):
+    for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", "Within 1 % of best"):
         table.add_column(escape(heading), justify="right")
     table.add_column("Best is in")
     table.add_column("Findings")
@@ -219,15 +222,15 @@ def _how_found(store: MemoryStore) -> list[str]:
     for finding in store.findings:
         ways = [f"{_named('search', by.method)[8:]} after {count(by.evaluations)}" for by in finding.found]
         how = (
-            f"found by {listed(ways)} evaluations"
+            f"found by {words(listed(ways))} evaluations"
             if ways
-            else "found by polishing only: no method came close by itself"
+            else "found by polishing only: no search method came close on its own"
         )
         lines.append(f"{finding.label}: {how}")
     validated = _validated(store)
     gathered = None if validated is None else validated.findings
     if gathered is not None and gathered.left_out:
-        lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal flight are left out")
+        lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal case are left out")
     if any(f.at_bounds for f in store.findings):
         lines.append("↓ ↑ at its lower or upper bound")
     return lines

@@ -10,7 +10,6 @@ import csv
 import json
 import zipfile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,24 +17,26 @@ from backend.db.store import plain
 from campaigns import Campaign, load_file
 from campaigns.asked.plan import plan
 from campaigns.asked.snapshot import snapshot
+from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results.base import OK, STATUS
 from worker.catalogue.installed import catalogue
+from worker.opening import opened
+from worker.problem.criteria import criteria
+from worker.problem.criteria import values as criterion_values
+from worker.problem.problem import Problem
 from worker.runs.continuation import CannotContinue
 from worker.runs.store import MemoryStore
 from worker.stages.parts.store import Columns, StagePlan, StageRecord, Trace
-from worker.systems.criteria import criteria
-from worker.systems.criteria import values as criterion_values
-from worker.systems.problem import Problem
 
 ARRAYS = "evaluations.npz"
 
 
-def write_results(folder: Path, campaign: Campaign, store: MemoryStore, result: dict[str, Any]) -> None:
+def write_results(folder: Path, campaign: Campaign, store: MemoryStore, result: JsonObject) -> None:
     """Write everything into the folder; numbers with all their digits."""
     (folder / "result.json").write_text(json.dumps(result, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
-    _write_evaluations(folder / "evaluations.csv", Problem(campaign), store)
+    _write_evaluations(folder / "evaluations.csv", opened.problem(campaign), store)
     _write_bits(folder / ARRAYS, store)
     for trace in store.traces.values():
         _write_trace(folder / f"trace-{trace.name}.csv", trace)
@@ -47,7 +48,7 @@ def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore) -> None
     (folder / "evidence.json").write_text(text + "\n", encoding="utf-8")
 
 
-def evidence(campaign: Campaign, store: MemoryStore) -> dict[str, Any]:
+def evidence(campaign: Campaign, store: MemoryStore) -> JsonObject:
     """What stands behind the result: every stage's own result, and what the components of the campaign mean."""
     return {
         "results": [plain(stage.result) for stage in store.stages],
@@ -60,7 +61,7 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
     for name in ("campaign.json", ARRAYS):
         if not (folder / name).is_file():
             raise CannotContinue(
-                f"there is no {name} in it; give the folder of a `clearance run --out`, or a run such as R-0001"
+                f"it contains no {name}; give the folder of a `clearance run --out`, or a run such as R-0001"
             )
     campaign = load_file(folder / "campaign.json")
     stages = [StageRecord(StagePlan(*planned)) for planned in plan(campaign)]
@@ -80,7 +81,7 @@ def flown_of(folder: Path) -> Flown:
 
 
 def _write_bits(path: Path, store: MemoryStore) -> None:
-    arrays: dict[str, Any] = {}
+    arrays: JsonObject = {}
     for position in range(len(store.stages)):
         columns = store.evaluations(position)
         if columns is not None:

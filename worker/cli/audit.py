@@ -24,7 +24,7 @@ WORDS = {True: "agree", False: "disagree", None: "not auditable"}
 
 def audit(
     run: Annotated[str, typer.Argument(help="The folder of a `run --out`, or the id of a stored run, such as R-0001.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     data: Data = DATA,
     database: Database = "",
 ) -> None:

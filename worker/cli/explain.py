@@ -15,10 +15,11 @@ def explain(
     from worker.cli import WrongInputError
     from worker.cli._campaign import read_campaign
     from worker.kernels.text.names import UnnamedError
-    from worker.systems.problem import CampaignUnusable, Problem
+    from worker.opening.opened import closed_loop
+    from worker.systems.base import CampaignUnusable
 
     try:
-        loop = Problem(read_campaign(file), compiled=False).loop
+        loop = closed_loop(read_campaign(file), compiled=False).loop
     except (CampaignUnusable, UnnamedError) as error:
         raise WrongInputError(str(error)) from None
     typer.echo(loop.text, nl=False)

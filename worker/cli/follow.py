@@ -25,7 +25,7 @@ def follow(
     from worker.cli._remote import Remote
 
     if run_number(run) is None:
-        raise WrongInputError(f"{run!r} is no run's number; they are like R-0001")
+        raise WrongInputError(f"invalid run number {run!r}: give one such as R-0001")
     writable(out)
     with Remote(service, token_of(token_file), patience) as remote:
         raise typer.Exit(follow_to_the_end(remote, remote.run(run)["id"], out, as_json))

@@ -22,7 +22,7 @@ def login_link(
     url: Annotated[
         str,
         typer.Option(
-            help=f"Where a browser reaches the service; by default where `clearance serve` says, or {STANDARD}.",
+            help=f"Address of the service in a browser; default: that of `clearance serve`, or {STANDARD}.",
             envvar="CLEARANCE_PUBLIC_URL",
             show_default=False,
         ),

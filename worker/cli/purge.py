@@ -28,10 +28,10 @@ WORTH = 1 << 20
 
 def purge(
     older_than: Annotated[
-        str, typer.Option(help="How long ago a run was removed at least: 90d, 12h, 2w; 0d is every removed one.")
+        str, typer.Option(help="Minimum time since removal: 90d, 12h, 2w; 0d means every removed run.")
     ] = "90d",
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only say what would be deleted.")] = False,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Only print what would be deleted.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask for confirmation.")] = False,
     data: Data = DATA,
     database: Database = "",
 ) -> None:
@@ -64,14 +64,14 @@ def _age(text: str) -> float:
     found = re.fullmatch(r"(\d{1,5})([hdw])", text)
     if found is None:
         raise WrongInputError(
-            f"--older-than {text!r} is no length of time; give 90d for days, 12h for hours, 2w for weeks"
+            f"--older-than {text!r} is not a length of time; give 90d for days, 12h for hours, 2w for weeks"
         )
     return int(found[1]) * UNITS[found[2]]
 
 
 def _tell(runs: list[Removed], older_than: str) -> None:
     if not runs:
-        typer.echo(f"No run was removed longer ago than {older_than} and is still there.")
+        typer.echo(f"There is no run to purge that was removed more than {older_than} ago.")
         return
     for run in runs[:LISTED]:
         day = time.strftime("%Y-%m-%d", time.localtime(run.removed))
@@ -89,7 +89,9 @@ def _agreed(runs: list[Removed]) -> bool:
     try:
         return typer.confirm(f"Delete the results of {_counted(len(runs))}? This cannot be undone.")
     except typer.Abort:
-        raise WrongInputError("nobody answered; say --yes where nobody can be asked. Nothing was deleted") from None
+        raise WrongInputError(
+            "no confirmation was given; use --yes where there is no terminal. Nothing was deleted"
+        ) from None
 
 
 def _reclaim(engine: sa.Engine) -> None:
@@ -100,22 +102,22 @@ def _reclaim(engine: sa.Engine) -> None:
     from backend.db.engine import is_sqlite
 
     if not is_sqlite(engine):
-        typer.echo("PostgreSQL uses the space again by itself (autovacuum).")
+        typer.echo("PostgreSQL reuses the space (autovacuum).")
         return
     unused = stored.wasted(engine)
     if unused < WORTH:
-        typer.echo(f"{_size(unused)} of the file are unused and will be used again.")
+        typer.echo(f"{_size(unused)} of the file are free and will be reused.")
         return
     try:
         space = stored.reclaim(engine)
     except sqlite3.OperationalError as error:
         typer.echo(
-            f"The file still has {_size(unused)} that are unused, it could not be written anew ({error}): "
-            "run `clearance purge` again when no run works, with as much disk free as the file is large.",
+            f"The file still has {_size(unused)} of free space and could not be rewritten ({error}): "
+            "run `clearance purge` again when no run is running, with free disk space of at least the file's size.",
             err=True,
         )
         return
-    typer.echo(f"The file is {_size(space.after)} now, it was {_size(space.before)}.")
+    typer.echo(f"The file was reduced from {_size(space.before)} to {_size(space.after)}.")
 
 
 def _user() -> str:

@@ -24,18 +24,21 @@ if TYPE_CHECKING:
 def reproduce(
     table: Annotated[
         list[str] | None,
-        typer.Option(help="A table, figure, section or chapter, such as 5.3; again for more. All by default."),
+        typer.Option(help="A table, figure, section or chapter, such as 5.3; repeat for more. Default: all."),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
     as_markdown: Annotated[bool, typer.Option("--markdown", help="Print Markdown.")] = False,
     out: Annotated[
         Path | None, typer.Option(help="Folder for tables and the data behind the figures.", file_okay=False)
     ] = None,
     steps: Annotated[
         bool,
-        typer.Option("--steps", help="Instead: is each campaign's step small enough? Random points at half of it."),
+        typer.Option(
+            "--steps",
+            help="Instead, check the time step of each campaign: simulate random points again at half the step.",
+        ),
     ] = False,
-    threads: Annotated[int, typer.Option(help="Threads to fly on; 0 is one per core.", min=0, max=1024)] = 0,
+    threads: Annotated[int, typer.Option(help="Simulation threads; 0 means one per core.", min=0, max=1024)] = 0,
 ) -> None:
     """Compute the published tables again and say for each row whether it agrees."""
     if steps:

@@ -8,10 +8,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from campaigns.documents import JsonObject
 from worker.cli import CODES, WrongInputError
 from worker.cli import _interrupt as interrupt
 from worker.cli._out import writable
@@ -33,17 +34,17 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results: result.json, evaluations.csv, traces.", file_okay=False)
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    threads: Annotated[int, typer.Option(help="Threads to fly on; 0 is one per core.", min=0, max=1024)] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print only one JSON object.")] = False,
+    threads: Annotated[int, typer.Option(help="Simulation threads; 0 means one per core.", min=0, max=1024)] = 0,
     onward: Annotated[
         str,
         typer.Option(
             "--continue", metavar="RUN", show_default=False,
-            help="Go on with an earlier run instead: the folder of its --out, or the id of a stored run.",
+            help="Extend an earlier run instead: the folder of its --out, or the id of a stored run.",
         ),
     ] = "",
     budget: Annotated[
-        str, typer.Option(help="With --continue: 20000 is the budget of each search that can go on, +20000 is more.")
+        str, typer.Option(help="With --continue: 20000 is the new budget of each extended search, +20000 adds to it.")
     ] = "",
     data: Data = DATA,
     database: Database = "",
@@ -83,7 +84,7 @@ def _asked_right(file: Path | None, onward: str, budget: str) -> None:
     if not onward and file is None:
         raise WrongInputError("give a campaign file, the name of one in the library, or --continue RUN")
     if bool(onward) != bool(budget):
-        raise WrongInputError("--continue RUN and --budget +N belong together: how far shall it go on?")
+        raise WrongInputError("--continue RUN and --budget +N belong together: give both")
 
 
 def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
@@ -91,7 +92,7 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
     from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
     from worker.runs.store import MemoryStore
-    from worker.systems.problem import CampaignUnusable
+    from worker.systems.base import CampaignUnusable
 
     campaign = read_campaign(file)
     if problems := check(campaign, catalogue()):
@@ -103,7 +104,7 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
         raise CampaignError(str(file), error.problems) from None
 
 
-def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[str, Any]:
+def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:
     """What `--json` prints and result.json holds."""
     from campaigns.results import ValidateResult, verdicts
 
@@ -113,6 +114,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
     return {
         "verdict": verdict.verdict,
         "reason": verdict.reason,
+        **{name: parts[name] for name in ("sentence", "scope", "said", "holds_for", "values")},
         "nominal": parts["nominal"],
         "worst": None if verdict.worst is None else verdict.worst.model_dump(exclude={"finding"}),
         "stages": [_stage(store, position) for position in range(len(store.stages))],
@@ -129,7 +131,7 @@ def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> dict[st
     }
 
 
-def _stage(store: MemoryStore, position: int) -> dict[str, Any]:
+def _stage(store: MemoryStore, position: int) -> JsonObject:
     from campaigns.results import CertifyResult, SearchResult
     from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 

@@ -38,10 +38,14 @@ _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
 def serve(
     host: Annotated[str, typer.Option(help="Address to listen on.", envvar="CLEARANCE_HOST")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="0: any free one.", min=0, max=65535, envvar="CLEARANCE_PORT")] = 8000,
+    port: Annotated[
+        int, typer.Option(help="0 selects any free port.", min=0, max=65535, envvar="CLEARANCE_PORT")
+    ] = 8000,
     data: Data = DATA,
     database: Database = "",
-    number: Annotated[int, typer.Option("--workers", help="How many runs are worked on at once.", min=0, max=256)] = 1,
+    number: Annotated[
+        int, typer.Option("--workers", help="Maximum number of runs at the same time.", min=0, max=256)
+    ] = 1,
 ) -> None:
     """Start the service and its workers, print a login link, and stop everything on Ctrl-C."""
     _closed_to_others(data, database)
@@ -99,13 +103,13 @@ class _Serving:
         healthy = offered = False
         while not (healthy and offered):
             if self.backend in self.servers.watch(0.1):
-                _say("The service could not start; its own words are above.")
+                _say("The service could not start; see its messages above.")
                 return WRONG_INPUT if self.backend.status == UNUSABLE_SETTINGS else INTERNAL
             if self.wakeup.signal is not None:
                 return self._interrupted()
             if time.monotonic() > deadline:
                 late = self.workers[0] if healthy else self.backend
-                _say(f"The {late.name} is not up after {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
+                _say(f"The {late.name} did not start within {PATIENCE:g} s. From {late.log}:\n{late.tail()}")
                 return INTERNAL
             healthy = healthy or _answers(f"{self.address}/api/v1/health")
             offered = offered or not self.workers or self._published() >= begun
@@ -129,7 +133,7 @@ class _Serving:
         link = f"{(self.data / ADDRESS_FILE).read_text().strip()}/login?code={code}"
         _say("\nClearance is ready. Open this link to log in (it can be used once, within 15 minutes):\n")
         _say(f"    {link}\n")
-        _say("For another one: clearance login-link. To stop: Ctrl-C.")
+        _say("For a new link: clearance login-link. To stop: Ctrl-C.")
 
     def _interrupted(self) -> int:
         return INTERRUPTED if self.wakeup.signal == signal.SIGINT else 0

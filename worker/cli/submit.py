@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import uuid
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
+from campaigns.documents import JsonObject
 from worker.cli._following import PATIENCE, SERVICE, AsJson, Out, Patience, Service, Token
 
 
@@ -18,12 +19,12 @@ def submit(
     file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
     service: Service = SERVICE,
     token_file: Token = "",
-    name: Annotated[str, typer.Option(help="Name of the run; else the campaign's.")] = "",
+    name: Annotated[str, typer.Option(help="Name of the run; default: the campaign's name.")] = "",
     tag: Annotated[
-        list[str] | None, typer.Option(help="Tag of the run, may be repeated; else the campaign's.", show_default=False)
+        list[str] | None, typer.Option(help="Tag, may be repeated; default: the campaign's tags.", show_default=False)
     ] = None,
-    priority: Annotated[int, typer.Option(help="Runs of a higher one are begun first.", min=-10, max=10)] = 0,
-    wait: Annotated[bool, typer.Option(help="Wait for the verdict; else print the run's number alone.")] = True,
+    priority: Annotated[int, typer.Option(help="Runs with a higher priority start first.", min=-10, max=10)] = 0,
+    wait: Annotated[bool, typer.Option(help="Wait for the verdict; otherwise print only the run's number.")] = True,
     out: Out = None,
     as_json: AsJson = False,
     patience: Patience = PATIENCE,
@@ -37,7 +38,7 @@ def submit(
 
     writable(out)
     text = read_text(found(file))
-    body: dict[str, Any] = {"campaign": load_text(text, str(file)).document(), "text": text, "priority": priority}
+    body: JsonObject = {"campaign": load_text(text, str(file)).document(), "text": text, "priority": priority}
     body |= {"name": name} if name else {}
     body |= {"tags": tag} if tag else {}
     with Remote(service, token_of(token_file), patience) as remote:

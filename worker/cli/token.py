@@ -20,7 +20,7 @@ def create(name: Name, data: Data = DATA, database: Database = "") -> None:
     """Create a token and print it: the only time it is shown. Send it as `Authorization: Bearer TOKEN`."""
     with opened(data, database, create=True) as connection:
         token = access.create_token(connection, name)
-    typer.echo(f"Token {name!r}, shown this once:", err=True)
+    typer.echo(f"Token {name!r}, shown only once:", err=True)
     typer.echo(token)
 
 
@@ -41,7 +41,7 @@ def revoke(name: Name, data: Data = DATA, database: Database = "") -> None:
     """Revoke a token: from now on it is refused."""
     with opened(data, database) as connection:
         access.revoke_token(connection, name)
-    typer.echo(f"Token {name!r} is revoked.")
+    typer.echo(f"Token {name!r} was revoked.")
 
 
 def _shown(at: float | None) -> str:

@@ -21,9 +21,9 @@ def worker(
     data: Data = DATA,
     database: Database = "",
     check: Annotated[
-        bool, typer.Option("--check", help="Only say, by the exit code, whether a worker of this machine is alive.")
+        bool, typer.Option("--check", help="Only report, by the exit code, whether a worker on this machine is alive.")
     ] = False,
-    name: Annotated[str, typer.Option(help="Shown beside its runs; the default is machine:process.")] = "",
+    name: Annotated[str, typer.Option(help="Shown next to its runs; the default is machine:process.")] = "",
     runner: Annotated[str, typer.Option(hidden=True)] = "worker.runs.runner:execute",
     lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,
 ) -> None:

@@ -14,6 +14,7 @@ import traceback
 from collections.abc import Callable
 from typing import Any, TextIO
 
+from campaigns.documents import JsonObject
 from worker.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
@@ -72,7 +73,7 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
     """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (no retry helps), `failed` (this attempt)."""
     from worker.processes import memory
     from worker.stages.parts.base import ReplayMismatch
-    from worker.systems.problem import CampaignUnusable
+    from worker.systems.base import CampaignUnusable
 
     try:
         campaign = load_document(claim.document, f"run {claim.run_id}")
@@ -115,7 +116,7 @@ def _private_streams() -> tuple[TextIO, TextIO]:
     return requests, answers
 
 
-def _say(answers: TextIO, message: dict[str, Any]) -> None:
+def _say(answers: TextIO, message: JsonObject) -> None:
     answers.write(json.dumps(message) + "\n")
     answers.flush()
 

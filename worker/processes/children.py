@@ -11,8 +11,8 @@ import signal
 import subprocess
 import sys
 import time
-from typing import Any
 
+from campaigns.documents import JsonObject
 from worker.processes import lifeline
 from worker.processes.lifeline import Wakeup
 
@@ -24,7 +24,7 @@ class ChildEndedError(RuntimeError):
 class Child:
     """A running `worker.processes.child`, its own process group, which dies with this process."""
 
-    def __init__(self, setup: dict[str, Any], wakeup: Wakeup) -> None:
+    def __init__(self, setup: JsonObject, wakeup: Wakeup) -> None:
         command = [sys.executable, "-P", "-m", "worker.processes.child"]
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
         self._process = lifeline.start(command, when_orphaned=signal.SIGKILL, **pipes)
@@ -35,7 +35,7 @@ class Child:
         """Whether it is still there."""
         return self._process.poll() is None
 
-    def send(self, message: dict[str, Any]) -> None:
+    def send(self, message: JsonObject) -> None:
         """Hand over one message; raises `ChildEndedError`."""
         assert self._process.stdin is not None
         data = memoryview(json.dumps(message).encode() + b"\n")
@@ -45,7 +45,7 @@ class Child:
         except BrokenPipeError:
             raise self._ended() from None
 
-    def receive(self, seconds: float) -> dict[str, Any] | None:
+    def receive(self, seconds: float) -> JsonObject | None:
         """The next message; None when there is none within the time [s] or a signal came. Raises `ChildEndedError`."""
         assert self._process.stdout is not None
         deadline = time.monotonic() + seconds
@@ -57,7 +57,7 @@ class Child:
                 raise self._ended()
             self._received += data
         line, _, self._received = self._received.partition(b"\n")
-        message: dict[str, Any] = json.loads(line)
+        message: JsonObject = json.loads(line)
         return message
 
     def kill(self) -> None:

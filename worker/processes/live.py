@@ -13,6 +13,7 @@ Run as `python -m worker.processes.live`; it ends with its input, and so with wh
 
 from __future__ import annotations
 
+from campaigns.documents import JsonObject
 from worker.runs import sources  # first: it records the files before they are loaded
 
 # isort: split
@@ -29,9 +30,10 @@ from campaigns.asked.load import load_document
 from campaigns.asked.spec import MAX_SEED
 from worker.processes import memory
 from worker.stages.parts import seeds
+from worker.systems.base import CampaignUnusable
 from worker.systems.closed_loop.field import MOST, UNITS, field
+from worker.systems.closed_loop.flights import Flights
 from worker.systems.closed_loop.trace import fly, trace
-from worker.systems.problem import CampaignUnusable, Problem
 
 KEPT = 16
 """Problems kept ready; the one longest unused makes room."""
@@ -47,7 +49,7 @@ def main() -> None:
     os.dup2(2, 1)
     memory.bound()
     _say(answers, {"ready": True})
-    problems: OrderedDict[str, Problem] = OrderedDict()
+    problems: OrderedDict[str, Flights] = OrderedDict()
     for line in sys.stdin.buffer:
         if sources.stale():
             _say(answers, {"stale": True})
@@ -55,23 +57,23 @@ def main() -> None:
         _say(answers, answer(line, problems))
 
 
-def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, Any]:
+def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject:
     """The response to one request; whatever is wrong with it is an error with a sentence."""
     number = None
     try:
         request = json.loads(line)
         if not isinstance(request["id"], int | str):
-            raise TypeError("id is a whole number or text")
+            raise TypeError("id must be a whole number or text")
         number = request["id"]
-        problem = _realised(_problem(request["campaign"], problems), request)
+        flights = _realised(_flights(request["campaign"], problems), request)
         parameters = request.get("parameters", {})
-        values = {path: _value(problem, path, value) for path, value in parameters.items()}
+        values = {path: _value(flights, path, value) for path, value in parameters.items()}
         kind = request.get("kind", "flight")
         if kind == "field":
-            return {"id": number} | _field(problem, values, request["time"], request["places"])
+            return {"id": number} | _field(flights, values, request["time"], request["places"])
         if kind != "flight":
-            raise ValueError(f"kind is 'flight' or 'field', given {kind!r}")
-        return {"id": number} | _flight(problem, values, request.get("rows", ROWS))
+            raise ValueError(f"kind must be 'flight' or 'field', given {kind!r}")
+        return {"id": number} | _flight(flights, values, request.get("rows", ROWS))
     except (CampaignError, CampaignUnusable) as error:
         return {"id": number, "error": str(error)}
     except MemoryError:
@@ -80,36 +82,36 @@ def answer(line: str | bytes, problems: OrderedDict[str, Problem]) -> dict[str, 
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         return {"id": number, "error": f"not a request for a flight: {type(error).__name__}: {error}"}
     except Exception as error:
-        return {"id": number, "error": f"the flight could not be made: {type(error).__name__}: {error}"}
+        return {"id": number, "error": f"the simulation failed: {type(error).__name__}: {error}"}
 
 
-def _problem(document: Any, problems: OrderedDict[str, Problem]) -> Problem:
+def _flights(document: Any, problems: OrderedDict[str, Flights]) -> Flights:
     campaign = load_document(document, "the campaign of a live flight")
-    problem = problems.pop(campaign.digest, None) or Problem(campaign)
-    problems[campaign.digest] = problem
+    flights = problems.pop(campaign.digest, None) or Flights(campaign)
+    problems[campaign.digest] = flights
     if len(problems) > KEPT:
         problems.popitem(last=False)
-    return problem
+    return flights
 
 
-def _realised(problem: Problem, request: dict[str, Any]) -> Problem:
+def _realised(flights: Flights, request: JsonObject) -> Flights:
     """Under the one noise realisation that is asked for, else under those of the campaign."""
     seed = _whole(request, "seed", MAX_SEED)
     draw = _whole(request, "draw", MOST_DRAWS)
     if draw is not None:
-        seed = int(seeds.of_draws(problem.campaign.seed, draw, 1)[0])
-    return problem.under(seed)
+        seed = int(seeds.of_draws(flights.campaign.seed, draw, 1)[0])
+    return flights.under(seed)
 
 
-def _whole(request: dict[str, Any], name: str, most: int) -> int | None:
+def _whole(request: JsonObject, name: str, most: int) -> int | None:
     value = request.get(name)
     if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < most):
-        raise ValueError(f"{name} is a whole number from 0 to {most - 1}, given {value!r}")
+        raise ValueError(f"{name} must be a whole number from 0 to {most - 1}, given {value!r}")
     return value
 
 
-def _flight(problem: Problem, values: dict[str, float], rows: int) -> dict[str, Any]:
-    flown = trace(problem, "live", values, rows)
+def _flight(flights: Flights, values: dict[str, float], rows: int) -> JsonObject:
+    flown = trace(flights, "live", values, rows)
     head = flown.meta
     return {
         "status": head.status,
@@ -122,13 +124,13 @@ def _flight(problem: Problem, values: dict[str, float], rows: int) -> dict[str, 
     }
 
 
-def _field(problem: Problem, values: dict[str, float], time: Any, places: Any) -> dict[str, Any]:
+def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -> JsonObject:
     if isinstance(time, bool) or not isinstance(time, int | float) or not np.isfinite(time):
-        raise TypeError(f"time takes a number of seconds, given {time!r}")
+        raise TypeError(f"time must be a number of seconds, given {time!r}")
     wanted = np.asarray(places, dtype=np.float64)
     if wanted.ndim != 2 or wanted.shape[1] != 2 or not 0 < len(wanted) <= MOST or not np.isfinite(wanted).all():
-        raise ValueError(f"places are 1 to {MOST} pairs of finite numbers")
-    found = field(problem, fly(problem, values), float(time), wanted)
+        raise ValueError(f"places must be 1 to {MOST} pairs of finite numbers")
+    found = field(flights, fly(flights, values), float(time), wanted)
     return {
         "time": found.time,
         "place": found.place.tolist(),
@@ -141,15 +143,15 @@ def _field(problem: Problem, values: dict[str, float], time: Any, places: Any) -
     }
 
 
-def _value(problem: Problem, path: str, value: Any) -> float:
+def _value(flights: Flights, path: str, value: Any) -> float:
     """The value of a parameter, which must exist and lie within its component's limits."""
-    if path not in problem.paths:
+    if path not in flights.paths:
         raise ValueError(f"the scenario has no parameter {path!r}")
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{path} takes a number, given {value!r}")
-    limits = next(p for s in problem.loop.sections for p in s.parameters if f"{s.prefix}.{p.name}" == path)
+        raise TypeError(f"{path} must be a number, given {value!r}")
+    limits = next(p for s in flights.loop.sections for p in s.parameters if f"{s.prefix}.{p.name}" == path)
     if not limits.low <= value <= limits.high:
-        raise ValueError(f"{path} lies within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
+        raise ValueError(f"{path} must be within {limits.low:g} to {limits.high:g} {limits.unit}, given {value!r}")
     return float(value)
 
 
@@ -166,7 +168,7 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def _say(answers: TextIO, message: dict[str, Any]) -> None:
+def _say(answers: TextIO, message: JsonObject) -> None:
     answers.write(json.dumps(message, allow_nan=False) + "\n")
     answers.flush()
 

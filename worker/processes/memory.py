@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from worker.systems.evaluate import usual_threads
+from worker.systems.threads import usual_threads
 
 SETTING = "CLEARANCE_CHILD_MEMORY"
 """The environment variable: GiB beyond what a ready process has, 0 for no bound."""
@@ -79,7 +79,7 @@ def bounded(threads: int | None = None) -> Iterator[None]:
 def sentence() -> str:
     """What a simulation that ran out of memory is told with."""
     value = allowed()
-    bound = f"the {value:g} GiB that one may take" if math.isfinite(value) else "the memory that there is"
+    bound = f"the limit of {value:g} GiB per process" if math.isfinite(value) else "the available memory"
     return (
         f"the simulation needs more than {bound}: lower the evaluations, the number of steps or of realisations, "
         f"or raise {SETTING}"

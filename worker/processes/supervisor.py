@@ -128,7 +128,7 @@ class Supervisor:
             self._tell(workers.beat, claim.run_id)
             return cancelling
         except sa.exc.OperationalError as error:
-            log.warning("run %d: the database did not answer a beat: %s", claim.run_id, error.orig)
+            log.warning("run %d: heartbeat failed, the database did not answer: %s", claim.run_id, error.orig)
             return False
 
     def _lost(self, child: Child) -> Ending:
@@ -160,11 +160,11 @@ class Supervisor:
                 settle[ending.outcome]()
                 return
             except LostLease:
-                log.info("run %d: was given to another worker meanwhile", claim.run_id)
+                log.info("run %d: was reassigned to another worker", claim.run_id)
                 return
             except sa.exc.OperationalError as error:
                 if time.monotonic() > deadline:
-                    log.warning("run %d: left to its lease: %s", claim.run_id, error.orig)
+                    log.warning("run %d: left until its lease expires: %s", claim.run_id, error.orig)
                     return
             self._wakeup.wait(0.2)
 

@@ -17,9 +17,10 @@ import numpy as np
 from worker.reference import flight, plain
 from worker.reference.instants import Stretches, Timetable
 from worker.reference.stepper import CHANNEL_ROWS, ROWS
+from worker.systems.base import Floats
 from worker.systems.closed_loop.assemble import Loop
-from worker.systems.evaluate import usual_threads
-from worker.systems.problem import Floats, Problem
+from worker.systems.closed_loop.flights import Flights
+from worker.systems.threads import usual_threads
 
 NAME = "DOP853"
 
@@ -41,10 +42,12 @@ class Reference:
     Threads may fly at the same time.
     """
 
-    def __init__(self, problem: Problem, compiled: bool = True) -> None:
-        self.problem = problem
+    name = NAME
+
+    def __init__(self, flights: Flights, compiled: bool = True) -> None:
+        self.flights = flights
         self.compiled = compiled
-        self.timetable = Timetable(problem)
+        self.timetable = Timetable(flights)
 
     def fly(self, vector: Floats, counts: int | None = None) -> Flight:
         """Fly one flat parameter vector (size,); the minimum over time comes from the dense output.
@@ -52,18 +55,18 @@ class Reference:
         Of several realisations the one that counts, where the worst does: it is that flight which is to be confirmed.
         `counts`: its seed, where it is known; otherwise the loop finds it at the campaign's step.
         """
-        problem, realised = self.problem, self.problem.realisations
-        if problem.parts.criterion.over == "crossing":
-            return Flight(None, f"{NAME} does not look for crossings, which {problem.parts.criterion.title} reads")
+        flights, realised = self.flights, self.flights.realisations
+        if flights.parts.criterion.over == "crossing":
+            return Flight(None, f"{NAME} does not look for crossings, which {flights.parts.criterion.title} reads")
         seeds = realised.seeds
         if realised.several and realised.combine == "worst":
-            seeds = tuple(problem.fly_realised(vector[None, :])[2] or ()) if counts is None else (counts,)
-        flights = [self._realised(realised.flight(vector[None, :], seed)[0]) for seed in seeds]
-        for flight_, seed in zip(flights, seeds, strict=True):
+            seeds = tuple(flights.fly_realised(vector[None, :])[2] or ()) if counts is None else (counts,)
+        flown = [self._realised(realised.flight(vector[None, :], seed)[0]) for seed in seeds]
+        for flight_, seed in zip(flown, seeds, strict=True):
             if flight_.cost is None:
                 return Flight(None, f"with seed {seed}: {flight_.reason}" if realised.several else flight_.reason)
-        coarse = next((f.reason for f in flights if f.reason), "")
-        return Flight(float(np.mean([f.cost for f in flights if f.cost is not None])), coarse)
+        coarse = next((f.reason for f in flown if f.reason), "")
+        return Flight(float(np.mean([f.cost for f in flown if f.cost is not None])), coarse)
 
     def fly_all(
         self,
@@ -95,13 +98,13 @@ class Reference:
     def _system(self) -> Any:
         from worker.reference import compiled
 
-        loop = self.problem.loop
+        loop = self.flights.loop
         if loop not in _SYSTEMS:
             _SYSTEMS[loop] = compiled.system(loop), compiled.integrator()
         return _SYSTEMS[loop]
 
     def _realised(self, vector: Floats) -> Flight:
-        loop, found = self.problem.loop, np.zeros(6)
+        loop, found = self.flights.loop, np.zeros(6)
         if not np.isfinite(vector).all():
             return Flight(None, f"{NAME} could not fly it: a parameter is not a finite number")
         try:
@@ -112,13 +115,13 @@ class Reference:
         if self.compiled:
             self._fly(p, stretches, found)
         else:
-            plain.fly(self.problem, p, stretches, found)
+            plain.fly(self.flights, p, stretches, found)
         return self._judged(found)
 
     def _fly(self, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
         from worker.reference import compiled
 
-        loop = self.problem.loop
+        loop = self.flights.loop
         system, fly = self._system
         first, last = loop.channels.of["criterion"]
         states, channels = np.zeros((ROWS, loop.n_state)), np.zeros((CHANNEL_ROWS, last - first))
@@ -132,10 +135,10 @@ class Reference:
         if code < flight.OK:
             return Flight(None, f"{NAME} could not fly it: {_stuck(code, when)}")
         if code != flight.OK:
-            _, reasons = self.problem.judge(np.array([code]), np.array([when]))
+            _, reasons = self.flights.judge(np.array([code]), np.array([when]))
             return Flight(None, f"{NAME}: {reasons[0]}")
         if not np.isfinite(cost):
-            return Flight(None, f"{NAME}: {self.problem.parts.criterion.quantity} is not a finite number")
+            return Flight(None, f"{NAME}: {self.flights.parts.criterion.quantity} is not a finite number")
         if why == flight.OK:
             return Flight(cost)
         return Flight(cost, f"at a tolerance of {flight.COARSE:g} from t = {since:.6g} s on: {_stuck(why, noticed)}")

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
+from worker.systems.closed_loop.flights import Flights
 
 STRETCHES = 40
 """A flight without samples of guidance is integrated in so many stretches: only from the one where it stuck on is it
@@ -43,15 +44,15 @@ class Stretches:
 class Timetable:
     """The stretches of a problem's flights; those of flights that switch alike are made once."""
 
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        self.horizon = problem.campaign.scenario.horizon
-        self.ticks = _ticks(problem, self.horizon)
+    def __init__(self, flights: Flights) -> None:
+        self.flights = flights
+        self.horizon = flights.campaign.given_scenario.horizon
+        self.ticks = _ticks(flights, self.horizon)
         self._last: tuple[set[float], Stretches] | None = None
 
     def of(self, p: tuple[float, ...]) -> Stretches:
         """The stretches of a flight with these extended parameters. Threads may ask at the same time."""
-        switches, last = _switches(self.problem, p, self.horizon), self._last
+        switches, last = _switches(self.flights, p, self.horizon), self._last
         if last is None or last[0] != switches:
             last = self._last = (switches, self._made(switches))
         return last[1]
@@ -63,12 +64,12 @@ class Timetable:
         return Stretches(np.array(instants), asks, BEFORE if switches else 0.0, patience)
 
 
-def _switches(problem: Problem, p: tuple[float, ...], horizon: float) -> set[float]:
+def _switches(flights: Flights, p: tuple[float, ...], horizon: float) -> set[float]:
     """The instants at which a fault or the environment jumps.
 
     What perception does between the samples of guidance reaches nobody.
     """
-    parts, places = problem.parts, problem.loop.extended
+    parts, places = flights.parts, flights.loop.extended
     inner = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults) if f.fault.path in ("navigation", "actuator")}
     outer = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults)}
     around = {f"environment.{i}": e for i, e in enumerate(parts.environment)}
@@ -90,10 +91,10 @@ def _joined(ticks: list[float], switches: set[float]) -> list[float]:
     return joined
 
 
-def _ticks(problem: Problem, horizon: float) -> list[float]:
-    period = problem.campaign.scenario.guidance.period
+def _ticks(flights: Flights, horizon: float) -> list[float]:
+    period = flights.campaign.given_scenario.guidance.period
     if period == 0.0:
-        if problem.parts.avoider.memory == 0:
+        if flights.parts.avoider.memory == 0:
             return [k * horizon / STRETCHES for k in range(STRETCHES)] + [horizon]
-        period = problem.step
+        period = flights.step
     return [k * period for k in range(round(horizon / period))] + [horizon]

@@ -28,7 +28,8 @@ from worker.reference.flight import (
 )
 from worker.reference.instants import Stretches
 from worker.reference.reading import LOOKS
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
+from worker.systems.closed_loop.flights import Flights
 
 
 class _Ended(Exception):
@@ -58,17 +59,17 @@ class _Headway:
 class _Plain:
     """One flight: its functions and the state it has reached."""
 
-    def __init__(self, problem: Problem, p: tuple[float, ...], stretches: Stretches) -> None:
-        part = problem.loop.part
+    def __init__(self, flights: Flights, p: tuple[float, ...], stretches: Stretches) -> None:
+        part = flights.loop.part
         self.p, self.stretches = p, stretches
         self.guide, self.closed_loop = part("guide", library=True), part("closed_loop", library=True)
         self.envelope = part("envelope", library=True)
-        self.deciding = slice(*problem.loop.channels.of["criterion"])
+        self.deciding = slice(*flights.loop.channels.of["criterion"])
         self.horizon = float(stretches.instants[-1])
         self.headway = _Headway(self.horizon, stretches.patience)
         self.g = part("blank", library=True)(p)
         self.x = part("initial", library=True)(p)
-        self.lowest = np.full(problem.loop.channels.total, np.inf)
+        self.lowest = np.full(flights.loop.channels.total, np.inf)
 
     def seen(self, t: float, x: Any) -> Any:
         return self.closed_loop(t, tuple(x), self.g, self.p)[1]
@@ -110,14 +111,14 @@ class _Plain:
         self.x = tuple(flown.y[:, -1].tolist())
 
 
-def fly(problem: Problem, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
+def fly(flights: Flights, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
     """Fly one extended vector of parameters; out: found (6,) as of `flight.fly`."""
     found[1], found[2] = OK, 0.0
     try:
         with np.errstate(all="ignore"):
-            flown = _Plain(problem, p, stretches)
-            _fly(problem, flown, found)
-            found[0] = problem.loop.part("cost", library=True)(tuple(flown.lowest.tolist()), p)
+            flown = _Plain(flights, p, stretches)
+            _fly(flights, flown, found)
+            found[0] = flights.loop.part("cost", library=True)(tuple(flown.lowest.tolist()), p)
     except _Ended as ended:
         found[1], found[2] = ended.code, ended.when
     except (ArithmeticError, ValueError):
@@ -125,7 +126,7 @@ def fly(problem: Problem, p: tuple[float, ...], stretches: Stretches, found: Flo
         found[1] = NOT_FINITE
 
 
-def _fly(problem: Problem, flown: _Plain, found: Floats) -> None:
+def _fly(flights: Flights, flown: _Plain, found: Floats) -> None:
     tolerances = RELATIVE, ABSOLUTE
     for (start, end), asks in zip(
         pairwise(flown.stretches.instants.tolist()), flown.stretches.asks.tolist(), strict=True
@@ -134,7 +135,7 @@ def _fly(problem: Problem, flown: _Plain, found: Floats) -> None:
             flown.g = flown.guide(start, flown.x, flown.g, flown.p)
         if start == 0.0:
             flown.judge(start, flown.x)
-            if problem.loop.part("barred", library=True)(flown.seen(start, flown.x), flown.p):
+            if flights.loop.part("barred", library=True)(flown.seen(start, flown.x), flown.p):
                 raise _Ended(EXCLUDED, start)
         found[2] = start
         try:

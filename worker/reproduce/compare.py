@@ -9,10 +9,10 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from worker.problem.problem import Problem
 from worker.reproduce import aircraft, robots
 from worker.reproduce.ours import Flights, Found, NotAvailable
 from worker.reproduce.published import D_MIN, PLACE, Case, Result, Search
-from worker.systems.problem import Problem
 
 Value = float | str | None
 

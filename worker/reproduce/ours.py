@@ -19,14 +19,17 @@ from campaigns.asked.stages import Search as Asked
 from campaigns.results import SearchResult
 from campaigns.results.base import OK
 from worker.catalogue.installed import methods
+from worker.opening.opened import closed_loop
+from worker.problem.evaluate import InProcess
+from worker.problem.problem import Problem
 from worker.reproduce.published import D_MIN, Case, Corners, Fly, How, Result, Search, Sweep
 from worker.runs.store import MemoryStore
 from worker.stages import search as stage
 from worker.stages.parts.base import Context
 from worker.stages.parts.store import Columns, StagePlan, Trace
+from worker.systems.base import Floats
+from worker.systems.closed_loop.system import ClosedLoop
 from worker.systems.closed_loop.trace import trace
-from worker.systems.evaluate import InProcess
-from worker.systems.problem import Floats, Problem
 
 SWEEP = 41
 """Points of a sweep over one parameter."""
@@ -93,22 +96,22 @@ class Flights:
             if path is None:
                 raise NotAvailable(f"the library has no campaign {name}")
             began = time.perf_counter()
-            problem = Problem(load_file(path))
-            problem.loop.warm()
+            loop = closed_loop(load_file(path))
+            loop.warm()
             self.compile_seconds += time.perf_counter() - began
-            self.opened[name] = _Opened(problem, InProcess(problem, self.threads))
+            self.opened[name] = _Opened.of(loop, self.threads)
         return self.opened[name]
 
     def traced(self, name: str, what: str, values: dict[str, float]) -> Trace:
         """The flight of a campaign at these values; the time to compile what reads it is kept apart."""
-        problem = self.open(name).problem
+        loop = self.open(name).loop
         if name not in self.readable:
             began = time.perf_counter()
-            rows = np.zeros((1, problem.loop.n_state + problem.loop.n_held))
-            problem.loop.observe(rows, problem.nominal, problem.step)
+            rows = np.zeros((1, loop.loop.n_state + loop.loop.n_held))
+            loop.loop.observe(rows, loop.nominal, loop.step)
             self.compile_seconds += time.perf_counter() - began
             self.readable.add(name)
-        return trace(problem, what, values)
+        return trace(loop, what, values)
 
     def close(self) -> None:
         """End the threads."""
@@ -120,8 +123,14 @@ class Flights:
 class _Opened:
     """One campaign: its compiled problem and what flies it."""
 
+    loop: ClosedLoop
     problem: Problem
     evaluate: InProcess
+
+    @staticmethod
+    def of(loop: ClosedLoop, threads: int | None) -> _Opened:
+        problem = Problem(loop.campaign, loop)
+        return _Opened(loop, problem, InProcess(problem, threads))
 
     @property
     def campaign(self) -> Campaign:
@@ -143,7 +152,7 @@ class _Opened:
             vector = self.problem.vector(values)
         except KeyError as error:
             raise NotAvailable(f"the campaign {self.campaign.name!r} has no parameter {error.args[0]}") from None
-        batch, reasons = self.problem.fly_vectors(vector[None, :])
+        batch, reasons = self.loop.fly_vectors(vector[None, :])
         if batch.status[0] != OK:
             return Found(None, note=reasons[0])
         return Found(float(batch.costs[0, 0]), evaluations=1)

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from campaigns.wording import count, number
+from campaigns.claims.numbers import count, number
+from campaigns.documents import JsonObject
 from worker.reproduce.compare import Reproduction, Row, Value
 from worker.reproduce.published import D_MIN
 
@@ -48,7 +48,7 @@ INTRODUCTION = (
 )
 
 
-def document(made: Reproduction) -> dict[str, Any]:
+def document(made: Reproduction) -> JsonObject:
     """Everything as plain JSON values; times in seconds."""
     return {
         "rows": [asdict(row) | {"difference": row.difference} for row in made.rows],

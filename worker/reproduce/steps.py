@@ -15,8 +15,11 @@ import numpy as np
 
 from campaigns import Campaign, library, load_file
 from campaigns.results.base import OK
+from worker.opening.opened import closed_loop
+from worker.problem.problem import Problem
 from worker.stages.parts.confirm import FRACTION_OF_MARGIN
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
+from worker.systems.closed_loop.system import ClosedLoop
 
 POINTS = 200
 SEED = 2**21
@@ -50,20 +53,20 @@ class Adequacy:
         return self.exceeding + self.differing <= (self.declared or 0.0) * self.points
 
 
-def adequacy(name: str, problem: Problem, points: int = POINTS) -> Adequacy:
+def adequacy(name: str, loop: ClosedLoop, points: int = POINTS) -> Adequacy:
     """Fly random points of the box at the campaign's step and at half of it, on one thread."""
-    campaign = problem.campaign
+    campaign, problem = loop.campaign, Problem(loop.campaign, loop)
     random = np.random.default_rng(np.random.SeedSequence(campaign.seed, spawn_key=(SEED,)))
     unit = random.random((points, problem.dimension))
     vectors = problem.vectors(unit)
-    whole, half = (problem.fly_vectors(vectors, step)[0] for step in (problem.step, problem.step / 2))
+    whole, half = (loop.fly_vectors(vectors, step)[0] for step in (loop.step, loop.step / 2))
     both = (whole.status == OK) & (half.status == OK)
     costs = whole.costs[:, 0]
     apart = np.where(both, np.abs(half.costs[:, 0] - costs), 0.0)
     worst = int(np.argmax(apart))
     return Adequacy(
         campaign=name,
-        step=problem.step,
+        step=loop.step,
         points=points,
         tolerance=campaign.stages.validate_.tolerance,
         largest=float(apart[worst]),
@@ -89,7 +92,7 @@ def _allowed(problem: Problem, costs: Floats) -> Floats:
 def of_library(names: Sequence[str] = ()) -> list[Adequacy]:
     """Every campaign of the library, or those named."""
     files = library()
-    return [adequacy(name, Problem(load_file(files[name]))) for name in (names or files)]
+    return [adequacy(name, closed_loop(load_file(files[name]))) for name in (names or files)]
 
 
 def sentence(found: Adequacy) -> str:

@@ -16,14 +16,16 @@ from campaigns import Campaign, check
 from campaigns.asked.load import load_document
 from campaigns.asked.plan import plan
 from campaigns.asked.spec import MAX_EVALUATIONS, Search
+from campaigns.claims.numbers import count
+from campaigns.claims.say import listed
+from campaigns.claims.spans import words
 from campaigns.flown import Flown, differences, differing, other_code
-from campaigns.wording import count, listed
 from worker.catalogue.installed import catalogue, methods
+from worker.opening import opened
 from worker.runs import sources
 from worker.runs.provenance import flown
 from worker.runs.store import MemoryStore
 from worker.stages.parts.store import Columns, StagePlan, StageRecord
-from worker.systems.problem import Problem
 
 
 class CannotContinue(ValueError):
@@ -56,8 +58,8 @@ def continued(campaign: Campaign, budget: Budget) -> Campaign:
     document = campaign.document()
     raised = [_raised(search, budget) for search in campaign.stages.search]
     if not any(raised):
-        asked = listed([methods()[s.method].title for s in campaign.stages.search])
-        able = listed([m.title for m in methods().values() if m.extend is not None])
+        asked = words(listed([methods()[s.method].title for s in campaign.stages.search]))
+        able = words(listed([m.title for m in methods().values() if m.extend is not None]))
         raise CannotContinue(
             f"none of its searches ({asked}) goes on beyond {count(budget.evaluations)} evaluations; "
             f"these can be continued: {able}"
@@ -106,7 +108,7 @@ def refuse_other_code(new: Campaign, then: Flown, modules: dict[str, str] | None
 
     `modules` are the digests of its modules, where they are stored. What was not stored is not compared.
     """
-    here, code = flown(Problem(new)), sources.code()
+    here, code = flown(opened.system(new)), sources.code()
     others = differences(then, here, differing(modules, code.modules) if modules else None)
     if others:
         raise CannotContinue(other_code("it", others))

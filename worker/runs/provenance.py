@@ -15,16 +15,16 @@ from numba.core.codegen import get_host_cpu_features
 from campaigns.flown import Flown, Processor
 from worker.runs import sources
 from worker.stages.parts.store import Store
-from worker.systems.problem import Problem
+from worker.systems.base import System
 
 
-def begin(store: Store, problem: Problem) -> None:
+def begin(store: Store, system: System) -> None:
     """Store what is about to fly; raises `backend.db.store.OtherCode` where other code has flown already."""
-    store.flies(flown(problem), sources.code())
+    store.flies(flown(system), sources.code())
 
 
-def flown(problem: Problem) -> Flown:
-    """What simulates a problem in this process: versions of the code and its packages, the processor, the loop."""
+def flown(system: System) -> Flown:
+    """What evaluates in this process: versions of the code and its packages, the processor, the system."""
     return Flown(
         clearance=version("clearance"),
         python=platform.python_version(),
@@ -32,10 +32,11 @@ def flown(problem: Problem) -> Flown:
         packages=dict(sources.LOADED.packages),
         system=f"{platform.system()} {platform.machine()}",
         cpu=_processor(),
-        lanes=problem.loop.lanes,
-        step=problem.step,
-        integrator="RK4",
-        loop=problem.loop.digest,
+        lanes=system.settings.lanes,
+        step=system.settings.step,
+        integrator=system.settings.integrator,
+        loop=system.digest if system.settings.integrator else None,
+        simulator=None if system.settings.integrator else system.digest,
     )
 
 

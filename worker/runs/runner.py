@@ -15,12 +15,13 @@ from campaigns import Campaign
 from campaigns.asked.plan import plan
 from campaigns.results import CertifyResult, NominalResult, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
+from worker.opening import opened
+from worker.problem.evaluate import InProcess
 from worker.runs.provenance import begin, flown
 from worker.stages.found import stages
 from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
 from worker.stages.parts.store import StagePlan, StageRecord, Store
-from worker.systems.evaluate import InProcess
-from worker.systems.problem import CampaignUnusable, Problem
+from worker.systems.base import CampaignUnusable
 from worker.verdicts.conclude import conclude
 from worker.verdicts.evidence import Evidence
 
@@ -41,10 +42,10 @@ def execute(
     Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
     `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage is not what it was.
     """
-    problem = Problem(campaign)
-    problem.loop.warm()
+    problem = opened.problem(campaign)
+    problem.system.warm()
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
-    begin(store, problem)
+    begin(store, problem.system)
     evaluate = InProcess(problem, threads)
     planned = [record.plan for record in records]
     context = Context(campaign, problem, evaluate, store, cancelled, progress, plan=planned)
@@ -54,11 +55,12 @@ def execute(
                 context.results[position] = record.result
             else:
                 _carry_out(context, position, record)
-        verdict = conclude(problem, _evidence(context), flown(problem))
+        verdict = conclude(problem, _evidence(context), flown(problem.system))
         store.conclude(verdict)
         return verdict
     finally:
         evaluate.close()
+        problem.system.close()
 
 
 def _carry_out(context: Context, position: int, record: StageRecord) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # nothing of ours is loaded before its files are recorded
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
 """Packages of others that can change a number."""
 
-GROUPS = ("clearance.components", "clearance.methods")
+GROUPS = ("clearance.components", "clearance.methods", "clearance.simulators")
 OURS = ("campaigns", "worker", "backend.db")
 APART = ("backend.db", "worker.cli", "worker.processes")
 """Modules that start processes, store and print: they are loaded again when they change, but change no number."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from campaigns.flown import Code, Flown
 from campaigns.results import Finding, StageResult, Verdict
+from campaigns.runs import StageState
 from worker.stages.parts.store import Columns, StagePlan, StageRecord, Trace, join
 
 
@@ -31,7 +32,7 @@ class MemoryStore:
 
     def begin(self, position: int) -> None:
         stage = self.stages[position]
-        self.stages[position] = StageRecord(stage.plan, "running", stage.seconds)
+        self.stages[position] = StageRecord(stage.plan, StageState.RUNNING, stage.seconds)
 
     def evaluations(self, position: int) -> Columns | None:
         return join(self.chunks.get(position, []))
@@ -50,7 +51,7 @@ class MemoryStore:
         findings: Sequence[Finding] = (),
         traces: Sequence[Trace] = (),
     ) -> None:
-        self.stages[position] = StageRecord(self.stages[position].plan, "done", seconds, result)
+        self.stages[position] = StageRecord(self.stages[position].plan, StageState.DONE, seconds, result)
         self.findings.extend(findings)
         self.traces.update({t.name: t for t in traces})
 

@@ -60,8 +60,26 @@ class Space:
     confidence: float = 0.95
 
 
+class Ended(str):
+    """The sentence of the rule by which a search stopped, with the rule's code and the numbers in the sentence.
+
+    `Ended("iterations", "did the {iterations} iterations asked for", iterations=100)`. A number is named in braces,
+    with its significant digits where it is no whole number: `{width:.3g}`; what stands there may be such a sentence
+    itself. A method may return a plain string: it has no code. `campaigns.claims.codes.StopCode` lists the codes.
+    """
+
+    code: str
+    template: str
+    values: dict[str, Any]
+
+    def __new__(cls, code: str, template: str, **values: Any) -> Ended:
+        made = super().__new__(cls, template.format(**values))
+        made.code, made.template, made.values = code, template, values
+        return made
+
+
 Search = Generator[Floats, Batch, str]
-"""Yields points (m, n), receives their `Batch`, returns the sentence of the rule by which it stopped."""
+"""Yields points (m, n), receives their `Batch`, returns the sentence of the rule by which it stopped: `Ended`."""
 
 
 @dataclass(frozen=True)

@@ -14,18 +14,18 @@ from typing import Any
 import numpy as np
 
 from campaigns.asked.stages import Certify
+from campaigns.claims.say import count, number, say, symbol
 from campaigns.results import CertifyResult
-from campaigns.results.base import EXCLUDED, Stop
+from campaigns.results.base import EXCLUDED
 from campaigns.results.sample import GridPoint, GridResult
-from campaigns.wording import count, number
-from worker.search.base import Batch, Floats
+from worker.problem.problem import Problem
+from worker.search.base import Batch, Ended, Floats
 from worker.stages.parts import seeds
 from worker.stages.parts.base import Asking, Context, Seeded, drive
 from worker.stages.parts.outcome import Outcome, Stage
 from worker.stages.parts.sample import Sample
 from worker.stages.parts.store import Columns
 from worker.stages.parts.streams import stream
-from worker.systems.problem import Problem
 
 STREAM = 2**21
 """Of random numbers: searches have those from 0 on."""
@@ -52,11 +52,10 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     assert driven.columns is not None
     own = problem.realisations.random
     sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, drawn=own)
-    criterion = problem.parts.criterion
-    quantile = sample.quantile(asked.quantile, criterion.quantity, criterion.unit)
+    quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
     statement = sample.statement()
-    short = f"; only {count(sample.size)} of {count(asked.samples)} flights were not excluded"
-    text = f"{statement.text}; {quantile.text}{short if sample.size < asked.samples else ''}"
+    short = say("; only ", count(sample.size), " of ", count(asked.samples), f" {problem.words.many} were not excluded")
+    said = say(statement.said, "; ", quantile.said, short if sample.size < asked.samples else ())
     tally = driven.tally
     result = CertifyResult(
         sample=statement.model_copy(update={"quantile": quantile, "distribution": sample.distribution()}),
@@ -66,8 +65,8 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
         failed=tally.failed,
         excluded=tally.excluded,
         seconds=tally.seconds,
-        stop=Stop(kind=driven.stop, text=driven.text),
-        text=text,
+        stop=driven.how,
+        said=said,
     )
     return Outcome(result)
 
@@ -82,12 +81,13 @@ def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn
         drawn.draws += draws
         drawn.flown += int(np.count_nonzero(batch.status != EXCLUDED))
     if asked.grid is None:
-        return f"drew {count(drawn.flown)} flights"
+        return Ended("drawn", f"drew {{flights}} {problem.words.many}", flights=drawn.flown)
     points = asked.grid.points
     total = points**problem.dimension
     for first in range(0, total, BLOCK):
         yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
-    return f"drew {count(drawn.flown)} flights and flew a grid of {count(total)}"
+    ended = f"drew {{flights}} {problem.words.many} and {problem.words.evaluated} a grid of {{grid}}"
+    return Ended("drawn", ended, flights=drawn.flown, grid=total)
 
 
 def _of_grid(index: Any, points: int, dimension: int) -> Floats:
@@ -106,13 +106,14 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
     problem = context.problem
     flown = _rows(columns, first, len(columns.status))
     sample = Sample.of(flown, problem, context.campaign.confidence)
-    unit, quantity = problem.parts.criterion.unit, problem.parts.criterion.quantity
     lowest = None
     if len(sample.costs):
         row = int(np.nanargmin(flown.costs[:, 0]))
         cost = float(flown.costs[row, 0])
         lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(flown.points[row]))
-    found = "none of them was flown" if lowest is None else f"lowest {quantity} {number(sample.costs[0])} {unit}"
+    found = say(f"none of them was {problem.words.done}")
+    if lowest is not None:
+        found = say("lowest ", symbol(problem.quantity), " ", number(lowest.cost, problem.unit))
     return GridResult(
         points=points,
         total=len(flown.status),
@@ -121,8 +122,11 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
         violations=sample.violations,
         failed=sample.failed,
         excluded=sample.excluded,
-        text=f"full grid of {points} points on every axis, {count(len(flown.status))} in all: {found}, "
-        f"{count(sample.violations)} violate the criterion{sample.failures()}; nothing is claimed of what lies between",
+        said=say(
+            *("full grid of ", count(points), " points on every axis, ", count(len(flown.status)), " in all: ", found),
+            *(", ", count(sample.violations), " violate the criterion", sample.failures()),
+            "; nothing is claimed of what lies between",
+        ),
     )
 
 

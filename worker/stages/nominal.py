@@ -6,7 +6,6 @@ from campaigns.results import NominalResult
 from campaigns.results.base import STATUS
 from worker.stages.parts.base import Context, drive, once
 from worker.stages.parts.outcome import Outcome, Stage
-from worker.systems.closed_loop.trace import trace
 
 
 def run(context: Context, position: int) -> Outcome[NominalResult]:
@@ -22,7 +21,8 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
         reason=driven.columns.reasons.get(0, ""),
         parameters={r.path: r.nominal for r in problem.ranges},
     )
-    return Outcome(result, traces=(trace(problem, "nominal", {}),))
+    shown = problem.system.trace("nominal", {})
+    return Outcome(result, traces=() if shown is None else (shown,))
 
 
 stage = Stage("nominal", run, NominalResult)

@@ -15,17 +15,17 @@ from pydantic import TypeAdapter
 
 from campaigns.asked.stages import Search as Asked
 from campaigns.results import SearchResult
-from campaigns.results.base import Stop
 from campaigns.results.search import Best
 from campaigns.results.search import Minimum as MinimumFound
 from worker.catalogue.installed import methods
+from worker.problem.criteria import criteria
 from worker.search.base import Batch, Floats, Method, Minimum, Space
 from worker.stages.parts import front, gap, sample
 from worker.stages.parts.base import Context, Driven, drive
+from worker.stages.parts.ended import spoken
 from worker.stages.parts.members import Members
 from worker.stages.parts.outcome import Outcome, Stage
 from worker.stages.parts.streams import stream
-from worker.systems.criteria import criteria
 
 
 def run(context: Context, position: int) -> Outcome[SearchResult]:
@@ -94,7 +94,7 @@ def _result(context: Context, method: Method, options: Any, driven: Driven, mini
         failed=tally.failed,
         excluded=tally.excluded,
         seconds=tally.seconds,
-        stop=Stop(kind=driven.stop, text=driven.text),
+        stop=driven.how,
         minima=[
             MinimumFound(
                 start=None if m.start is None else problem.named(m.start),
@@ -102,7 +102,7 @@ def _result(context: Context, method: Method, options: Any, driven: Driven, mini
                 point=m.point.tolist(),
                 cost=m.cost,
                 evaluations=m.evaluations,
-                text=m.text,
+                said=spoken(m.text),
             )
             for m in minima
         ],

@@ -12,20 +12,21 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from campaigns.claims.say import Part, case, joined, listed, say
+from campaigns.claims.spans import Said
 from campaigns.results import Finding, SensitivityResult, ValidateResult
 from campaigns.results.base import OK
-from campaigns.results.finding import FoundBy, Validation
+from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Gathered
-from campaigns.wording import listed
-from worker.reference import NAME
 from worker.stages.parts import boundary, findings, offered, seeds
 from worker.stages.parts.base import Context, Driven, all_columns, drive
 from worker.stages.parts.comparison import compare
 from worker.stages.parts.confirm import Case, cases
-from worker.stages.parts.encounter import closest, encounter
+from worker.stages.parts.encounter import encounter
 from worker.stages.parts.outcome import Outcome, Stage
-from worker.systems.closed_loop.trace import trace
+from worker.stages.parts.store import Trace
+from worker.systems.base import Words
 
 
 def run(context: Context, position: int) -> Outcome[ValidateResult]:
@@ -42,23 +43,30 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
     basins = [labels[id(f)] for f in polished]
     shown = [_labelled(f, labels[id(f)]) for f in order]
-    flights = [trace(context.problem.under(f.realisation), f.label, f.parameters) for f in shown]
-    named = tuple(f.model_copy(update={"closest": closest(t)}) for f, t in zip(shown, flights, strict=True))
-    nominal_flight = trace(context.problem, "nominal", {})
+    system = context.problem.system
+    flights = [system.trace(f.label, f.parameters, f.realisation) for f in shown]
+    named = tuple(_closest(f, t) for f, t in zip(shown, flights, strict=True))
     tolerance = context.campaign.stages.validate_.tolerance
-    ok, text = _agreement([nominal, *(f.validation for f in named if f.validation is not None)])
+    ok, said = _agreement(system.words, [nominal, *(f.validation for f in named if f.validation is not None)])
     result = ValidateResult(
         ok=ok,
-        text=text,
+        said=said,
         tolerance=tolerance,
         nominal=nominal,
         findings=_gathered(context, driven, found, unfinished),
         comparison=compare(context, named, found, basins),
         violations=violations,
         spot_checks=offered.spot_checks(context, everything),
-        encounter=encounter(context, position, nominal_flight, _curves(context, named)),
+        encounter=encounter(context, position, system.trace("nominal", {}), _curves(context, named)),
     )
-    return Outcome(result, named, tuple(flights))
+    return Outcome(result, named, tuple(t for t in flights if t is not None))
+
+
+def _closest(finding: Finding, flight: Trace | None) -> Finding:
+    """With the closest approach of the flight that shows it, where there is one."""
+    if flight is None:
+        return finding
+    return finding.model_copy(update={"closest": ClosestApproach.of(flight.meta.closest, len(flight.data))})
 
 
 def _labelled(finding: Finding, label: str) -> Finding:
@@ -79,7 +87,7 @@ def _budget(context: Context) -> int:
 def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
     asked = context.campaign.stages.findings
     complete = driven.stop == "rule" and not unfinished
-    text = driven.text if complete else f"{driven.text}: some findings may be one, or not polished to the end"
+    beyond = "" if complete else ": some findings may be one, or not polished to the end"
     return Gathered(
         distance=asked.distance,
         barrier=asked.barrier,
@@ -88,7 +96,7 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
         left_out=found.left_out,
         rounds=found.rounds,
         complete=complete,
-        text=text,
+        said=say(driven.how.said, beyond),
     )
 
 
@@ -168,19 +176,23 @@ def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
             yield from finding.slices.curves
 
 
-def _agreement(cases: Sequence[Validation]) -> tuple[bool, str]:
+def _agreement(words: Words, cases: Sequence[Validation]) -> tuple[bool, Said]:
     """Whether all cases are validated, and the sentence that says so."""
     wrong = [c.name for c in cases if not c.ok]
     apart = [c.name for c in cases if c.violates and not c.agrees]
     agreed = [c.name for c in cases if c.agrees]
-    said = []
+    said: list[Part] = []
     if wrong:
-        said.append(f"half the step or {NAME} disagrees beyond tolerance for {listed(wrong)}")
+        said.append(say(f"{words.disagrees} beyond tolerance for ", _cases(wrong)))
     elif agreed:
-        said.append(f"half the step and {NAME} agree for {listed(agreed)}")
+        said.append(say(f"{words.agree} for ", _cases(agreed)))
     if apart:
-        said.append(f"all integrations of {listed(apart)} violate, beyond tolerance apart")
-    return not wrong, "; ".join(said)
+        said.append(say(f"{words.every} of ", _cases(apart), " violate, beyond tolerance apart"))
+    return not wrong, joined("; ", said)
+
+
+def _cases(names: Sequence[str]) -> Said:
+    return listed([case(name) for name in names])
 
 
 stage = Stage("validate", run, ValidateResult)

@@ -1,1 +1,1 @@
-"""What is asked of a campaign and what is simulated for it. Start reading at `problem`."""
+"""What can be evaluated: the seam is `base`, the closed loop of components is one of the systems behind it."""

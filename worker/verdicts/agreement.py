@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import Part, count, finding, joined, listed, method, number, say
+from campaigns.claims.spans import Said, Span
 from campaigns.results import SearchResult
 from campaigns.results.verdict import Check
-from campaigns.wording import count, listed, number
-from worker.systems.problem import Problem
+from worker.problem.problem import Problem
 from worker.verdicts.evidence import Evidence
 
 AT_MOST = 0.2
@@ -25,31 +27,28 @@ FLAT = 1e-6
 
 def agreement(problem: Problem, evidence: Evidence) -> Check:
     """Every global method against the worst case known from anywhere, and at least two methods that came to it."""
-    finding, nominal, unit = evidence.finding, evidence.nominal.cost, problem.parts.criterion.unit
-    if finding is None or nominal is None:
-        return Check(name="agreement", ok=False, text="there is no worst case to agree on")
+    known, nominal, unit = evidence.finding, evidence.nominal.cost, problem.unit
+    if known is None or nominal is None:
+        return _check(False, "there is no worst case to agree on")
     aiming = [s for s in evidence.searches if s.kind in ("global", "local")]
     globally = [s for s in aiming if s.kind == "global"]
     if not globally:
-        return Check(name="agreement", ok=False, text="no global method searched; add one, such as DIRECT")
-    lazy = [text for s in globally if (text := _not_searched(s, problem.dimension))]
+        return _check(False, "no global method searched; add one, such as DIRECT")
+    lazy = [said for s in globally if (said := _not_searched(s, problem.dimension))]
     if lazy:
-        return Check(name="agreement", ok=False, text="; ".join(lazy))
+        return _check(False, joined("; ", lazy))
     # What drew its own noise no method has seen.
-    worst = min([f.cost for f in evidence.findings if f.realisation is None], default=finding.cost)
-    limit = f"{number(worst)} {unit}"
+    worst = min([f.cost for f in evidence.findings if f.realisation is None], default=known.cost)
     within = max(allowed(problem, nominal - worst), 1e-9 * max(abs(worst), 1.0))
-    late = [text for s in globally if (text := _stopped_short(s, worst, within, unit))]
+    late = [said for s in globally if (said := _stopped_short(s, worst, within, problem))]
     if late:
-        return Check(name="agreement", ok=False, text=f"the worst case is {limit}, but {' and '.join(late)}")
-    elsewhere = [s.title for s in globally if _finding_of(s, evidence) is None]
+        return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
+    elsewhere = [_titled(s) for s in globally if _finding_of(s, evidence) is None]
     if elsewhere:
-        return Check(
-            name="agreement", ok=False, text=f"the best of {listed(elsewhere)} lies in the basin of no listed finding"
-        )
+        return _check(False, "the best of ", listed(elsewhere), " lies in the basin of no listed finding")
     counted = [
         s for s in aiming
-        if not _not_searched(s, problem.dimension) and not _stopped_short(s, worst, within, unit)
+        if not _not_searched(s, problem.dimension) and not _stopped_short(s, worst, within, problem)
         and _finding_of(s, evidence) is not None
     ]  # fmt: skip
     return _agreed(counted, evidence, worst, nominal, unit)
@@ -70,49 +69,49 @@ def varies(evidence: Evidence) -> float:
 
 
 def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
-    reached = {s.method: s.title for s in counted}
-    if len(reached) < 2:
-        only = listed(list(reached.values()))
-        text = f"only {only} reached the worst case; a verdict needs a second method to confirm it"
-        return Check(name="agreement", ok=False, text=text)
-    titles = listed(list(reached.values()))
+    reached = listed([_titled(s) for s in counted])
+    if len({s.method for s in counted}) < 2:
+        return _check(False, "only ", reached, " reached the worst case; a verdict needs a second method to confirm it")
     if not varies(evidence):
-        flown = count(evidence.encounter.spread.evaluations)
-        return Check(
-            name="agreement", ok=True, text=f"{titles} agree: the criterion does not vary over {flown} evaluations"
-        )
+        flown = count(evidence.encounter.spread.evaluations, "evaluations")
+        return _check(True, reached, " agree: the criterion does not vary over ", flown, " evaluations")
     if not worst < nominal:
-        text = (
+        return _check(
+            False,
             "no method found anything below the nominal case, so that they agree shows nothing; widen the bounds, or "
-            "move the nominal values away from the worst case"
+            "move the nominal values away from the worst case",
         )
-        return Check(name="agreement", ok=False, text=text)
     apart = max(s.best.cost - worst for s in counted if s.best is not None)
-    places = listed(sorted({str(_finding_of(s, evidence)) for s in counted}))
-    return Check(
-        name="agreement", ok=True, text=f"{titles} agree on the worst case ({places}) within {number(apart)} {unit}"
-    )
+    places = listed([finding(label) for label in sorted({str(_finding_of(s, evidence)) for s in counted})])
+    return _check(True, reached, " agree on the worst case (", places, ") within ", number(apart, unit, "apart"))
 
 
-def _not_searched(search: SearchResult, dimension: int) -> str:
+def _check(ok: bool, *said: Part) -> Check:
+    return Check(code=CheckCode.AGREEMENT, ok=ok, said=say(*said))
+
+
+def _titled(search: SearchResult) -> Span:
+    return method(search.method, search.title)
+
+
+def _not_searched(search: SearchResult, dimension: int) -> Said:
     """Why a stage is no search, as a sentence; empty where it is one."""
-    title, spent = search.title, search.evaluations
+    title, spent = _titled(search), search.evaluations
     least = dimension * (GLOBAL_LEAST if search.kind == "global" else LOCAL_LEAST)
     if spent < least:
-        return (
-            f"{title} ended after {count(spent)} {'evaluation' if spent == 1 else 'evaluations'}; at least "
-            f"{count(least)} are needed to count as a search"
-        )
+        many = " evaluation" if spent == 1 else " evaluations"
+        ended = say(title, " ended after ", count(spent), many)
+        return say(ended, "; at least ", count(least), " are needed to count as a search")
     if search.kind == "local" and (search.stop is None or search.stop.kind != "rule"):
-        return f"{title} spent its budget before it converged"
-    return ""
+        return say(title, " spent its budget before it converged")
+    return ()
 
 
-def _stopped_short(search: SearchResult, worst: float, within: float, unit: str) -> str:
+def _stopped_short(search: SearchResult, worst: float, within: float, problem: Problem) -> Said:
     if search.best is None:
-        return f"{search.title} found no flight"
+        return say(_titled(search), f" found no {problem.words.one}")
     by = search.best.cost - worst
-    return f"{search.title} stopped {number(by)} {unit} above it" if by > within else ""
+    return say(_titled(search), " stopped ", number(by, problem.unit), " above it") if by > within else ()
 
 
 def _finding_of(search: SearchResult, evidence: Evidence) -> str | None:

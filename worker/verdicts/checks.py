@@ -5,10 +5,10 @@ Start reading at `checks`.
 
 from __future__ import annotations
 
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import Part, count, finding, joined, method, number, say, signed, unnamed
 from campaigns.results.verdict import Check
-from campaigns.wording import count, number, signed
-from worker.stages.parts import distances
-from worker.systems.problem import Problem
+from worker.problem.problem import Problem
 from worker.verdicts.agreement import agreement
 from worker.verdicts.encounter import encounter
 from worker.verdicts.evidence import Evidence
@@ -19,11 +19,11 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
     """All checks in the order in which they are read."""
     return [
         _nominal(problem, evidence),
-        _ended(evidence),
+        _ended(problem, evidence),
         _no_violation(problem, evidence),
         _minimum(problem, evidence),
         agreement(problem, evidence),
-        _validated(evidence),
+        _validated(problem, evidence),
         _none_failed(evidence),
         *encounter(problem, evidence),
         *_distances(problem),
@@ -32,76 +32,74 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
 
 
 def _nominal(problem: Problem, evidence: Evidence) -> Check:
-    nominal, unit = evidence.nominal, problem.parts.criterion.unit
+    nominal, unit = evidence.nominal, problem.unit
     if nominal.status != "ok" or nominal.cost is None or nominal.margin is None:
-        return Check(name="nominal", ok=False, text=f"the nominal flight was not evaluated: {nominal.reason}")
-    text = f"the nominal flight has {number(nominal.cost)} {unit}, margin {signed(nominal.margin)} {unit}"
-    return Check(name="nominal", ok=nominal.margin > 0, text=text)
+        said = say(f"the nominal {problem.words.one} was not evaluated: {nominal.reason}")
+        return Check(code=CheckCode.NOMINAL, ok=False, said=said)
+    cost, margin = number(nominal.cost, unit, "cost"), signed(nominal.margin, unit, "margin")
+    said = say(f"the nominal {problem.words.one} has ", cost, ", margin ", margin)
+    return Check(code=CheckCode.NOMINAL, ok=nominal.margin > 0, said=said)
 
 
-def _ended(evidence: Evidence) -> Check:
-    ways = ", ".join(f"{s.title} {s.stop.text}" for s in evidence.searches if s.stop is not None)
-    empty = [s.title for s in evidence.searches if s.best is None]
+def _ended(problem: Problem, evidence: Evidence) -> Check:
+    empty = [method(s.method, s.title) for s in evidence.searches if s.best is None]
     if empty:
-        return Check(name="search", ok=False, text=f"{' and '.join(empty)} evaluated no flight successfully")
-    ended = "every search ended" if evidence.complete else "not every search ended"
-    return Check(name="search", ok=evidence.complete, text=f"{ended}: {ways}")
+        said = say(joined(" and ", empty), f" evaluated no {problem.words.one} successfully")
+        return Check(code=CheckCode.SEARCH, ok=False, said=said)
+    stopped = [(s, s.stop) for s in evidence.searches if s.stop is not None]
+    ways = joined(", ", [say(method(s.method, s.title), " ", unnamed(stop.said)) for s, stop in stopped])
+    ended = "every search ended: " if evidence.complete else "not every search ended: "
+    return Check(code=CheckCode.SEARCH, ok=evidence.complete, said=say(ended, ways))
 
 
 def _no_violation(problem: Problem, evidence: Evidence) -> Check:
     """Over every stored evaluation, whichever stage asked for it."""
-    finding, unit = evidence.finding, problem.parts.criterion.unit
-    if finding is None:
-        return Check(name="no violation", ok=False, text="no flight was evaluated")
-    if finding.margin > 0 and not evidence.violating:
-        return Check(
-            name="no violation",
-            ok=True,
-            text=f"the worst flight found keeps a margin of {signed(finding.margin)} {unit}",
-        )
-    counts = evidence.violations.text
-    if finding.margin > 0:
-        return Check(name="no violation", ok=False, text=counts)
-    confirmed = "confirmed" if finding.violates else "did not confirm"
-    text = f"{finding.label} violates the criterion by {number(-finding.margin)} {unit}; validation {confirmed} it"
-    return Check(name="no violation", ok=False, text=f"{text}; {counts}")
+    worst, unit, code = evidence.finding, problem.unit, CheckCode.NO_VIOLATION
+    if worst is None:
+        return Check(code=code, ok=False, said=say(f"no {problem.words.one} was evaluated"))
+    if worst.margin > 0 and not evidence.violating:
+        said = say(f"the worst {problem.words.one} found keeps a margin of ", signed(worst.margin, unit, "margin"))
+        return Check(code=code, ok=True, said=said)
+    counts = evidence.violations.said
+    if worst.margin > 0:
+        return Check(code=code, ok=False, said=counts)
+    confirmed = "confirmed" if worst.violates else "did not confirm"
+    by = number(-worst.margin, unit, "violated_by")
+    said = say(finding(worst.label), " violates the criterion by ", by, f"; validation {confirmed} it; ", counts)
+    return Check(code=code, ok=False, said=said)
 
 
 def _minimum(problem: Problem, evidence: Evidence) -> Check:
     """Nothing stored is lower than the worst finding, and it was polished to the end."""
-    finding, unit = evidence.finding, problem.parts.criterion.unit
-    if finding is None or evidence.lowest is None:
-        return Check(name="minimum", ok=False, text="no flight was evaluated")
-    if evidence.lowest < finding.cost:
-        text = f"a stored evaluation has {number(evidence.lowest)} {unit}, lower than every finding"
-        return Check(name="minimum", ok=False, text=text)
+    worst, unit, code = evidence.finding, problem.unit, CheckCode.MINIMUM
+    if worst is None or evidence.lowest is None:
+        return Check(code=code, ok=False, said=say(f"no {problem.words.one} was evaluated"))
+    if evidence.lowest < worst.cost:
+        lowest = number(evidence.lowest, unit, "lowest")
+        return Check(code=code, ok=False, said=say("a stored evaluation has ", lowest, ", lower than every finding"))
     gathered = evidence.gathered
     if not gathered.complete:
-        return Check(
-            name="minimum", ok=False, text=f"the worst cases were not distinguished to the end: {gathered.text}"
-        )
-    text = f"{finding.label} is the lowest of all {count(evidence.succeeded)} evaluations of all stages"
-    return Check(name="minimum", ok=True, text=text)
+        said = say("the worst cases were not distinguished to the end: ", gathered.said)
+        return Check(code=code, ok=False, said=said)
+    succeeded = count(evidence.succeeded, "evaluations")
+    said = say(finding(worst.label), " is the lowest of all ", succeeded, " evaluations of all stages")
+    return Check(code=code, ok=True, said=said)
 
 
-def _validated(evidence: Evidence) -> Check:
+def _validated(problem: Problem, evidence: Evidence) -> Check:
     """Nominal and findings within tolerance, and no random evaluation on the other side of the threshold."""
     validation, spot = evidence.validation, evidence.spot_checks
     ok = validation.ok and not spot.violating and (spot.compared > 0 or not spot.checked)
-    return Check(name="validation", ok=ok, text=f"{validation.text}; {spot.text}")
+    return Check(code=CheckCode(problem.words.check), ok=ok, said=say(validation.said, "; ", spot.said))
 
 
 def _distances(problem: Problem) -> list[Check]:
-    """Whether a vehicle inside an obstacle may count as clear; only where it may."""
-    text = distances.overlooked(problem)
-    return [Check(name="distances", ok=False, text=text)] if text else []
+    """What bars "cleared" whatever is evaluated: that a vehicle inside an obstacle may count as clear, where it may."""
+    return [Check(code=code, ok=False, said=said) for code, said in problem.system.bars()]
 
 
 def _none_failed(evidence: Evidence) -> Check:
-    total = count(evidence.evaluations)
-    left_out = f", {count(evidence.excluded)} excluded" if evidence.excluded else ""
-    if evidence.failed:
-        return Check(
-            name="evaluations", ok=False, text=f"{count(evidence.failed)} of {total} evaluations failed{left_out}"
-        )
-    return Check(name="evaluations", ok=True, text=f"none of {total} evaluations failed{left_out}")
+    failed: Part = count(evidence.failed, "failed") if evidence.failed else "none"
+    excluded = say(", ", count(evidence.excluded, "excluded"), " excluded") if evidence.excluded else ()
+    said = say(failed, " of ", count(evidence.evaluations, "evaluations"), " evaluations failed", excluded)
+    return Check(code=CheckCode.EVALUATIONS, ok=not evidence.failed, said=said)

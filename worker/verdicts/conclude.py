@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from campaigns.flown import Flown
 from campaigns.results import Verdict
 from campaigns.results.verdict import Check, Counts, NominalCost, Provenance, VerdictWord, Worst
-from worker.systems.problem import Problem
+from worker.problem.problem import Problem
 from worker.verdicts.checks import checks
 from worker.verdicts.evidence import Evidence
 from worker.verdicts.probability import statistics
@@ -21,13 +21,13 @@ from worker.verdicts.sentence import method_of, scope, sentence
 
 def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
     """The verdict over the evidence, and everything that stands behind it."""
-    campaign, criterion = problem.campaign, problem.parts.criterion
+    campaign = problem.campaign
     found, stated = checks(problem, evidence), statistics(evidence)
     verdict = _verdict(problem, found, evidence)
     return Verdict(
         verdict=verdict,
-        sentence=sentence(problem, evidence, verdict, found, stated),
-        scope=scope(problem),
+        said=sentence(problem, evidence, verdict, found, stated),
+        holds_for=scope(problem),
         checks=found,
         statistics=stated,
         nominal=NominalCost(cost=evidence.nominal.cost, margin=evidence.nominal.margin),
@@ -40,8 +40,8 @@ def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
             violating=evidence.violating,
             lowest=evidence.lowest,
         ),
-        quantity=criterion.quantity,
-        unit=criterion.unit,
+        quantity=problem.quantity,
+        unit=problem.unit,
         provenance=Provenance(**flown.model_dump(), digest=campaign.digest, seed=campaign.seed),
     )
 
@@ -61,11 +61,11 @@ def _worst(evidence: Evidence) -> Worst | None:
 
 def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> VerdictWord:
     if evidence.violation is not None:
-        return "violated"
+        return VerdictWord.VIOLATED
     cleared = all(c.ok for c in found)
     # The invariant, whatever the checks are made of.
     if cleared and (evidence.lowest is None or evidence.lowest <= problem.threshold or evidence.violating):
         raise AssertionError(
             f"every check holds although a stored evaluation has {evidence.lowest}, at or below {problem.threshold}"
         )
-    return "cleared" if cleared else "inconclusive"
+    return VerdictWord.CLEARED if cleared else VerdictWord.INCONCLUSIVE

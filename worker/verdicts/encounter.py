@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import capital, case, listed, number, say, symbol
+from campaigns.claims.spans import Said, Text
 from campaigns.results.finding import ClosestApproach
 from campaigns.results.verdict import Check
-from campaigns.wording import listed, number
-from worker.systems.problem import Problem
+from worker.problem.problem import Problem
 from worker.verdicts.agreement import FLAT, varies
 from worker.verdicts.evidence import Evidence
 
@@ -19,90 +21,104 @@ MOVED = 0.01
 """Fraction of the nominal closest approach that the vehicle must at least move."""
 
 
+INTENDED = ", which the author states is intended: "
+
+Condition = tuple[bool, Said]
+
+
 def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
-    """One check for each condition; those that cannot be asked of the criterion are left out."""
-    conditions: dict[str, Callable[[Problem, Evidence], tuple[bool, str] | None]] = {
-        "closest approach": _closest,
-        "motion": _motion,
-        "avoidance": _avoidance,
-        "influence": _influence,
+    """One check for each condition; those that cannot be asked of the system and its criterion are left out."""
+    conditions: dict[CheckCode, Callable[[Problem, Evidence], Condition | None]] = {
+        CheckCode.CLOSEST_APPROACH: _closest,
+        CheckCode.MOTION: _motion,
+        CheckCode.AVOIDANCE: _avoidance,
+        CheckCode.INFLUENCE: _influence,
     }
     intended = {str(name): reason for name, reason in problem.campaign.encounter.intended.items()}
     found = []
-    for name, condition in conditions.items():
-        told = condition(problem, evidence)
-        if told is None:
+    for code, condition in conditions.items():
+        held = condition(problem, evidence) if code in (CheckCode.INFLUENCE, *problem.system.shows) else None
+        if held is None:
             continue
-        ok, text = told
-        reason = intended.get(name.replace(" ", "_"))
+        ok, said = held
+        reason = intended.get(code.replace(" ", "_"))
         if not ok and reason is not None:
-            ok, text = True, f"{text.partition(';')[0]}, which the author states is intended: {reason}"
-        found.append(Check(name=name, ok=ok, text=text))
+            ok, said = True, say(_without_advice(said), INTENDED, reason)
+        found.append(Check(code=code, ok=ok, said=said))
     return found
 
 
-def stated(problem: Problem, checks: list[Check]) -> list[str]:
+def stated(problem: Problem, checks: list[Check]) -> list[Said]:
     """What the author states to be intended, of the conditions that do not hold otherwise, as sentences."""
     intended = problem.campaign.encounter.intended
-    names = {name.replace("_", " ") for name in intended}
-    return [f"{c.text[0].upper()}{c.text[1:]}." for c in checks if c.name in names and "is intended" in c.text]
+    codes = {name.replace("_", " ") for name in intended}
+    return [say(capital(c.said), ".") for c in checks if c.code in codes and "is intended" in c.text]
 
 
-def _closest(problem: Problem, evidence: Evidence) -> tuple[bool, str] | None:
-    if problem.parts.criterion.of != "obstacles":
-        return None
+def _without_advice(said: Said) -> Said:
+    """What was found, without what to change: up to the first semicolon."""
+    for i, span in enumerate(said):
+        if isinstance(span, Text) and ";" in span.text:
+            return say(said[:i], span.text.partition(";")[0])
+    return said
+
+
+def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     closest = {"nominal": evidence.encounter.closest}
     closest |= {f.label: f.closest or ClosestApproach() for f in evidence.findings}
-    late, early, none = ([name for name, c in closest.items() if c.at == at] for at in ("end", "start", "none"))
+    late, early, none = ([case(name) for name, c in closest.items() if c.at == at] for at in ("end", "start", "none"))
     if none:
-        return False, f"no closest approach is known of {listed(none)}"
+        return False, say("no closest approach is known of ", listed(none))
     if late:
-        return False, (
-            f"the closest approach of {listed(late)} is at the end of the horizon, where the encounter is not over; "
-            f"lengthen the horizon of {number(problem.campaign.scenario.horizon)} s"
+        return False, say(
+            *("the closest approach of ", listed(late), " is at the end of the horizon, where the encounter is not "),
+            *("over; lengthen the horizon of ", number(problem.campaign.given_scenario.horizon, "s", "horizon")),
         )
     if early:
-        return False, (
-            f"the closest approach of {listed(early)} is at the start, before anything could be avoided; start farther "
-            "away, or move the goal to the other side of the obstacle"
+        return False, say(
+            *("the closest approach of ", listed(early), " is at the start, before anything could be avoided; start "),
+            "farther away, or move the goal to the other side of the obstacle",
         )
-    return True, f"the closest approach of {listed(list(closest))} lies inside the horizon"
+    return True, say("the closest approach of ", listed([*map(case, closest)]), " lies inside the horizon")
 
 
-def _motion(problem: Problem, evidence: Evidence) -> tuple[bool, str] | None:
+def _motion(problem: Problem, evidence: Evidence) -> Condition | None:
     moved, nominal = evidence.encounter.moved, evidence.nominal.cost
     if moved is None or nominal is None:
-        return False, "how far the vehicle moves is not known: the nominal case has no trace"
+        return False, say("how far the vehicle moves is not known: the nominal case has no trace")
+    said = say("the vehicle moves ", number(moved, "m", "moved"), " in the nominal case")
     if moved <= MOVED * abs(nominal):
-        return False, f"the vehicle moves {number(moved)} m in the nominal case; place the goal beyond the obstacle"
-    return True, f"the vehicle moves {number(moved)} m in the nominal case"
+        return False, say(said, "; place the goal beyond the obstacle")
+    return True, said
 
 
-def _avoidance(problem: Problem, evidence: Evidence) -> tuple[bool, str]:
+def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
     unseen, nominal = evidence.encounter.unseen, evidence.nominal.cost
-    criterion = problem.parts.criterion
-    quantity, unit = criterion.quantity, criterion.unit
+    quantity, unit = symbol(problem.quantity), problem.unit
+    if unseen is None:
+        return None
     if nominal is None or unseen.cost is None:
-        return False, (
+        return False, say(
             f"what the avoidance does could not be shown: without it the nominal case fails ({unseen.reason}); "
             "choose a nominal case that the vehicle completes without avoidance"
         )
-    by = nominal - unseen.cost
+    by, blind = nominal - unseen.cost, number(unseen.cost, unit, "unseen")
     if by <= FLAT * max(abs(nominal), abs(unseen.cost)):
-        return False, (
-            f"the avoidance makes no difference: with every obstacle unseen the nominal {quantity} is "
-            f"{number(unseen.cost)} {unit}, with the avoider {number(nominal)} {unit}; place the obstacle where the "
-            "vehicle would come nearer without avoidance"
+        return False, say(
+            *("the avoidance makes no difference: with every obstacle unseen the nominal ", quantity, " is ", blind),
+            *(", with the avoider ", number(nominal, unit, "nominal"), "; place the obstacle where the vehicle would "),
+            "come nearer without avoidance",
         )
-    return True, f"with every obstacle unseen the nominal {quantity} would be {number(unseen.cost)} {unit}"
+    return True, say("with every obstacle unseen the nominal ", quantity, " would be ", blind)
 
 
-def _influence(problem: Problem, evidence: Evidence) -> tuple[bool, str]:
-    quantity, unit = problem.parts.criterion.quantity, problem.parts.criterion.unit
+def _influence(problem: Problem, evidence: Evidence) -> Condition:
+    quantity, unit = symbol(problem.quantity), problem.unit
     by = varies(evidence)
     if not by:
-        return False, f"no uncertain parameter changes {quantity}; choose parameters that the encounter depends on"
-    influence = evidence.encounter.influence
-    without = [path for path, change in influence.items() if change <= FLAT * by]
-    text = f"{quantity} varies by {number(by)} {unit} over the evaluations"
-    return True, f"{text}; on the slices {listed(without)} alone changes nothing" if without else text
+        choose = "; choose parameters that the encounter depends on"
+        return False, say("no uncertain parameter changes ", quantity, choose)
+    parameters = problem.signs
+    without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= FLAT * by]
+    said = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
+    return True, say(said, "; on the slices ", listed(without), " alone changes nothing") if without else said

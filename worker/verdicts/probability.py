@@ -5,9 +5,10 @@ Start reading at `probability`.
 
 from __future__ import annotations
 
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.say import count, listed, percent, say
 from campaigns.results.verdict import Check, Statistics
-from campaigns.wording import count, listed
-from worker.systems.problem import Problem
+from worker.problem.problem import Problem
 from worker.verdicts.evidence import Evidence
 
 CEILING = 0.05
@@ -32,7 +33,7 @@ def statistics(evidence: Evidence) -> Statistics | None:
         noise=sample.noise,
         quantile=sample.quantile,
         source="search" if evidence.certificate is None else "certify",
-        text=sample.text,
+        said=sample.said,
     )
 
 
@@ -42,25 +43,27 @@ def probability(problem: Problem, evidence: Evidence) -> list[Check]:
 
 
 def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
-    realised = problem.realisations
+    realised, code = problem.realisations, CheckCode.NOISE
     if not realised.random:
         return []
     seeds = listed([str(seed) for seed in realised.seeds])
     if realised.several and realised.combine == "mean":
-        text = (
+        said = say(
             "every evaluation is the mean over noise realisations, in which a violation of one of them disappears; "
             "combine them by worst"
         )
-        return [Check(name="noise", ok=False, text=text)]
+        return [Check(code=code, ok=False, said=said)]
     sample = evidence.sample
     if sample is None or sample.noise != "drawn":
-        text = (
-            f"the scenario has noise and only the realisations with seeds {seeds} were simulated; add a certify stage, "
-            "which draws a realisation with every flight"
+        said = say(
+            *("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; add a certify "),
+            "stage, which draws a realisation with every flight",
         )
-        return [Check(name="noise", ok=False, text=text)]
-    text = f"the searches simulated the noise realisations with seeds {seeds}; the sample drew one with every flight"
-    return [Check(name="noise", ok=True, text=text)]
+        return [Check(code=code, ok=False, said=said)]
+    drew = "; the sample drew one with every flight"
+    return [
+        Check(code=code, ok=True, said=say("the searches simulated the noise realisations with seeds ", seeds, drew))
+    ]
 
 
 def _excluded(evidence: Evidence) -> list[Check]:
@@ -70,30 +73,30 @@ def _excluded(evidence: Evidence) -> list[Check]:
         return []
     much = max(drawn, flown)
     of = "draws of the sample" if drawn >= flown else "evaluations"
-    text = f"{100 * much:.3g} % of the {of} start at or below the threshold and were excluded: nothing is known of them"
+    excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known of them"
+    said = say(percent(much, name="excluded"), excluded)
     if much > EXCLUDED:
-        text += f"; narrow the bounds until at most {100 * EXCLUDED:g} % are"
-    return [Check(name="exclusions", ok=much <= EXCLUDED, text=text)]
+        said = say(said, "; narrow the bounds until at most ", percent(EXCLUDED, 6, "most"), " are")
+    return [Check(code=CheckCode.EXCLUSIONS, ok=much <= EXCLUDED, said=said)]
 
 
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     target, sample = problem.campaign.target_probability, evidence.sample
-    goal = f"{100 * (target or CEILING):.4g} %"
+    goal = percent(target or CEILING, 4, "target")
     if sample is None or sample.upper_bound is None:
-        text = f"the target P(violation) of {goal} needs an independent sample; add a certify stage"
-        return [] if target is None else [Check(name="target", ok=False, text=text)]
-    bound = f"{100 * sample.upper_bound:.3g} %"
+        said = say("the target P(violation) of ", goal, " needs an independent sample; add a certify stage")
+        return [] if target is None else [Check(code=CheckCode.TARGET, ok=False, said=said)]
+    bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
     if target is None:
         ok = sample.upper_bound <= CEILING
-        text = f"the bound of {bound} on P(violation) is {'within' if ok else 'above'} the {goal} that is needed"
-        help_ = f"; draw more samples than {count(sample.samples)}, or state a target_probability"
-        return [Check(name="probability", ok=ok, text=text if ok else text + help_)]
+        said = say(bound, f" on P(violation) is {'within' if ok else 'above'} the ", goal, " that is needed")
+        if not ok:
+            more = "; draw more samples than "
+            said = say(said, more, count(sample.samples, "samples"), ", or state a target_probability")
+        return [Check(code=CheckCode.PROBABILITY, ok=ok, said=said)]
     if problem.realisations.random and sample.noise != "drawn":
-        text = f"the bound of {bound} holds given stated noise realisations only; add a certify stage"
-        return [Check(name="target", ok=False, text=text)]
+        said = say(bound, " holds given stated noise realisations only; add a certify stage")
+        return [Check(code=CheckCode.TARGET, ok=False, said=said)]
     ok = sample.upper_bound <= target
-    return [
-        Check(
-            name="target", ok=ok, text=f"the bound of {bound} {'meets' if ok else 'does not meet'} the target of {goal}"
-        )
-    ]
+    said = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)
+    return [Check(code=CheckCode.TARGET, ok=ok, said=said)]

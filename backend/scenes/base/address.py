@@ -56,5 +56,5 @@ def parse(rest: str) -> Address:
 def _time(text: str) -> float:
     time = float(text)
     if not math.isfinite(time):
-        raise ValueError(f"{text!r} is no time")
+        raise ValueError(f"{text!r} is not a time")
     return time

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.results import service as results
+from backend.runs.versions import readable
 from backend.scenes.base.axes import Axes, axes_of
 from campaigns import thin
 from campaigns.results import TraceHead
@@ -113,7 +114,8 @@ def _between(time: float, times: Floats, rows: Floats) -> Floats:
 def from_stored(row: Any) -> Flight | None:
     """The flight of a row of the table of traces."""
     data = results.table(row)
-    head, described = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
+    with readable("a flight of this run"):
+        head, described = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
     chosen = thin.around(len(data), ROWS, results.closest_row(head, described, data))
     columns = {column.name: data[chosen, k] for k, column in enumerate(described)}
     return _flight(described, columns, head)

@@ -6,11 +6,11 @@ The certify stage draws a realisation with every flight; a finding among those h
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import sqlalchemy as sa
 
 from backend.db.tables import Finding, Stage
+from campaigns.documents import JsonObject
 
 WHOLE = 2**53
 
@@ -33,7 +33,7 @@ class Noise:
 STATED = Noise()
 
 
-def draws(reader: sa.Connection, run_id: int, document: dict[str, Any]) -> dict[int, int]:
+def draws(reader: sa.Connection, run_id: int, document: JsonObject) -> dict[int, int]:
     """How many of the first evaluations of a stage each drew a realisation of their own, {position: count}.
 
     A stage reports it when it ends. One that has not ended has drawn at least what was asked for before it begins its

@@ -37,9 +37,6 @@ class Driver(Protocol):
     def moved(self, time: float) -> None:
         """Show everything at this time [s]."""
 
-    def choose(self, flight: str) -> None:
-        """Show this finding beside the nominal flight, or that one alone."""
-
     def look_from(self, camera: Camera | None) -> None:
         """Look from there; from None: stay, and follow nothing."""
 

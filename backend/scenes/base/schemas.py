@@ -12,6 +12,7 @@ from campaigns.asked.spec import MAX_SEED
 
 Theme = Literal["light", "dark"]
 Trails = Literal["whole", "so_far"]
+WhatIfSource = Literal["page", "space"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Point = tuple[Finite, Finite, Finite]
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
@@ -84,7 +85,9 @@ class ViewChange(Given):
     """Show the view's own panel, or fold it."""
     layers: LayersChange | None = None
     what_if: dict[str, Finite] | None = None
-    """Fly the case with these uncertain parameters by path, the others nominal, as the what-if."""
+    """Simulate the case with these uncertain parameters by path, the others nominal, and draw it as the what-if.
+
+    `POST /runs/{run}/flights` draws it, too, and answers with its numbers."""
     what_if_seed: Annotated[int, Field(ge=0, lt=MAX_SEED)] | None = None
     """The noise seed of that flight, as a finding reports the one it drew; null for those that the campaign states."""
 
@@ -135,3 +138,5 @@ class ViewState(Schema):
     """The parameters of the what-if flight that is drawn; null where there is none."""
     what_if_seed: int | None
     """Its noise seed, where it has one of its own; null for those that the campaign states."""
+    what_if_source: WhatIfSource | None
+    """Who chose it: a page, or the visitor by a click on an evaluation in the parameter space."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from backend.catalog.looks import Looks, looks
 from backend.catalog.service import described
 from backend.db.tables import Finding, Run, Stage, Trace
+from backend.http.errors import RefusedError
 from backend.results import service as results
 from backend.results.improvements import Improvements
 from backend.runs.service import campaign
@@ -23,6 +24,7 @@ from backend.scenes.base.noise import seeds
 from campaigns import Campaign, Catalogue
 from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry
+from campaigns.documents import JsonObject
 from campaigns.looks import ObstacleLook
 from campaigns.runs import ENDED, run_name
 
@@ -34,7 +36,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Uncertain:
-    """One uncertain parameter for a slider, in its unit."""
+    """One uncertain parameter in its unit."""
 
     path: str
     symbol: str
@@ -56,7 +58,7 @@ class Setting:
     run: str
     title: str
     digest: str
-    document: dict[str, Any]
+    document: JsonObject
     planar: bool
     axes: Axes
     vehicle: str
@@ -100,12 +102,16 @@ class Setting:
 
 
 def load(reader: sa.Connection, run_id: int) -> Setting:
-    """The setting of a run; 404 for none."""
+    """The setting of a run; 404 for none, and for a run of a simulator, which has no flight to be drawn."""
     asked = campaign(reader, run_id)
+    if asked.scenario is None:
+        text = f"{run_name(run_id)} evaluates a simulator, which provides no trace: it has no 3D view"
+        raise RefusedError(404, "not-found", text)
     catalogue = described(reader, run_id)
     known = {} if catalogue is None else parameters(asked, catalogue)
     values = _given(asked) | {path: nominal for path, (_, nominal) in known.items()}
-    vehicle = None if catalogue is None else catalogue.component("vehicle", asked.scenario.vehicle.component)
+    scenario = asked.given_scenario
+    vehicle = None if catalogue is None else catalogue.component("vehicle", scenario.vehicle.component)
     criterion = None if catalogue is None else catalogue.component("criterion", asked.criterion.component)
     axes = _axes(reader, run_id, vehicle)
     start, goal = _place(values, "start", axes), _place(values, "goal", axes)
@@ -116,34 +122,36 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
         document=asked.document(),
         planar=vehicle.dimension == 2 if vehicle else axes.frame == "enu",
         axes=axes,
-        vehicle=asked.scenario.vehicle.component,
+        vehicle=scenario.vehicle.component,
         start=np.zeros(3) if start is None else start,
         goal=goal,
-        course=_course(values, axes, asked.scenario.horizon, _climbs(asked, catalogue, axes)) if goal is None else None,
+        course=_course(values, axes, scenario.horizon, _climbs(asked, catalogue, axes)) if goal is None else None,
         values=values,
         moving=_moving(asked, catalogue),
         threshold=asked.criterion.threshold,
         to_surface=criterion is not None and criterion.measured_to == "surface",
         quantity=criterion.quantity if criterion else "",
         unit=criterion.unit if criterion else "",
-        horizon=asked.scenario.horizon,
+        horizon=scenario.horizon,
         uncertain=_uncertain(asked, known),
         methods=_methods(asked, catalogue),
         drawn=looks(reader, run_id),
-        obstacles=tuple(part.component for part in asked.scenario.obstacles),
+        obstacles=tuple(part.component for part in scenario.obstacles),
     )
 
 
 def _given(asked: Campaign) -> dict[str, float]:
     """What the campaign itself says, by path, whether its components are known here or not."""
-    scenario = asked.scenario
+    scenario = asked.given_scenario
     groups = {"start": scenario.start, "goal": scenario.goal}
     groups |= {f"obstacles.{i}": part.parameters for i, part in enumerate(scenario.obstacles)}
     return {f"{prefix}.{name}": value for prefix, values in groups.items() for name, value in values.items()}
 
 
 def _moving(asked: Campaign, catalogue: Catalogue | None) -> list[bool]:
-    entries = [catalogue.component("obstacle", o.component) if catalogue else None for o in asked.scenario.obstacles]
+    entries = [
+        catalogue.component("obstacle", o.component) if catalogue else None for o in asked.given_scenario.obstacles
+    ]
     return [entry is not None and entry.moving for entry in entries]
 
 
@@ -161,7 +169,7 @@ def _place(values: Mapping[str, float], prefix: str, axes: Axes) -> Floats | Non
 
 def _climbs(asked: Campaign, catalogue: Catalogue | None, axes: Axes) -> float:
     """What a positive climb does to z: it goes up in the axes that the avoider is written for, whatever flies it."""
-    avoider = None if catalogue is None else catalogue.component("avoider", asked.scenario.avoider.component)
+    avoider = None if catalogue is None else catalogue.component("avoider", asked.given_scenario.avoider.component)
     return 1.0 if ((avoider.written_in if avoider else "") or axes.frame) == "enu" else -1.0
 
 
@@ -179,7 +187,7 @@ def _course(values: Mapping[str, float], axes: Axes, horizon: float, climbs: flo
 
 
 def _uncertain(asked: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]) -> list[Uncertain]:
-    """For the sliders; none where a component is not known (any more)."""
+    """None where a component is not known (any more)."""
     if not known.keys() >= asked.uncertain.keys():
         return []
     rows = [(path, bounds, *known[path]) for path, bounds in asked.uncertain.items()]
@@ -208,7 +216,7 @@ class Progress:
         """Of the findings that drew a noise realisation of their own."""
         self.curves = {position: Improvements() for position, _, _ in setting.methods}
         self.over = False
-        self._seen: dict[str, Any] = {}
+        self._seen: JsonObject = {}
 
     @property
     def choices(self) -> list[str]:

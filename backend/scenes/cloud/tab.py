@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -39,14 +38,8 @@ TOWARDS = (0.55, -0.75, 0.38)
 """From the box to the camera."""
 
 
-@dataclass(frozen=True)
-class Shown:
-    """How a flight becomes the what-if: it is drawn, its parameters are those of the sliders, its outcome is told."""
-
-    flight: Callable[[Flight], None]
-    parameters: Callable[[dict[str, float], int | None], None]
-    """With the seed of the noise realisation that the flight drew; None: those of the campaign."""
-    outcome: Callable[[], None]
+Take = Callable[[Flight, int | None], None]
+"""Has a flight drawn as the what-if, with the seed of its own noise realisation; None: those of the campaign."""
 
 
 class CloudTab(Part):
@@ -62,11 +55,11 @@ class CloudTab(Part):
         progress: Progress,
         following: Following,
         driver: Driver,
-        shown: Shown,
+        take: Take,
     ) -> None:
         self._server, self._engine, self._live, self._setting = server, engine, live, setting
         self._world, self._progress, self._following = world, progress, following
-        self._driver, self._shown = driver, shown
+        self._driver, self._take = driver, take
         self._drawn = CloudDrawn(server, setting, world, world.palette)
         self._cloud: Cloud | None = None
         self._read, self._whole = 0.0, False
@@ -86,22 +79,18 @@ class CloudTab(Part):
         value = Axis(self._setting.quantity or "value", self._setting.unit, 0.0, 0.0).title
         paths = [one.path for one in self._setting.uncertain]
         self._paths = {**dict(zip(titles, paths, strict=True)), value: VALUE, NOTHING: NO_AXIS}
-        self._box: Any = gui.add_checkbox(
-            "Show parameter space", False, hint="The stored evaluations in place of the flights."
-        )
         first = [*titles[:3], value][:3] if len(titles) > 1 else [*(titles or [NOTHING]), NOTHING, value]
         options = (*titles, value, NOTHING)
         self._axes: list[Any] = [
             gui.add_dropdown(f"Axis {name}", options, initial_value=title)
             for name, title in zip("xyz", first, strict=True)
         ]
-        self._legend: Any = gui.add_html(tables.note("Every stored evaluation is a point. A click on one flies it."))
-        self._result: Any = gui.add_html("")
-        self._go: Any = gui.add_button(
-            "Show its flight", disabled=True, hint="The flight of the point that was clicked."
+        self._legend: Any = gui.add_html(
+            tables.note("Every stored evaluation is a point. Click a point to simulate it.")
         )
-        self._box.on_update(lambda _: self.show(self._box.value))
-        self._go.on_click(lambda _: self._leave())
+        self._result: Any = gui.add_html("")
+        self._go: Any = gui.add_button("Show its flight", disabled=True, hint="The flight of the clicked point.")
+        self._go.on_click(lambda _: self.show(False))
         for one in self._axes:
             one.on_update(lambda _: self._redraw())
 
@@ -145,12 +134,11 @@ class CloudTab(Part):
         if along is not None:
             unknown = next((path for path in along if path not in titles), None)
             if unknown is not None:
-                raise UnknownParameterError(f"{unknown!r} is no axis of this parameter space: {', '.join(titles)}")
+                raise UnknownParameterError(f"{unknown!r} is not an axis of this parameter space: {', '.join(titles)}")
             for axis, path in zip(self._axes, along, strict=True):
                 axis.value = titles[path]
         if on is not None:
             self.show(on)
-            self._box.value = on
 
     def changed(self) -> None:
         """Read the evaluations again, where they are shown and there may be new ones."""
@@ -169,9 +157,6 @@ class CloudTab(Part):
         self._flies.stop()
         with self._driver.drawing():
             self._stopped = True
-
-    def _leave(self) -> None:
-        self._box.value = False  # which calls `show`
 
     def _look(self) -> None:
         """From where the whole box is seen."""
@@ -207,7 +192,7 @@ class CloudTab(Part):
                 return
             found = met(self._drawn.points, event.ray_origin, event.ray_direction)
             if found is None:
-                self._result.content = tables.note("There is no evaluation near that place.")
+                self._result.content = tables.note("There is no evaluation near that position.")
                 return
             one = self._picked = cloud.drawn[found]
             self._drawn.pick(one, self._along)
@@ -229,8 +214,6 @@ class CloudTab(Part):
             if self._stopped:
                 return
             if flight is not None:
-                self._shown.parameters(one.parameters, None if one.noise == STATED else flight.seed)
-                self._shown.flight(flight)
-                self._shown.outcome()
+                self._take(flight, None if one.noise == STATED else flight.seed)
             self._result.content = result
             self._go.disabled = flight is None

@@ -34,7 +34,7 @@ def legend(cloud: Cloud, setting: Setting, dark: bool) -> str:
     below = sum(one.cost is not None and one.cost <= setting.threshold for one in cloud.drawn)
     limit = f"At or below the criterion of {setting.threshold:g} {setting.unit}: {below} of those drawn."
     rest = " ".join([said, *(f"{text}." for text in lost), limit])
-    hint = "Balls: the nominal case and the findings. A click on a point flies it."
+    hint = "Balls: the nominal case and the findings. Click a point to simulate it."
     return _scale(cloud, setting, quantity, dark) + note(rest) + note(hint)
 
 
@@ -62,7 +62,7 @@ def _scale(cloud: Cloud, setting: Setting, quantity: str, dark: bool) -> str:
 
 def flying(one: Evaluation) -> str:
     """Which evaluation was clicked."""
-    return _head(one) + note("Flying it again …")
+    return _head(one) + note("Simulating it again …")
 
 
 def outcome(one: Evaluation, answer: Mapping[str, Any], setting: Setting) -> str:
@@ -72,7 +72,7 @@ def outcome(one: Evaluation, answer: Mapping[str, Any], setting: Setting) -> str
     again = f"{cost!r} {setting.unit}" if cost is not None else f"{answer['status']}"
     rows = "".join(
         f'<tr><td>{head}</td><td style="text-align:right">{html.escape(text)}</td></tr>'
-        for head, text in (("stored", stored), ("flown again", again))
+        for head, text in (("stored", stored), ("simulated again", again))
     )
     return f"{_head(one)}<table {_TABLE}>{rows}</table>" + note(_verdict(one, answer), strong=True)
 
@@ -81,7 +81,7 @@ def _verdict(one: Evaluation, answer: Mapping[str, Any]) -> str:
     cost = answer["cost"]
     if one.cost is not None and cost is not None:
         if one.cost == cost:
-            return "✓ The same, bit by bit."
+            return "✓ Identical, bit by bit."
         return f"✕ Not the same: they differ by {abs(cost - one.cost):.3g}."
     if one.status == answer["status"]:
         return f"✓ The same: {answer['status']}. {answer['reason']}"

@@ -45,7 +45,7 @@ class Pace:
 def refusal(message: bytes | str) -> str:
     """Why the relay must not pass this on, at most 123 bytes as a socket's close reason; empty where it may."""
     if isinstance(message, str):
-        return "messages are msgpack, not text"
+        return "messages must be msgpack, not text"
     if len(message) > LARGEST:
         return f"a message has at most {LARGEST} bytes"
     try:

@@ -11,10 +11,12 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request
 
 from backend.access.auth import CurrentVisitor
+from backend.db.engine import read
 from backend.http.deps import capacities
 from backend.http.errors import RefusedError, problems
 from backend.http.schema import LARGEST_WHOLE, RunName
 from backend.runs.service import number
+from backend.runs.tombstones import refuse_purged
 from backend.scenes.base.address import KEY
 from backend.scenes.base.schemas import ViewChange, ViewState
 from backend.scenes.base.setting import UnknownParameterError
@@ -37,7 +39,7 @@ Since = Annotated[
 ]
 
 
-@router.get("/runs/{run}/views/{key}", responses=problems("not-found", "no-such-view", "busy"))
+@router.get("/runs/{run}/views/{key}", responses=problems("not-found", "no-such-view", "purged", "busy"))
 async def get_view(
     run: RunName, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
 ) -> ViewState:
@@ -51,7 +53,7 @@ async def get_view(
 
 @router.patch(
     "/runs/{run}/views/{key}",
-    responses=problems("not-found", "no-such-view", "unknown-finding", "unknown-parameter", "busy"),
+    responses=problems("not-found", "no-such-view", "purged", "unknown-finding", "unknown-parameter", "busy"),
 )
 async def change_view(
     run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
@@ -64,6 +66,7 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
     viewers: Viewers = request.app.state.viewers
     viewer = await viewers.find(handle, wait)
     if viewer is None:
+        await capacities(request).views.run(lambda: _purged(request, handle))
         full = viewers.full(handle.visitor)
         raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
     try:
@@ -74,6 +77,12 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
         raise RefusedError(422, "unknown-finding", str(error)) from None
     except UnknownParameterError as error:
         raise RefusedError(422, "unknown-parameter", str(error)) from None
+
+
+def _purged(request: Request, handle: Handle) -> None:
+    """410 where the run is gone for good: its page need not try again."""
+    with read(request.app.state.engine) as reader:
+        refuse_purged(reader, handle.run_id)
 
 
 def _full(why: str) -> RefusedError:

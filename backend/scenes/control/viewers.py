@@ -59,9 +59,9 @@ class Viewers:
     def full(self, visitor: Visitor) -> str:
         """Why there is no room for one more of this visitor; empty where there is."""
         if self.open >= self.most:
-            return f"{self.most} 3D views are open, and no more may be at a time"
+            return f"{self.most} 3D views are open, which is the limit"
         if self._of[visitor.key] >= self.most_each:
-            return f"{self.most_each} 3D views of your session or token are open, and no more may be at a time"
+            return f"{self.most_each} 3D views of your session or token are open, which is the limit"
         return ""
 
     def stop(self) -> None:

@@ -61,9 +61,12 @@ class Flights(Part):
         if not self.stored():
             self.obstacles.update(self.every, self.time)
 
-    def fly(self, flight: Flight) -> None:
-        """Show this what-if flight."""
-        self.what_if.draw(flight, self.time)
+    def fly(self, flight: Flight | None) -> None:
+        """Show this what-if flight, or none."""
+        if flight is None:
+            self.what_if.clear()
+        else:
+            self.what_if.draw(flight, self.time)
         self.obstacles.update(self.every, self.time)
 
     def trail(self, so_far: bool) -> None:

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from backend.scenes.base.noise import STATED, Noise
+from campaigns.documents import JsonObject
 
 ROOT = Path(__file__).parents[3]
 COMMAND = (sys.executable, "-P", "-m", "worker.processes.live")
@@ -54,7 +55,7 @@ class _Asked:
     campaign: str
     limit: float
     sent: float = field(default_factory=time.monotonic)
-    answer: Future[dict[str, Any]] = field(default_factory=Future)
+    answer: Future[JsonObject] = field(default_factory=Future)
 
 
 class Live:
@@ -75,7 +76,7 @@ class Live:
         parameters: Mapping[str, float],
         rows: int,
         noise: Noise = STATED,
-    ) -> dict[str, Any]:
+    ) -> JsonObject:
         """One flight with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
 
         digest: of the campaign, by which its first flight is known.
@@ -90,7 +91,7 @@ class Live:
         time: float,
         places: Sequence[tuple[float, float]],
         noise: Noise = STATED,
-    ) -> dict[str, Any]:
+    ) -> JsonObject:
         """What the avoider asks for at places of the plane of the vehicle's height, at a time [s] of that flight.
 
         Places, demands: in the flight's own axes; what comes is told in `worker/processes/live.py`. Raises `LiveError`.
@@ -98,15 +99,15 @@ class Live:
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
         return self._answered(digest, asked | noise.request)
 
-    def _answered(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
+    def _answered(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
         for _ in range(MOST_STARTS):
             try:
                 return self._asked_once(digest, request)
             except _StaleError:
-                _log.info("the code has changed: another simulation process loads it")
+                _log.info("the code has changed: a new simulation process loads it")
         raise LiveError("the code of this installation keeps changing; ask again once it is installed")
 
-    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> dict[str, Any]:
+    def _asked_once(self, digest: str, request: Mapping[str, Any]) -> JsonObject:
         with self._lock:
             if self._closed:
                 raise LiveError("the service is stopping")
@@ -164,12 +165,12 @@ class _Child:
             self.end(_ENDED)
         return asked
 
-    def wait(self, asked: _Asked) -> dict[str, Any]:
+    def wait(self, asked: _Asked) -> JsonObject:
         """The answer; ends the child when the request it is working on takes longer than it may."""
         while True:
             remaining = self._remaining()
             if remaining <= 0 and not asked.answer.done():
-                self.end("the flight took too long and was given up; the next one starts a fresh simulation process")
+                self.end("the simulation timed out; the next one starts a new simulation process")
             try:
                 return asked.answer.result(max(remaining, 0.01))
             except TimeoutError:
@@ -212,9 +213,9 @@ class _Child:
             assert self._process.stdout is not None
             for line in self._process.stdout:
                 if not self._received(line):
-                    _log.error("the simulation process said %r", line[:200])
+                    _log.error("the simulation process sent %r", line[:200])
                     self.end(
-                        "the simulation process gave an unreadable answer; it is started again for the next flight"
+                        "the simulation process gave an unreadable answer; it will be restarted for the next simulation"
                     )
             self.end(_ENDED)
 
@@ -242,5 +243,5 @@ class _Child:
         return True
 
 
-_STALE = "the code of this installation has changed; the next flight starts a fresh simulation process"
-_ENDED = "the simulation process ended unexpectedly; it is started again for the next flight"
+_STALE = "the code of this installation has changed; the next simulation starts a new process"
+_ENDED = "the simulation process ended unexpectedly; it will be restarted for the next simulation"

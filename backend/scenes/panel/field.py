@@ -44,7 +44,7 @@ class _Asked:
 
 
 class FieldSlice(Part):
-    """The checkbox, the plane and its legend; the newest time is computed, whatever was overtaken is not."""
+    """The plane and its legend; the newest time is computed, whatever was overtaken is not."""
 
     def __init__(
         self,
@@ -60,15 +60,13 @@ class FieldSlice(Part):
         self._live, self._driver, self._palette = live, driver, palette
         self._time, self._stopped = 0.0, False
         self._root: Any = self._scene.add_frame("/field/slice", show_axes=False, visible=False)
-        self._box: Any = server.gui.add_checkbox(
-            "Avoider's field", False, hint="What the avoider would ask for elsewhere, over the plane at this height."
-        )
+        self.on = False
+        """Whether it is to be seen."""
         self._legend: Any = server.gui.add_html("")
         self._drawn: tuple[Grid, Rgb] | None = None
         self._plane: Any = None
         self._lines: Any = None
         self._latest: Latest[_Asked] = Latest(self._work)
-        self._box.on_update(lambda _: self._toggled())
 
     def moved(self, time: float) -> None:
         """Ask for the field of that time, where it is shown."""
@@ -90,29 +88,23 @@ class FieldSlice(Part):
         with self._driver.drawing():
             self._stopped = True
 
-    @property
-    def on(self) -> bool:
-        """Whether it is to be seen."""
-        return bool(self._box.value)
-
     def have(self, on: bool | None) -> None:
         """Show or hide it; None leaves it as it is."""
-        if on is not None:
-            self._box.value = on  # which calls `_toggled`
-
-    def _toggled(self) -> None:
+        if on is None or on == self.on:
+            return
         with self._driver.drawing():
-            if not self._box.value:
+            self.on = on
+            if not on:
                 self._root.visible = False
                 self._legend.content = ""
             self._ask()
 
     def _ask(self) -> None:
-        if not self._box.value:
+        if not self.on:
             return
         lead = self._flights.lead
         if lead is None or lead.flight is None:
-            self._legend.content = tables.note("There is no flight yet whose field could be shown.")
+            self._legend.content = tables.note("There is no flight yet; its field cannot be shown.")
             return
         flight, noise = lead.flight, Noise(seed=lead.flight.seed)
         self._latest.ask(_Asked(lead.style.title, flight.parameters, self._time, self._palette, noise))
@@ -137,7 +129,7 @@ class FieldSlice(Part):
         arrows = field_slice.arrows(found)
         words = field_slice.legend(found, asked.title, setting, dark)
         with self._driver.drawing():
-            if self._box.value and not self._stopped:
+            if self.on and not self._stopped:
                 self._draw(found, picture, arrows, rgb(asked.palette.ink))
                 self._legend.content = words
 

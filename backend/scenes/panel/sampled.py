@@ -36,7 +36,7 @@ ROOT = "/flights/sampled"
 
 
 class Sampled(Part):
-    """A box in the panel; the flights are flown when it is ticked first, and kept."""
+    """The flights are simulated when they are asked for first, and kept."""
 
     def __init__(
         self,
@@ -53,13 +53,11 @@ class Sampled(Part):
         """Each of some flights (n, 2, 3)."""
         self._nodes: list[Any] = []
         self._root: Any = server.scene.add_frame(ROOT, show_axes=False, visible=False)
-        self._box: Any = server.gui.add_checkbox(
-            "Sampled flights", False, hint=f"The first {MOST} of the run's random sample, flown again."
-        )
+        self.on = False
+        """Whether they are to be seen."""
         self._note: Any = server.gui.add_html("")
         self._whole = self._stopped = False
         self._latest: Latest[None] = Latest(lambda _: self._fly())
-        self._box.on_update(lambda _: self._toggled())
 
     def paint(self, palette: Palette) -> None:
         """The same in other colours."""
@@ -71,20 +69,13 @@ class Sampled(Part):
         self._stopped = True
         self._latest.stop()
 
-    @property
-    def on(self) -> bool:
-        """Whether it is to be seen."""
-        return bool(self._box.value)
-
     def have(self, on: bool | None) -> None:
-        """Show or hide it; None leaves it as it is."""
-        if on is not None:
-            self._box.value = on  # which calls `_toggled`
-
-    def _toggled(self) -> None:
+        """Show or hide them; None leaves them as they are."""
+        if on is None or on == self.on:
+            return
         with self._driver.drawing():
-            self._root.visible = self._box.value
-        if self._box.value and not self._whole:
+            self.on = self._root.visible = on
+        if on and not self._whole:
             self._latest.ask(None)
 
     def _fly(self) -> None:
@@ -98,7 +89,7 @@ class Sampled(Part):
         for begin in range(0, len(drawn), TOGETHER):
             flown = []
             for values, noise in drawn[begin : begin + TOGETHER]:
-                if self._stopped or not self._box.value:
+                if self._stopped or not self.on:
                     return
                 try:
                     answer = self._live.fly(self._setting.document, self._setting.digest, values, ROWS, noise)

@@ -6,7 +6,6 @@ import html
 import math
 from collections.abc import Sequence
 
-from backend.scenes.base.flight import Flight
 from backend.scenes.base.setting import Setting
 from backend.scenes.drawing import vectors
 from backend.scenes.drawing.drawn import Drawn
@@ -44,33 +43,6 @@ def speeds(drawn: Sequence[Drawn], time: float, decimals: int) -> str:
         return ""
     rows = "".join(_row(one, one.style.title, (at.ground, at.relative), decimals) for one, at in found)
     return f"<table {_TABLE}><tr>{_unit('m/s')}{_heads(('over ground', 'v rel'))}</tr>{rows}</table>"
-
-
-def outcome(drawn: Drawn, setting: Setting, own_noise: bool = False) -> str:
-    """What a what-if flight gave, cost and margin or why there is none, and under which noise."""
-    flight = drawn.flight
-    if flight is None:
-        return note("Move a slider to fly the case.")
-    if flight.status != "ok":
-        return note(f"{flight.status}: {flight.reason}", strong=True) + _noise(flight, own_noise)
-    rows = _row(drawn, setting.quantity or "value", (flight.cost,), setting.decimals, setting.unit)
-    rows += _row(drawn, "margin", (_margin(drawn, setting),), setting.decimals, setting.unit)
-    word = "Clear of" if (_margin(drawn, setting) or 0.0) > 0 else "At or below"
-    limit = f"{word} the limit of {setting.threshold:g} {setting.unit}."
-    return f"<table {_TABLE}>{rows}</table>" + note(limit) + _noise(flight, own_noise)
-
-
-def _noise(flight: Flight, own: bool) -> str:
-    """Which noise realisation a live flight has: the one that a finding or a sampled flight drew, or the campaign's."""
-    if flight.seed is None:
-        return ""
-    if own:
-        return note(
-            f"Noise seed {flight.seed}, the one that the flight it was set to drew. Nominal returns to the campaign's."
-        )
-    if flight.seeds > 1:
-        return note(f"Noise: the {flight.seeds} seeds that the campaign states; seed {flight.seed} is drawn.")
-    return note(f"Noise seed {flight.seed}, as the campaign states.")
 
 
 def note(text: str, strong: bool = False) -> str:

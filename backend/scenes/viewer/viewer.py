@@ -15,17 +15,19 @@ import viser
 
 from backend.db.engine import read
 from backend.scenes.base.address import Address, Camera
+from backend.scenes.base.flight import Flight
 from backend.scenes.base.palette import DARK, LIGHT, rgb
 from backend.scenes.base.part import Part
-from backend.scenes.base.schemas import ViewChange, ViewState
+from backend.scenes.base.schemas import LayersChange, ViewChange, ViewState
 from backend.scenes.base.setting import Progress, Setting
 from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.following import FRAME, Following
 from backend.scenes.drawing.vectors import Vectors
 from backend.scenes.drawing.world import World
 from backend.scenes.live.live import Live
-from backend.scenes.panel.flight_tab import STEP
 from backend.scenes.viewer.panel import Panel
+from backend.scenes.viewer.replay import STEP, Replay
+from backend.scenes.viewer.what_if import WhatIf
 
 LOOK = 1.0
 """Time between looks at a run that is not over [s]."""
@@ -70,7 +72,7 @@ class Viewer:
         # Beside its page, which has the run's name and controls of its own, the scene is what is looked at.
         alone = address.key is None
         self._unfold(alone)
-        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "What-if, space, search")
+        server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "Values, space, search")
         palette = DARK if address.dark else LIGHT
         with server.atomic():
             self._world = World(server, setting, palette)
@@ -80,21 +82,12 @@ class Viewer:
             self._parts: list[Part] = [self._flights, self._vectors, self._following]
             self._flights.moved(address.time or 0.0)
             self._flights.stored()
-            self._panel = Panel(
-                server,
-                engine,
-                live,
-                setting,
-                progress,
-                self._world,
-                self._flights,
-                self._vectors,
-                self._following,
-                self,
-            )
-            self._tab = self._panel.flight
-            self._parts += self._panel.parts
-            self._following.on_own = self._say_own
+            self._replay = Replay(setting, self._flights, self._vectors, self)
+            self._what_if = WhatIf(setting, live, self._flights.what_if, self._fly, self)
+            scene = (self._world, self._flights, self._vectors, self._following)
+            self._panel = Panel(server, engine, live, setting, progress, *scene, self, self._take)
+            self._parts += [self._what_if, *self._panel.parts]
+            self._following.on_own = self._note
             self._begin(address)
         self._ready = True
         self._note()
@@ -113,10 +106,9 @@ class Viewer:
 
     def _begin(self, address: Address) -> None:
         """At the address's time and camera; without a time at the closest approach."""
-        self._tab.camera(address.camera)
-        closest = self._tab.closest_time()
-        self._tab.go_to(closest if address.time is None and closest is not None else address.time or 0.0)
-        self._following.first(self._tab.time)
+        closest = self._replay.closest_time()
+        self._replay.go_to(closest if address.time is None and closest is not None else address.time or 0.0)
+        self._following.first(self._replay.time)
         self.changed()
 
     @contextmanager
@@ -150,13 +142,26 @@ class Viewer:
 
     def look_from(self, camera: Camera | None) -> None:
         """Look from there; from None: stay, and follow nothing."""
-        self._following.set(camera)
         with self.drawing():
-            self._tab.camera(camera)
+            self._following.set(camera)
 
-    def _say_own(self) -> None:
+    def _fly(self, flight: Flight | None) -> None:
+        self._flights.fly(flight)
+        self.changed()
+
+    def _take(self, flight: Flight, seed: int | None) -> None:
+        self._what_if.draw(flight, seed, "space")
+
+    def show_what_if(self, flight: Flight | None, seed: int | None, order: int) -> None:
+        """Draw this flight as the what-if, unless one of a higher order is drawn; raises `GoneError`.
+
+        flight: None for one without motion.
+        seed: of the noise realisation that was asked for; None: those of the campaign.
+        """
         with self.drawing():
-            self._tab.camera(self._following.camera)
+            if self._stopped:
+                raise GoneError
+            self._what_if.draw(flight, seed, "page", order)
 
     def choose(self, flight: str) -> None:
         """Show this finding beside the nominal flight, or that one alone; from one closest approach to the next."""
@@ -166,21 +171,19 @@ class Viewer:
             if self._progress.findings and flight not in self._progress.choices:
                 known = ", ".join(self._progress.choices)
                 raise UnknownFlightError(f"{self._setting.run} has no finding {flight!r}: choose one of {known}")
-            closest = self._tab.closest_time()
+            closest = self._replay.closest_time()
             with read(self._engine) as reader:
                 self._progress.show(flight, reader)
             self._flights.choose()
-            after = self._tab.closest_time()
-            if None not in (closest, after) and abs(self._tab.time - (closest or 0.0)) <= STEP:
-                self._tab.go_to(after or 0.0)
+            after = self._replay.closest_time()
+            if None not in (closest, after) and abs(self._replay.time - (closest or 0.0)) <= STEP:
+                self._replay.go_to(after or 0.0)
             self.changed()
 
     def steer(self, change: ViewChange) -> ViewState:
         """Do what the page asks, all of it in one picture.
 
         Raises `GoneError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if or an axis.
-
-        Going to a time stops the play, unless it is asked to go on in the same breath.
         """
         with self.drawing():
             if self._stopped:
@@ -191,23 +194,17 @@ class Viewer:
                 self._paint(change.theme == "dark")
             if change.panel is not None:
                 self._unfold(change.panel)
-            self._panel.have(change)
-            self._steer_time(change)
+            if change.what_if is not None:
+                self._what_if.fly(change.what_if, change.what_if_seed)
+            layers = change.layers or LayersChange()
+            self._panel.have(layers)
+            self._replay.have(layers)
+            self._replay.steer(change)
             if change.camera is not None:
                 self.look_from(change.camera)
             if change.eye is not None:
                 self._following.place((np.array(change.eye.position), np.array(change.eye.target)))
-                self._tab.camera(None)
         return self.state()
-
-    def _steer_time(self, change: ViewChange) -> None:
-        if change.closest:
-            self._tab.go_to_closest()
-        if (change.time is not None or change.step is not None) and not (change.passing and self._tab.playing):
-            self._tab.play(False)
-            self._tab.go_to((self._tab.time if change.time is None else change.time) + (change.step or 0.0))
-        if change.playing is not None:
-            self._tab.play(change.playing)
 
     def state(self) -> ViewState:
         """What is shown now; raises `GoneError`."""
@@ -221,13 +218,13 @@ class Viewer:
         camera, eye = self._following.camera, self._following.eye
         return {
             "flight": self._progress.shown,
-            "time": self._tab.time,
             "camera": camera,
             "eye": None if camera or eye is None else {"position": eye[0].tolist(), "target": eye[1].tolist()},
-            "playing": self._tab.playing,
             "theme": "dark" if self._dark else "light",
             "panel": self._unfolded,
-            **self._panel.shown(),
+            **self._replay.shown,
+            "layers": self._replay.layers | self._panel.layers,
+            **self._what_if.shown,
         }
 
     def _note(self) -> None:
@@ -249,7 +246,7 @@ class Viewer:
         self.changed()
 
     def _unfold(self, panel: bool) -> None:
-        """Show or fold the panel. Its visitor may do so, too, and is not heard of."""
+        """Show or fold the panel. Its visitor may do so, too, and no page learns of it."""
         self._unfolded, main = panel, self._server.gui.main_panel
         main.expand() if panel else main.minimize()
 
@@ -266,13 +263,13 @@ class Viewer:
         """Advance time while playing, look at the run while it is not over, sleep otherwise."""
         then = looked = time.monotonic()
         while not self._stopped:
-            playing = self._tab.playing
+            playing = self._replay.playing
             busy = playing or self._following.due
             self._wake.wait(FRAME if busy else None if self._progress.over else LOOK)
             now = time.monotonic()
             with self.drawing():
-                if playing and self._tab.playing and not self._stopped:  # it may have been stopped while this waited
-                    self._tab.advance(now - then)
+                if playing and self._replay.playing and not self._stopped:  # it may have been stopped while this waited
+                    self._replay.advance(now - then)
             self._following.work(now)
             if not self._progress.over and now - looked >= LOOK:
                 looked = now
@@ -295,6 +292,5 @@ class Viewer:
 
     def changed(self) -> None:
         """Flights, findings or evaluations are others than before, or others are shown."""
-        self._tab.offer(self._progress.findings, self._progress.shown)
         for part in self._parts:
             part.changed()

@@ -10,6 +10,8 @@ import type {
   Evaluations,
   ExportFile,
   FindingDetail,
+  FlightAnswer,
+  FlightRequest,
   HistoryEntry,
   LibraryCampaign,
   ListRunsData,
@@ -108,6 +110,10 @@ export const getView = (
   signal?: AbortSignal,
   news?: { since: number; wait: number },
 ): Promise<ViewState> => answer(sdk.getView({ path: { run, key }, query: news, signal }))
+/** One flight of a run with other parameters; a newer request of the same client overtakes it. */
+export const simulateFlight = (run: string, body: FlightRequest, signal?: AbortSignal): Promise<FlightAnswer> =>
+  answer(sdk.simulateFlight({ path: { run }, body, signal }))
+
 /** Has it show something else, once it is open, for which the service waits so many seconds. */
 export const changeView = (
   run: string,

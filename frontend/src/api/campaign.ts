@@ -58,9 +58,11 @@ export interface Campaign {
     horizon: Raw
     step: Raw
   }
+  /** In place of a scenario, which is absent then. */
+  simulator?: { name: string; parameters?: Record<string, Raw> }
   uncertain: Record<string, Uncertain>
   correlations?: Correlation[]
-  criterion: { component: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean }
+  criterion: { component: string; result?: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean }
   objectives?: Part[]
   stages: {
     sensitivity?: {

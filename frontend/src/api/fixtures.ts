@@ -11,6 +11,7 @@ import type {
   ValidateResult,
   Validation,
 } from '../client'
+import { words } from '../format/said'
 
 export const head = (more: Partial<TraceHead> = {}): TraceHead => ({
   frame: 'enu', vehicle: 'unicycle', obstacles: [], start: [0, 0, 0], goal: [10, 0, 0], threshold: 1, parameters: {},
@@ -42,8 +43,10 @@ export const validation = (more: Partial<Validation> = {}): Validation => ({
   violates: false, realisation: null, neighbours: null, ...more,
 })
 
+const AGREE = 'half the step and DOP853 agree for nominal'
+
 export const validated = (more: Partial<ValidateResult> = {}): ValidateResult => ({
-  stage: 'validate', ok: true, text: 'half the step and DOP853 agree for nominal', tolerance: 1e-3, nominal: validation(),
+  stage: 'validate', ok: true, text: AGREE, said: [words(AGREE)], tolerance: 1e-3, nominal: validation(),
   findings: null, comparison: [], violations: null, spot_checks: null, encounter: null, ...more,
 })
 
@@ -53,10 +56,10 @@ export const finding = (label: string, more: Partial<FindingDetail> = {}): Findi
 })
 
 export const verdict = (more: Partial<RunVerdict> = {}): RunVerdict => ({
-  verdict: 'inconclusive', sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
+  verdict: 'inconclusive', said: [], holds_for: [], values: {}, sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
   evaluations: null, quantity: 'd_min', unit: 'm',
   provenance: {
-    code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null,
+    code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null, simulator: null,
     integrator: null, digest: null, seed: null,
   },
   ...more,

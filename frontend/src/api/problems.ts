@@ -23,7 +23,7 @@ export class Refusal extends Error {
 /** What went wrong with a request, from whatever the client caught. */
 export function refusalOf(error: unknown, response: Response | undefined): Refusal {
   if (error instanceof Refusal) return error
-  if (!response) return new Refusal(0, 'The service cannot be reached', 'Nothing answers at this address. On the service’s machine, clearance serve starts it.')
+  if (!response) return new Refusal(0, 'The service cannot be reached', 'There is no answer at this address. Start the service on its machine with clearance serve.')
   const body = (typeof error === 'object' && error !== null ? error : {}) as Partial<Record<string, unknown>>
   const errors = Array.isArray(body.errors) ? (body.errors as FieldProblem[]) : []
   const title = typeof body.title === 'string' ? body.title : `Answer ${response.status}`

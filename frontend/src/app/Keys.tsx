@@ -37,6 +37,14 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
       [['Esc'], 'Leave the full screen'],
     ],
   },
+  {
+    title: 'What-if, on a slider',
+    keys: [
+      [['←', '→'], '1/400 of the range'],
+      [['PgUp', 'PgDn'], '1/20 of the range'],
+      [['Home', 'End'], 'Lower and upper bound'],
+    ],
+  },
   { title: 'Launch', keys: [[['Ctrl', 'Enter'], 'Start the run']] },
 ]
 

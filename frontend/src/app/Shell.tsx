@@ -146,7 +146,7 @@ function NotifyMine() {
       aria-pressed={mine}
       onClick={() => void toggleMine().then((answer) => setRefused(answer !== 'granted'))}
     >
-      {refused ? 'The browser does not allow it' : mine ? 'Notifies when my runs end' : 'Notify when my runs end'}
+      {refused ? 'Blocked by the browser' : mine ? 'Notifies when my runs end' : 'Notify when my runs end'}
     </Menu.Item>
   )
 }

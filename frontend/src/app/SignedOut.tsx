@@ -12,11 +12,11 @@ export function SignedOut() {
         <BrandMark />
         <h1>Sign in with the login link</h1>
         <p>
-          Clearance prints a login link when it starts. Open that link in this browser within 15 minutes; it works once
+          Clearance prints a login link when it starts. Open that link in this browser within 15 minutes; it is single-use
           and keeps you signed in.
         </p>
         <p>
-          To get a new one, run this on the machine where Clearance runs; earlier unused links are then void:
+          For a new link, run this on the machine where Clearance runs; earlier unused links become invalid:
         </p>
         <pre className="mono">clearance login-link</pre>
         <p className="small mut">Programs use an API token instead, made with clearance token create NAME.</p>

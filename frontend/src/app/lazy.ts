@@ -3,6 +3,7 @@
 export const lazy = {
   runs: () => import('../runs/RunsPage'),
   run: () => import('../run/RunPage'),
+  flight: () => import('../run/FlightPage'),
   launch: () => import('../launch/LaunchPage'),
   compare: () => import('../compare/ComparePage'),
   docs: () => import('../docs/ApiPage'),
@@ -15,6 +16,7 @@ export const lazy = {
 
 /** The code of the page at an address, where it is one of those opened most. */
 export function pageAt(path: string): (() => Promise<unknown>) | undefined {
+  if (/^\/runs\/[^/]+\/flight\/?$/.test(path)) return lazy.flight
   if (path.startsWith('/runs/')) return lazy.run
   return { '/': lazy.runs, '/runs': lazy.runs, '/launch': lazy.launch, '/compare': lazy.compare }[path]
 }

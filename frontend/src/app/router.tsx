@@ -54,7 +54,19 @@ const run = createRoute({
   getParentRoute: () => root,
   path: '/runs/$id',
   validateSearch: onlyKnown(readChosen),
+})
+
+const runPage = createRoute({
+  getParentRoute: () => run,
+  path: '/',
   component: lazyRouteComponent(lazy.run, 'RunPage'),
+})
+
+/** Its 3D view in a window of its own. */
+const flight = createRoute({
+  getParentRoute: () => run,
+  path: 'flight',
+  component: lazyRouteComponent(lazy.flight, 'FlightPage'),
 })
 
 const docs = createRoute({
@@ -101,7 +113,7 @@ const compare = createRoute({
 })
 
 export const router = createRouter({
-  routeTree: root.addChildren([start, runs, launch, run, docs, verdicts, evidence, methods, components, guide, compare]),
+  routeTree: root.addChildren([start, runs, launch, run.addChildren([runPage, flight]), docs, verdicts, evidence, methods, components, guide, compare]),
   defaultPreload: 'intent',
   parseSearch,
   stringifySearch,

@@ -9,12 +9,12 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
   const rows = codeRows(told)
   const missing = runs.filter(({ run }) => !run.flown?.code)
   return (
-    <Card title="Code and packages" note="As loaded when the first stage began" className={className} flush id="code">
+    <Card title="Code and packages" note="As loaded at the start of the first stage" className={className} flush id="code">
       {sameCampaignOtherCode(told) && (
         <div className="note warn within" data-testid="other-code">
           <div>
             <p className="m">Same campaign, different code.</p>
-            <p>The results may differ for that reason alone. The rows that differ are marked.</p>
+            <p>This alone may change the results. Rows that differ are marked.</p>
           </div>
         </div>
       )}
@@ -46,7 +46,7 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
       </table>
       {missing.length > 0 && (
         <p className="fig">
-          {missing.map(({ letter }) => letter).join(', ')}: the code was not stored when the run began, so it cannot be
+          {missing.map(({ letter }) => letter).join(', ')}: the code was not stored at the start of the run, so it cannot be
           compared.
         </p>
       )}

@@ -38,7 +38,7 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
       }
     >
       {shown.length === 0 ? (
-        <p className="sec">The campaigns are equal in every setting; whatever differs in the results is not of them.</p>
+        <p className="sec">The campaigns are equal in every setting: differences in the results have other causes.</p>
       ) : (
         <div className="settings" tabIndex={0} role="region" aria-label="Settings">
           <table className="tight">

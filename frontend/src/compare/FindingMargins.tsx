@@ -13,7 +13,7 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
   const decimals = decimalsFor(cases.flat().flatMap((finding) => finding?.margin ?? []))
   const how = placed
     ? `the same case: no parameter further apart than ${plain(100 * APART)} % of its range`
-    : 'the runs vary different parameters: ordered by margin, not by place'
+    : 'the runs vary different parameters: ordered by margin, not by position'
   return (
     <Card
       title="Margin of each finding"
@@ -23,7 +23,7 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
       id="findings"
     >
       {cases.length === 0 ? (
-        <p className="sec">None of the runs has a finding.</p>
+        <p className="sec">No run has a finding.</p>
       ) : (
         <table>
           <thead>

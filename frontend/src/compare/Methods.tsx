@@ -34,7 +34,7 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
           Best <Sign text={runs[0]?.run.quantity ?? 'value'} /> by method
         </>
       }
-      note={`${unit}${shown.length === 0 && limits.length > 0 ? '; the criterion lies off this axis' : ''}`}
+      note={`${unit}${shown.length === 0 && limits.length > 0 ? '; the criterion is off this axis' : ''}`}
       className={className}
       flush
       id="methods"

@@ -226,7 +226,7 @@ export function ConvergenceOverlay({ runs, className }: CardProps) {
       right={<RunKeys runs={runs} />}
     >
       {searches.length === 0 ? (
-        <p className="sec">No search has flown an evaluation yet.</p>
+        <p className="sec">No search has completed an evaluation yet.</p>
       ) : (
         <>
           <Plot spec={spec} />

@@ -58,7 +58,7 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
           })}
         </tbody>
       </table>
-      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion lies off this axis.</p>}
+      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion is off this axis.</p>}
     </Card>
   )
 }

@@ -44,7 +44,7 @@ export function Samples({ runs, className }: { runs: Compared[]; className: stri
         .map(({ of, sample }) => `${of.letter}: ${violatedOf(sample)}`)
         .join('. ')}
     >
-      {drawn.length === 0 ? <p className="sec">None of the runs has an independent sample.</p> : <Densities drawn={drawn} />}
+      {drawn.length === 0 ? <p className="sec">No run has an independent sample.</p> : <Densities drawn={drawn} />}
     </ChartCard>
   )
 }
@@ -99,7 +99,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
           <SvgSign text={first?.of.run.quantity ?? 'value'} />, {first?.of.run.unit}
         </text>
       </svg>
-      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion lies off this axis.</p>}
+      {shown.length === 0 && limits.length > 0 && <p className="fig">The criterion is off this axis.</p>}
     </div>
   )
 }

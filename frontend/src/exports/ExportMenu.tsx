@@ -43,7 +43,7 @@ export function ExportMenu({ run }: { run: RunDetail }) {
           ))}
           {recording && <Menu.Label>Flight in 3D</Menu.Label>}
           {recording && <RecordingEntries run={run.id} flight={RECORDING.exec(recording.href)?.[1] ?? 'nominal'} />}
-          {!data && <Menu.Item disabled>{error ? error.message : 'Asking what there is …'}</Menu.Item>}
+          {!data && <Menu.Item disabled>{error ? error.message : 'Loading the list of files …'}</Menu.Item>}
           <Menu.Divider />
           <p className="small mut" style={{ padding: '4px 12px 8px' }}>
             Figures: the picture button of each chart saves it as PNG or SVG.

@@ -56,7 +56,7 @@ function CopyLink({ address }: { address: string }) {
   const copy = () =>
     navigator.clipboard.writeText(link()).then(
       () => setSaid('Copied'),
-      () => setSaid(`The browser does not let this page copy: ${link()}`),
+      () => setSaid(`The browser blocks copying; copy it by hand: ${link()}`),
     )
   return (
     <Menu.Item
@@ -68,7 +68,7 @@ function CopyLink({ address }: { address: string }) {
     >
       <span className="b">Copy link to the recording</span>
       <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }} aria-live="polite">
-        {said || 'For people with a login; it plays without a simulation'}
+        {said || 'Requires a login; plays without a simulation'}
       </span>
     </Menu.Item>
   )

@@ -66,8 +66,9 @@ export function plain(value: Maybe, digits = 6): string {
   return (value < 0 ? MINUS : '') + grouped(trimmed(size.toFixed(decimalsFor([size], digits))))
 }
 
-function trimmed(digits: string): string {
-  return digits.includes('.') ? digits.replace(/\.?0+$/, '') : digits
+/** Without trailing zeros after the dot. */
+export function trimmed(digits: string): string {
+  return digits.includes('.') ? digits.replace(/\.?0*$/, '') : digits
 }
 
 /** What a number field shows: every digit, no grouping, so that what is read is what is stored. */

@@ -31,7 +31,7 @@ export function ComponentsPage() {
   return (
     <HelpFrame
       title="Components"
-      lede={`What a scenario is made of, in this installation (Clearance ${version}). A component is one file; the text here is the one at its head, so it is the one the code is held to.`}
+      lede={`The components of scenarios in this installation (Clearance ${version}). Each component is one file; the text here is its docstring.`}
       contents={roles.map(({ title, found }) => ({
         title,
         entries: found.map((component) => ({
@@ -81,7 +81,7 @@ function facts({ dimension, frame, role, demand, demands, fits, unit, quantity, 
     role === 'vehicle' && dimension === 3 ? axes : null,
     demand ? `asks for a ${demand}` : null,
     demands.length ? `follows ${demands.join(' or ')}` : null,
-    fits.length ? `flies ${fits.join(', ').replaceAll('_', ' ')}` : null,
+    fits.length ? `for ${fits.join(', ').replaceAll('_', ' ')}` : null,
     path ? `in ${path}` : null,
     quantity ? `${quantity}${unit ? ` [${unit}]` : ''}` : null,
   ]

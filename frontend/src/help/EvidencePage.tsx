@@ -145,7 +145,7 @@ function Limits() {
           horizon. It does not compare the model with the vehicle.
         </p>
         <p>
-          <b>Failed evaluations.</b> How they would have ended is not known. They bar Cleared, and the run list, the
+          <b>Failed evaluations.</b> Their outcome is unknown. They rule out Cleared, and the run list, the
           run page, the report and the command line say how many there are.
         </p>
       </div>

@@ -10,13 +10,13 @@ import { HelpFrame } from './HelpFrame'
 import { MethodText } from './MethodText'
 
 const KINDS: Record<MethodEntry['kind'], { name: string; text: string }> = {
-  global: { name: 'Global', text: 'Looks everywhere. The global methods must agree before anything is cleared.' },
-  local: { name: 'Local', text: 'Goes down from its starts. It shows how deep a valley is, not whether there is a deeper one.' },
+  global: { name: 'Global', text: 'Searches the whole range. The global methods must agree before a run is cleared.' },
+  local: { name: 'Local', text: 'Descends from its start points. It finds the bottom of a valley, not whether a deeper one exists.' },
   random: {
     name: 'Random',
-    text: 'Draws from the stated distributions. It bears the statement on P(violation), and says little of the worst case.',
+    text: 'Draws from the stated distributions. It supports the statement on P(violation), but gives little information on the worst case.',
   },
-  multi: { name: 'Several criteria', text: 'Looks for the front where no criterion can be lowered but by raising another.' },
+  multi: { name: 'Several criteria', text: 'Searches for the Pareto front: no criterion can improve without worsening another.' },
 }
 const ORDER: readonly MethodEntry['kind'][] = ['global', 'local', 'random', 'multi']
 
@@ -34,8 +34,8 @@ export function MethodsPage() {
       title="Search methods"
       lede={
         <>
-          Each is written after its paper, with the paper’s settings as the usual ones. None can show that it found the
-          worst case: what a <Link to="/help">verdict</Link> takes is that several of them agree.
+          Each follows its paper and uses the paper’s settings by default. No method can prove that it found the
+          worst case: a <Link to="/help">verdict</Link> requires several of them to agree.
         </>
       }
       contents={kinds.map(({ kind, methods }) => ({

@@ -15,32 +15,32 @@ interface Meaning {
 const MEANINGS: readonly Meaning[] = [
   {
     outcome: 'violated',
-    says: 'A flight within the stated bounds comes as near as the criterion, or nearer, and it was confirmed by other means.',
+    says: 'A flight within the stated bounds reaches or violates the criterion, and other means confirmed it.',
     takes: [
       'A finding with a margin of zero or less.',
-      'The same flight violates at half the step and with the reference integrator, too. Where the three are beyond tolerance apart, the sentence says so.',
+      'The same flight also violates the criterion in the step-halving check and with the reference integrator. If the three differ by more than the tolerance, the verdict reports it.',
     ],
-    not: 'It does not say how often this happens: that is the bound on P(violation). Both can be true: a violation that a thousand random flights never meet.',
+    not: 'It does not report how often this happens: see the bound on P(violation). A violation can exist that a thousand random flights never meet.',
   },
   {
     outcome: 'cleared',
-    says: 'No flight that was found comes as near as the criterion, and the search was hard enough to be believed.',
+    says: 'No evaluated flight reaches the criterion, and the search was thorough enough to support the verdict.',
     takes: [
-      'The nominal flight keeps the criterion.',
+      'The nominal flight meets the criterion.',
       'Every search ended by its own rule or its budget, and no stored evaluation of any stage violates the criterion.',
       'The worst finding is the lowest of all evaluations, and it was polished to the end.',
       'Every global method reaches the worst case within the campaign’s agreement, by default 5 % of nominal minus worst, and at least two methods do.',
-      'Half the step and the reference integrator agree, for the nominal flight and every finding, and no random evaluation violates with the reference integrator alone.',
+      'The step-halving check and the reference integrator agree for the nominal flight and every finding, and no random evaluation violates the criterion with the reference integrator alone.',
       'No evaluation failed, and at most 10 % were excluded.',
       'The encounter took place: the closest approach is inside the horizon, the vehicle moves, the avoidance makes a difference, and so does a parameter.',
       'With noise, an independent sample draws a realisation with every flight.',
       'Where there is a sample, its bound on P(violation) meets the campaign’s target, or 5 % where none is stated.',
     ],
-    not: 'It is no proof. A search can miss a worse case, and everything holds for this model, these bounds and this criterion only. The verdict’s sentence and scope say which.',
+    not: 'It is not a proof. A search can miss a worse case, and the verdict holds only for this model, these bounds and this criterion. The verdict’s sentence and scope name them.',
   },
   {
     outcome: 'inconclusive',
-    says: 'Neither of the two can be said. The reason stands in the sentence, and the check that does not hold is marked.',
+    says: 'The evidence supports neither of the two. The verdict’s sentence gives the reason, and the failed check is marked.',
     not: 'It does not mean nearly violated. Usual reasons: two methods disagree, a budget was too small, the step is too coarse, evaluations failed, or the sample is too small for the target.',
   },
 ]
@@ -48,8 +48,8 @@ const MEANINGS: readonly Meaning[] = [
 const STATES: readonly Meaning[] = [
   {
     outcome: 'failed',
-    says: 'The run itself could not be carried out, after up to three attempts. The reason stands on its page.',
-    not: 'It says nothing about the avoidance system.',
+    says: 'The run itself failed after up to three attempts. Its page shows the reason.',
+    not: 'It is not a result about the avoidance system.',
   },
   {
     outcome: 'cancelled',
@@ -59,18 +59,18 @@ const STATES: readonly Meaning[] = [
 ]
 
 const TERMS: readonly [string, ReactNode][] = [
-  ['Criterion', 'What must be kept in every flight, such as a smallest separation. The margin is the value less the criterion.'],
+  ['Criterion', 'What every flight must meet, such as a minimum separation. The margin is the value less the criterion.'],
   [
     'Finding',
-    'One distinct worst case: a valley of its own among the parameters, polished, and validated. Two are one where they are close together or no barrier is between them.',
+    'One distinct worst case: a separate valley in the parameter space, polished and validated. Two minima count as one if they are close together or there is no barrier between them.',
   ],
   [
     'P(violation)',
-    'How likely a flight drawn from the stated distributions violates the criterion. The bound comes from an independent, declared sample, never from a search’s own points (Clopper and Pearson 1934).',
+    'The probability that a flight drawn from the stated distributions violates the criterion. The bound comes from an independent, declared sample, never from a search’s own points (Clopper and Pearson 1934).',
   ],
-  ['Failed evaluation', 'A flight that leaves the model’s envelope or does not stay a number. It has no value, it is counted, and it bars Cleared.'],
-  ['Excluded evaluation', 'A flight whose scenario cannot hold, such as one that begins inside the safety radius. Nothing can be shown of it.'],
-  ['Validation', 'The same flight at half the step, with the reference integrator (DOP853), and a few hundred of its neighbours. Where a neighbour is lower, it takes the finding’s place. Stored violations and random evaluations are simulated again as well.'],
+  ['Failed evaluation', 'A flight that leaves the model’s envelope or becomes non-finite. It has no value, is counted, and rules out Cleared.'],
+  ['Excluded evaluation', 'A flight whose scenario is invalid, such as one that starts inside the safety radius. It cannot be evaluated.'],
+  ['Validation', 'The same flight at half the step and with the reference integrator (DOP853), and a few hundred of its neighbours. A lower neighbour replaces the finding. Stored violations and random evaluations are simulated again as well.'],
 ]
 
 export function VerdictsPage() {
@@ -85,7 +85,7 @@ export function VerdictsPage() {
       title="Verdicts"
       lede={
         <>
-          A run looks for the worst flight within the bounds of what is uncertain, and says what may be claimed. No
+          A run looks for the worst flight within the bounds of what is uncertain, and reports what may be claimed. No
           verdict rests on one <Link to="/help/methods">method</Link>, or on a bound alone.{' '}
           <Link to="/help/evidence">What a verdict rests on and how it was attacked</Link>
         </>
@@ -101,7 +101,7 @@ export function VerdictsPage() {
             <p>{meaning.says}</p>
             {meaning.takes && (
               <>
-                <p className="b">It takes all of these</p>
+                <p className="b">Requires all of these</p>
                 <ul>
                   {meaning.takes.map((take, i) => (
                     <li key={i}>{take}</li>
@@ -110,7 +110,7 @@ export function VerdictsPage() {
               </>
             )}
             <p className="sec">
-              <span className="b">What it does not say:</span> {meaning.not}
+              <span className="b">What it does not mean:</span> {meaning.not}
             </p>
           </div>
         </section>

@@ -75,7 +75,7 @@ function Search({ onDone }: { onDone: () => void }) {
         ))}
         {runs.length + offered.length === 0 && !found.isFetching && (
           <Combobox.Empty>
-            {found.isError ? 'The service does not answer; pages can still be found.' : 'Nothing has all of these words.'}
+            {found.isError ? 'The service does not answer; pages can still be found.' : 'No results'}
           </Combobox.Empty>
         )}
       </Combobox.Options>

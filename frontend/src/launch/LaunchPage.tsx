@@ -30,7 +30,7 @@ function Waiting({ error }: { error: Error }) {
       <h1>Waiting for a worker</h1>
       <p>
         Vehicles, controllers, avoiders and search methods are told by the workers, and none has started on this database
-        yet. Start one with <code>clearance worker</code>: this page goes on by itself.
+        yet. Start one with <code>clearance worker</code>: this page then continues automatically.
       </p>
       <div className="acts">
         <Link to="/runs" className="btn">

@@ -102,7 +102,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
         )}
       </dl>
       <p className="small mut" style={{ marginTop: 8 }}>
-        {typeof checked?.seconds !== 'number' && 'The time is told once a run of the same components has ended. '}
+        {typeof checked?.seconds !== 'number' && 'The time can be estimated after a run of the same components.  '}
         {bound !== null &&
           `The bound holds with ${percent(confidence)} confidence if none of the ${count(samples)} random samples violates.`}
         {bound !== null && unbounded && ' The probability beyond the bounds of normal distributions is added to it.'}

@@ -21,8 +21,8 @@ export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps
           {trouble
             ? trouble.message
             : problems.length === 1
-              ? 'One thing keeps this run from starting'
-              : `${problems.length} things keep this run from starting`}
+              ? 'One problem prevents this run from starting'
+              : `${problems.length} problems prevent this run from starting`}
         </span>
         <ul>
           {problems.slice(0, 12).map((problem) => (

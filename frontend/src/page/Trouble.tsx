@@ -45,5 +45,5 @@ export function Trouble({ error, retry, onward = true }: TroubleProps) {
 }
 
 export function NotFound() {
-  return <Trouble error={new Refusal(404, 'There is no such page', 'The address may be mistyped.')} />
+  return <Trouble error={new Refusal(404, 'Page not found', 'The address may be mistyped.')} />
 }

@@ -1,5 +1,5 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
-import { lazy, Suspense, useCallback, useMemo } from 'react'
+import { lazy, Suspense, useCallback, useDeferredValue, useMemo } from 'react'
 import { resultOf } from '../api/stages'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { useCalm } from '../ui/useCalm'
@@ -13,6 +13,7 @@ import { EncounterCard } from './verdict/EncounterCard'
 import { Failures } from './search/Failures'
 import { FindingsCard } from './findings/FindingsCard'
 import { FiveFigures } from './verdict/FiveFigures'
+import { Card } from '../ui/Card'
 import { Flight } from './flight/Flight'
 import { overTime } from './flight/flown'
 import { FrontCard } from './findings/FrontCard'
@@ -34,6 +35,8 @@ import { casesOf } from './data/validated'
 import { ValidationCard } from './verdict/ValidationCard'
 import { View } from './flight/view'
 import { WhatToDo } from './verdict/WhatToDo'
+import { useWhatIf } from './flight/useWhatIf'
+import { WhatIfCard } from './flight/WhatIfCard'
 
 const SpaceCard = lazy(() => import('./space/SpaceCard').then((module) => ({ default: module.SpaceCard })))
 
@@ -41,6 +44,8 @@ export function Finished({ data }: { data: RunData }) {
   const { run } = data
   const { finding, chosen } = data
   const view = useMemo(() => new View(run.id), [run.id])
+  const whatIf = useWhatIf(data, view)
+  const other = useDeferredValue(whatIf.answer)
   // What is drawn of thousands of points, and in many charts, comes after all that answers at once.
   const calm = useCalm()
   const cross = useCallback((time: number) => view.steer({ time, passing: true }), [view])
@@ -81,7 +86,7 @@ export function Finished({ data }: { data: RunData }) {
     ...(front ? [{ id: 'front', name: 'Front' }] : []),
     ...(sample ? [{ id: 'sample', name: 'Sample', count: sample.samples }] : []),
     ...(validation ? [{ id: 'validation', name: 'Validation' }] : []),
-    ...(encounter ? [{ id: 'encounter', name: 'Encounter' }] : []),
+    ...(encounter ? [{ id: 'encounter', name: encounter.unseen ? 'Encounter' : 'Effect' }] : []),
     ...(failures.length ? [{ id: 'failures', name: 'Without a value', count: run.failed_evaluations + run.excluded_evaluations }] : []),
     { id: 'provenance', name: 'Provenance' },
     { id: 'signoff', name: 'Sign-off' },
@@ -103,9 +108,15 @@ export function Finished({ data }: { data: RunData }) {
           <NominalWorst data={data} className="c7" title="What was asked" column={null} worst={null} />
         )}
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
-        {flown && <Flight data={data} view={view} className="c8" />}
+        {flown && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
+        {data.campaign.simulator && (
+          <Card title="Trace" className={shown ? 'c6' : 'c12'} id="trace">
+            <p className="sec">This system provides no trace: only the values of its results can be shown.</p>
+          </Card>
+        )}
         {shown && (
           <div className={flown ? 'stack pair c4' : 'stack pair c6'}>
+            {flown && <WhatIfCard data={data} state={whatIf} className="" />}
             <NominalWorst
               data={data}
               className=""
@@ -119,7 +130,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {data.findings.length > 0 && <FindingsCard data={data} result={validation} className="c12" />}
         {flown && (
-          <SeparationCard data={data} onCross={cross} standing={view} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
+          <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
         )}
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5" height={226} />}
         {timed && (
@@ -190,7 +201,7 @@ export function Finished({ data }: { data: RunData }) {
 
 function titleOf({ chosen, finding }: RunData): string {
   if (chosen === NOMINAL) return 'Nominal flight'
-  return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest flown'
+  return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest evaluation'
 }
 
 /** Who came to the chosen finding with the least work; of the worst one, who found it lowest. */

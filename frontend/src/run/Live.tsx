@@ -56,7 +56,7 @@ function Queued({ data }: { data: RunData }) {
   return (
     <>
       <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
-        This run waits for a worker. It starts by itself as soon as one is free.
+        This run is waiting for a worker. It starts automatically when one is free.
       </p>
       <StageStrip run={data.run} />
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>

@@ -1,15 +1,13 @@
 // One run: while it works, how far it is; when it is over, the verdict and everything behind it.
-import { useQuery } from '@tanstack/react-query'
 import { useParams, useSearch } from '@tanstack/react-router'
 import { useState } from 'react'
-import { useStream } from '../api/events'
 import { Refusal } from '../api/problems'
-import { isLive, runQuery } from '../api/queries'
+import { isLive } from '../api/queries'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import type { RunDetail } from '../client'
-import { usePolling } from '../ui/usePolling'
-import { useAsked, useRunData } from './data/data'
+import { useRunData } from './data/data'
+import { useRun } from './data/useRun'
 import { Finished } from './Finished'
 import { Head } from './header/Head'
 import { History } from './header/History'
@@ -19,12 +17,7 @@ import { Purged, Removed } from './header/Removed'
 export function RunPage() {
   const { id } = useParams({ from: '/runs/$id' })
   useTitle(id)
-  const query = useQuery(runQuery(id))
-  useAsked(id)
-  const live = query.data !== undefined && isLive(query.data)
-  useStream(id, live)
-  // The stream has no rate and no time left; and where it fails, this goes on.
-  usePolling(query.refetch, 2000, live)
+  const query = useRun(id)
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what={id} />

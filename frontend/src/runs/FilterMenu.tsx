@@ -46,7 +46,7 @@ export function FilterMenu({ name, options, value = [], onChange, label = (text)
             <span className="mut tn">{count(option.runs)}</span>
           </Pick>
         ))}
-        {shown.length === 0 && <p className="small mut">{all.length ? 'Nothing of this name.' : 'No run has any yet.'}</p>}
+        {shown.length === 0 && <p className="small mut">{all.length ? 'No match.' : 'No run has any yet.'}</p>}
       </Picks>
       {value.length > 0 && (
         <button type="button" className="btn s" onClick={() => onChange(undefined)}>

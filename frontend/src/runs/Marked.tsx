@@ -72,7 +72,7 @@ function CancelMarked({ live }: { live: RunSummary[] }) {
       </button>
       <Modal opened={asking} onClose={() => setAsking(false)} title={`Cancel ${plural(live.length)}?`} centered lockScroll={false}>
         <p className="sec">
-          What was flown so far is kept. A cancelled run has no verdict, and it cannot be continued; it can be run again.
+          Completed evaluations are stored. A cancelled run has no verdict and cannot be resumed; it can be run again.
         </p>
         <ul className="small sec listed">
           {live.slice(0, 8).map((run) => (

@@ -25,7 +25,7 @@ export function NoRuns() {
         <h2 style={{ fontSize: 17, marginTop: 8 }}>No runs yet</h2>
         <p>
           A run searches the bounded uncertain parameters for the smallest separation, samples them independently, and
-          flies the worst case again before it says anything.
+          simulates the worst case again before it reports a verdict.
         </p>
         <div className="acts" style={{ marginTop: 8 }}>
           <Link to="/launch" className="btn p">
@@ -47,7 +47,7 @@ export function NoRuns() {
         </li>
         <li>
           <h3>Read the verdict</h3>
-          <p>Cleared, violated or inconclusive, with the worst case, its flight and how hard it was looked for.</p>
+          <p>Cleared, violated or inconclusive, with the worst case, its flight and the effort of the search.</p>
         </li>
       </ol>
     </div>

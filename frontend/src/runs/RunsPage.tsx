@@ -94,7 +94,7 @@ function NothingFound({ narrowed, onChange }: { narrowed: boolean; onChange: (ch
   return (
     <div className="card centre">
       <h2>No run matches</h2>
-      <p>Nothing fits this search and these filters together.</p>
+      <p>No run matches this search and these filters.</p>
       <button type="button" className="btn" onClick={() => onChange(CLEARED)}>
         Clear search and filters
       </button>

@@ -21,7 +21,7 @@ export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean 
       <small className="cut">
         {run.id}
         {campaign && run.campaign_name !== run.name && ` · ${run.campaign_name}`}
-        {run.continues && ` · goes on with ${run.continues}`}
+        {run.continues && ` · extends ${run.continues}`}
       </small>
     </span>
   )

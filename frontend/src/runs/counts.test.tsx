@@ -21,7 +21,7 @@ const RUN = given.run({
   summary: given.verdict({
     statistics: {
       samples: 300, violations: 4, failed: 4, excluded: 20, excluded_fraction: null, confidence: 0.95, upper_bound: 0.03,
-      noise: null, quantile: null, source: 'certify', text: '',
+      noise: null, quantile: null, source: 'certify', text: '', said: [],
     },
   }),
 })
@@ -38,7 +38,7 @@ it('counts the same in figures, strip, list and table', () => {
   expect(text(figures(RUN))).toContain('1 37112 failed, 25 excluded')
   expect(text(figures(RUN))).toContain('4 of 300 samples, 4 of them failed; 20 draws excluded')
   const strip = text(renderToStaticMarkup(<StageStrip run={RUN} />))
-  for (const said of ['1 000 flown, 7 failed, 5 excluded', '320 flown, 4 failed, 20 excluded', '50 flown, 1 failed'])
+  for (const said of ['1 000 done, 7 failed, 5 excluded', '320 done, 4 failed, 20 excluded', '50 done, 1 failed'])
     expect(strip).toContain(said)
   expect([cell('evaluations', RUN), cell('failed', RUN), cell('excluded', RUN)].map(text)).toEqual(['1 371', '12', '25'])
   expect(countsOf(STAGES, undefined)).toEqual([

@@ -45,10 +45,10 @@ export function SignoffsCard({ run, className }: { run: RunDetail; className: st
       {data && data.items.length === 0 && (
         <p className="sec">
           {data.can_sign
-            ? 'Nobody has signed these results off yet. A sign-off names the results that were reviewed and cannot be edited, only withdrawn with a reason.'
+            ? 'These results have not been signed off yet. A sign-off names the results that were reviewed and cannot be edited, only withdrawn with a reason.'
             : run.removed === null
-              ? 'There is no verdict, and so nothing to sign off.'
-              : 'A removed run is not signed off.'}
+              ? 'There is no verdict to sign off.'
+              : 'A removed run cannot be signed off.'}
         </p>
       )}
       {data && data.items.length > 0 && <Rows items={data.items} onWithdraw={setLeaving} />}

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 from worker.search.parts.lowest import Lowest
 
 STEP = 1e-9
@@ -23,14 +23,14 @@ STEP = 1e-9
 
 # pycma's words for why it stopped, in ours; the first that holds is told.
 STOPS = {
-    "tolflatfitness": "the cost is the same everywhere around",
-    "tolfun": "the cost no longer changes",
-    "tolfunrel": "the cost no longer changes",
-    "tolfunhist": "the cost no longer changes",
-    "tolx": "the step is within its tolerance",
-    "tolstagnation": "the cost got no better for long",
-    "tolxstagnation": "the step is within its tolerance",
-    "tolconditioncov": "the valley is too narrow for its numbers",
+    "tolflatfitness": Ended("converged", "the cost is the same everywhere around"),
+    "tolfun": Ended("converged", "the cost no longer changes"),
+    "tolfunrel": Ended("converged", "the cost no longer changes"),
+    "tolfunhist": Ended("converged", "the cost no longer changes"),
+    "tolx": Ended("converged", "the step is within its tolerance"),
+    "tolstagnation": Ended("converged", "the cost got no better for long"),
+    "tolxstagnation": Ended("converged", "the step is within its tolerance"),
+    "tolconditioncov": Ended("rounding", "the valley is too narrow for its numbers"),
 }
 
 

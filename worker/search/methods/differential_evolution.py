@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Floats, Method, MethodLook, Search, Space
+from worker.search.base import Ended, Floats, Method, MethodLook, Search, Space
 from worker.search.parts.callback import Ask, called_back
 from worker.search.parts.lowest import Lowest
 
@@ -44,7 +44,13 @@ def search(space: Space, options: Options) -> Search:
     text = ""
     for _ in range(options.restarts + 1):
         text = yield from _gather(space, options)
-    return text if options.restarts == 0 else f"did the {options.restarts} restarts asked for, at last {text}"
+    return (
+        text
+        if options.restarts == 0
+        else Ended(
+            "iterations", "did the {restarts} restarts asked for, at last {last}", restarts=options.restarts, last=text
+        )
+    )
 
 
 def _gather(space: Space, options: Options) -> Search:
@@ -83,7 +89,9 @@ def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:
         vectorized=True,
         rng=space.random,
     )
-    return f"the population gathered in one valley after {done.nit} generations"
+    return Ended(
+        "converged", "the population gathered in one valley after {generations} generations", generations=done.nit
+    )
 
 
 method = Method(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from worker.search.base import Floats, Method, MethodLook, Search, Space
+from worker.search.base import Ended, Floats, Method, MethodLook, Search, Space
 
 Ints = NDArray[np.int64]
 
@@ -140,7 +140,11 @@ def divided(boxes: Boxes, options: Options, biased: bool = False) -> Search:
     for done in range(1, options.iterations + 1):
         parents = promising(boxes, options.epsilon, biased)
         if len(parents) == 0:
-            return f"every rectangle is as small as numbers allow after {done - 1} iterations"
+            return Ended(
+                "resolution",
+                "every rectangle is as small as numbers allow after {iterations} iterations",
+                iterations=done - 1,
+            )
         points, owners, sides = _new_centres(boxes, parents)
         batch = yield points
         first = boxes.count
@@ -149,8 +153,13 @@ def divided(boxes: Boxes, options: Options, biased: bool = False) -> Search:
         if options.smallest > 0.0:
             best = int(np.argmin(boxes.value[: boxes.count]))
             if float(sizes(boxes.level[best : best + 1], n)[0]) < options.smallest:
-                return f"the best rectangle is smaller than {options.smallest:g} after {done} iterations"
-    return f"did the {options.iterations} iterations asked for"
+                return Ended(
+                    "resolution",
+                    "the best rectangle is smaller than {smallest:g} after {iterations} iterations",
+                    smallest=options.smallest,
+                    iterations=done,
+                )
+    return Ended("iterations", "did the {iterations} iterations asked for", iterations=options.iterations)
 
 
 def _new_centres(boxes: Boxes, parents: Ints) -> tuple[Floats, Ints, Ints]:

@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 from worker.search.parts import breeding
 
 
@@ -74,7 +74,9 @@ def search(space: Space, options: Options) -> Search:
     said = ""
     for _ in range(options.schedules):
         population, said = yield from _schedule(space, options, population)
-    return said if options.schedules == 1 else f"{said}, {options.schedules} times over"
+    if options.schedules == 1:
+        return said
+    return Ended("iterations", "{schedule}, {times} times over", schedule=said, times=options.schedules)
 
 
 def _schedule(
@@ -91,8 +93,12 @@ def _schedule(
         population = yield from _next(space, options, population, length)
         best.append(population.best)
         if generation > options.stall_generations and _change(best, options) <= options.tolerance:
-            return population, f"the best cost no longer changes after {generation} generations"
-    return population, f"did the {options.generations} generations asked for"
+            return population, Ended(
+                "converged", "the best cost no longer changes after {generations} generations", generations=generation
+            )
+    return population, Ended(
+        "iterations", "did the {generations} generations asked for", generations=options.generations
+    )
 
 
 def _adapted(length: float, improved: bool, options: Options) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
 from worker.search.parts.descent import End, Settings, descend
 from worker.search.parts.unirandi import unirandi
 
@@ -131,7 +131,7 @@ def search(space: Space, options: Options) -> Search:
         if len(sample.costs) == 0:
             vain += 1
             if vain == IN_VAIN:
-                return f"no point of {vain * samples} had a value"
+                return Ended("no value", "no point of {points} had a value", points=vain * samples)
             continue
         clusters = Clusters(
             sample, min(selected * cycles, len(sample.costs)), minima, critical_distance(samples * cycles, n)
@@ -140,9 +140,14 @@ def search(space: Space, options: Options) -> Search:
         known = len(minima)
         yield from _search_locally(space, options, clusters)
         if len(minima) >= options.minima:
-            return f"found the {options.minima} local minima asked for"
+            return Ended("found", "found the {minima} local minima asked for", minima=options.minima)
         if len(minima) == known:
-            return f"found no new local minimum in cycle {cycles}; {known} are known"
+            return Ended(
+                "exhausted",
+                "found no new local minimum in cycle {cycle}; {minima} are known",
+                cycle=cycles,
+                minima=known,
+            )
 
 
 def critical_distance(sampled: int, dimension: int) -> float:

@@ -16,7 +16,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 from worker.search.methods import direct, sqp
 from worker.search.parts import basins
 
@@ -38,14 +38,20 @@ def search(space: Space, options: Options) -> Search:
     said = yield from _divided(boxes, space, options)
     starts = _centres(boxes, options.centres)
     if len(starts) == 0:
-        return f"DIRECT: {said}; no centre had a value"
+        return Ended("no value", "DIRECT: {direct}; no centre had a value", direct=said)
     asked = sqp.Options(
         differences=options.differences, difference=options.difference, iterations=options.gradients
     )  # fmt: skip
     text = yield from sqp.search(replace(space, starts=starts[:1]), asked)
     if len(starts) > 1:
         yield from sqp.search(replace(space, starts=starts[1:]), asked)
-    return f"DIRECT: {said}; SQP from {len(starts)} centres, from the best of them: {text}"
+    return Ended(
+        "members",
+        "DIRECT: {direct}; SQP from {centres} centres, from the best of them: {sqp}",
+        direct=said,
+        centres=len(starts),
+        sqp=text,
+    )
 
 
 def _divided(boxes: direct.Boxes, space: Space, options: Options) -> Generator[Floats, Batch, str]:
@@ -57,10 +63,11 @@ def _divided(boxes: direct.Boxes, space: Space, options: Options) -> Generator[F
             spent += len(points)
             points = dividing.send((yield points))
     except StopIteration as ended:
-        return str(ended.value)
+        rule: str = ended.value
+        return rule
     finally:
         dividing.close()
-    return f"used its share of {spent} evaluations"
+    return Ended("share", "used its share of {evaluations} evaluations", evaluations=spent)
 
 
 def _centres(boxes: direct.Boxes, at_most: int) -> Floats:

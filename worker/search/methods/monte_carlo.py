@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from campaigns.results.base import EXCLUDED, OK
-from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 
 BLOCK = 4096
 FIRST_LOOK, GROWTH = 100, 1.5
@@ -55,8 +55,13 @@ def search(space: Space, options: Options) -> Search:
             level = looked(drawn, space.confidence)[1]
             low, high = interval(violations, samples, level)
             if high - low < options.interval:
-                return f"P(violation) is known to within {high - low:.3g} after {drawn} draws"
-    return f"drew the {drawn} samples asked for"
+                return Ended(
+                    "precise",
+                    "P(violation) is known to within {width:.3g} after {draws} draws",
+                    width=high - low,
+                    draws=drawn,
+                )
+    return Ended("drawn", "drew the {samples} samples asked for", samples=drawn)
 
 
 def looked(drawn: int, confidence: float) -> tuple[int, float]:

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 import nlopt
 from pydantic import Field
 
-from worker.search.base import Method, MethodLook, Search, Space
+from worker.search.base import Ended, Method, MethodLook, Search, Space
 from worker.search.parts.nlopt_calls import optimised
 
 AGS_PARAMETERS = 10
@@ -42,7 +42,12 @@ class Options:
 def search(space: Space, options: Options) -> Search:
     """One point is one request."""
     if options.algorithm == "ags" and space.dimension > AGS_PARAMETERS:
-        return f"ags takes at most {AGS_PARAMETERS} parameters, this campaign has {space.dimension}: choose another"
+        return Ended(
+            "unsuited",
+            "ags takes at most {most} parameters, this campaign has {parameters}: choose another",
+            most=AGS_PARAMETERS,
+            parameters=space.dimension,
+        )
 
     def build() -> Any:
         optimiser = nlopt.opt(getattr(nlopt, f"GN_{options.algorithm.upper()}"), space.dimension)

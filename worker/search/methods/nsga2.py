@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import Field
 
 from campaigns.results.base import OK
-from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 
 
 @dataclass(frozen=True)
@@ -46,10 +46,10 @@ def search(space: Space, options: Options) -> Search:
     for generation in range(1, options.generations):
         children = breeder.ask()
         if children is None or len(children) == 0:
-            return f"bred no new point after {generation} generations"
+            return Ended("exhausted", "bred no new point after {generations} generations", generations=generation)
         batch = yield np.clip(children.get("X").astype(np.float64), 0.0, 1.0)
         breeder.tell(infills=_evaluated(breeder, children, batch))
-    return f"did the {options.generations} generations asked for"
+    return Ended("iterations", "did the {generations} generations asked for", generations=options.generations)
 
 
 def _breeder(space: Space, options: Options, points: Floats, criteria: int) -> Any:

@@ -18,7 +18,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
 from worker.search.methods import cma_es, contrast_racing, differential_evolution, direct, global_clustering, mlsl, sqp
 from worker.search.parts.portfolio_record import Record
 
@@ -82,7 +82,7 @@ def search(space: Space, options: Options) -> Search:
         while True:
             turn = _turn(members, record, options.fair * space.dimension)
             if not turn:
-                return "every member has ended"
+                return Ended("members", "every member has ended")
             for member in turn:
                 space.attribute(member.method.name, len(member.wanted))
             batch = yield np.concatenate([member.wanted for member in turn])

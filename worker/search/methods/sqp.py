@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
+from worker.search.base import Ended, Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
 from worker.search.parts.descent import Settings, descend
 
 
@@ -41,7 +41,10 @@ def search(space: Space, options: Options) -> Search:
         sampler = qmc.Sobol(space.dimension, rng=space.random)
         starts = sampler.random_base2(int(np.ceil(np.log2(options.starts))))[: options.starts]
     said = yield from side_by_side([_descend(space, options, start) for start in starts])
-    return f"every start ended: {', '.join(sorted(set(said)))}" if len(starts) > 1 else said[0]
+    if len(starts) == 1:
+        return said[0]
+    ends = {f"end{i}": end for i, end in enumerate(sorted(set(said)))}
+    return Ended("members", f"every start ended: {', '.join(f'{{{name}}}' for name in ends)}", **ends)
 
 
 def _descend(space: Space, options: Options, start: Floats) -> Search:

@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 import nlopt
 import numpy as np
 
-from worker.search.base import Batch, Floats
+from worker.search.base import Batch, Ended, Floats
 from worker.search.parts.callback import Ask, called_back
 
 Library = Literal["nlopt", "scipy", "bfgs"]
@@ -97,16 +97,16 @@ def _run(ask: Ask, start: Floats, settings: Settings) -> End:
     try:
         text = run(trail, settings, np.clip(start, 0.0, 1.0))
     except _NoStart:
-        text = "a start could not be evaluated"
+        text = Ended("no value", "a start could not be evaluated")
     except _Spent:
-        text = f"used its {settings.most} evaluations"
+        text = Ended("share", "used its {evaluations} evaluations", evaluations=settings.most)
     return End(trail.point, trail.cost, len(trail.seen), text)
 
 
-CHANGES = "the cost no longer changes"
-HOLDS = "the optimality conditions hold"
-ITERATIONS = "the iterations are used up"
-FAILED = "the line search failed"
+CHANGES = Ended("converged", "the cost no longer changes")
+HOLDS = Ended("optimal", "the optimality conditions hold")
+ITERATIONS = Ended("iterations", "the iterations are used up")
+FAILED = Ended("rounding", "the line search failed")
 
 
 def _nlopt(trail: Objective, settings: Settings, start: Floats) -> str:
@@ -126,12 +126,12 @@ def _nlopt(trail: Objective, settings: Settings, start: Floats) -> str:
     try:
         optimiser.optimize(start)
     except (nlopt.RoundoffLimited, nlopt.roundoff_limited):
-        return "rounding stopped the descent"
+        return Ended("rounding", "rounding stopped the descent")
     except (nlopt.runtime_error, RuntimeError):  # the library's own is no RuntimeError
         return FAILED
     return {
         nlopt.FTOL_REACHED: CHANGES,
-        nlopt.XTOL_REACHED: "the step is within its tolerance",
+        nlopt.XTOL_REACHED: Ended("converged", "the step is within its tolerance"),
         nlopt.MAXEVAL_REACHED: ITERATIONS,
     }.get(optimiser.last_optimize_result(), HOLDS)
 

@@ -12,15 +12,18 @@ from typing import Any
 import nlopt
 import numpy as np
 
-from worker.search.base import Floats, Search, Space
+from worker.search.base import Ended, Floats, Search, Space
 from worker.search.parts.callback import Ask, called_back
 from worker.search.parts.lowest import Lowest
 
 SAID = {
-    nlopt.FTOL_REACHED: "the cost no longer changes",
-    nlopt.XTOL_REACHED: "the step is within its tolerance",
-    nlopt.STOPVAL_REACHED: "the cost cannot be lower",
+    nlopt.FTOL_REACHED: Ended("converged", "the cost no longer changes"),
+    nlopt.XTOL_REACHED: Ended("converged", "the step is within its tolerance"),
+    nlopt.STOPVAL_REACHED: Ended("optimal", "the cost cannot be lower"),
 }
+
+
+OWN = Ended("library", "the library's own rule stopped the search")
 
 
 def optimised(space: Space, build: Callable[[], Any]) -> Search:
@@ -58,7 +61,7 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
     try:
         optimiser.optimize(np.full(dimension, 0.5))
     except (nlopt.RoundoffLimited, nlopt.roundoff_limited):
-        return "rounding stopped the search"
+        return Ended("rounding", "rounding stopped the search")
     except (nlopt.runtime_error, RuntimeError, MemoryError, ValueError) as error:
-        return f"the library stopped the search: {error or type(error).__name__}"
-    return SAID.get(optimiser.last_optimize_result(), "the library's own rule stopped the search")
+        return Ended("library", "the library stopped the search: {error}", error=str(error) or type(error).__name__)
+    return SAID.get(optimiser.last_optimize_result(), OWN)

@@ -11,7 +11,7 @@ from collections.abc import Generator
 import numpy as np
 
 from campaigns.results.base import OK
-from worker.search.base import Batch, Floats
+from worker.search.base import Batch, Ended, Floats
 from worker.search.parts.descent import End
 
 STEP = 0.0005
@@ -41,7 +41,9 @@ def unirandi(
                     if (trial == point).all():
                         break
                     if spent >= most:
-                        return End(point, cost, spent, f"used its {most} evaluations")
+                        return End(
+                            point, cost, spent, Ended("share", "used its {evaluations} evaluations", evaluations=most)
+                        )
                     batch = yield trial[None, :].copy()
                     spent += 1
                     value = batch.costs[0, 0]
@@ -60,6 +62,6 @@ def unirandi(
             if failures == 2:
                 step, failures = 0.5 * step, 0
                 if gain < tolerance:
-                    return End(point, cost, spent, "the cost no longer changes")
+                    return End(point, cost, spent, Ended("converged", "the cost no longer changes"))
                 if step < tolerance:
-                    return End(point, cost, spent, "the step is within its tolerance")
+                    return End(point, cost, spent, Ended("converged", "the step is within its tolerance"))

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from campaigns import Campaign
 from campaigns.results import NominalResult, SearchResult, StageResult
-from campaigns.results.base import EXCLUDED, OK
-from campaigns.wording import count
-from worker.search.base import Batch, Search
+from campaigns.results.base import EXCLUDED, OK, Stop
+from worker.problem.evaluate import Evaluate
+from worker.problem.problem import Problem
+from worker.search.base import Batch, Ended, Search
+from worker.stages.parts.ended import stop
 from worker.stages.parts.store import Columns, StagePlan, Store, join
-from worker.systems.closed_loop.realisations import Seeds
-from worker.systems.evaluate import Evaluate
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats, Seeds
 
 Result = TypeVar("Result")
 
@@ -100,12 +100,21 @@ class Tally:
 
 @dataclass(frozen=True)
 class Driven:
-    """A driven stage: tally, all its evaluations, and how it stopped: by its own rule or by the budget."""
+    """A driven stage: tally, all its evaluations, and how it stopped."""
 
     tally: Tally
     columns: Columns | None
-    stop: Literal["rule", "budget"]
-    text: str
+    how: Stop
+
+    @property
+    def stop(self) -> Literal["rule", "budget"]:
+        """By its own rule or by the budget."""
+        return self.how.kind
+
+    @property
+    def text(self) -> str:
+        """The same in words."""
+        return self.how.text
 
 
 def drive(context: Context, position: int, search: Search | Asking[str], budget: int, repeats: bool = False) -> Driven:
@@ -118,10 +127,12 @@ def drive(context: Context, position: int, search: Search | Asking[str], budget:
                 raise Cancelled
             batch, spent = driver.answer(points)
             if spent:
-                return driver.end("budget", f"used its budget of {count(budget)} evaluations")
+                return driver.end(
+                    stop("budget", Ended("budget", "used its budget of {budget} evaluations", budget=budget))
+                )
             points = search.send(batch)
     except StopIteration as stopped:
-        return driver.end("rule", stopped.value)
+        return driver.end(stop("rule", stopped.value))
     finally:
         search.close()
         driver.flush()
@@ -159,7 +170,7 @@ class _Driver:
         rows = [self.known[key] for key in keys]
         return Batch(np.array([r[0] for r in rows]), np.array([r[1] for r in rows], dtype=np.uint8)), False
 
-    def end(self, stop: Literal["rule", "budget"], text: str) -> Driven:
+    def end(self, how: Stop) -> Driven:
         if self.stored is not None and self.tally.evaluations < len(self.stored.status):
             raise ReplayMismatch(self.position, self.tally.evaluations)
         self.flush()
@@ -167,7 +178,7 @@ class _Driver:
         columns = join(self.held)
         if columns is not None:
             self.context.columns[self.position] = columns
-        return Driven(self.tally, columns, stop, text)
+        return Driven(self.tally, columns, how)
 
     def flush(self) -> None:
         columns = join(self.unsaved)

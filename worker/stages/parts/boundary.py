@@ -13,13 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.claims.say import count, number, percent, say
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.finding import Boundary, Ray
 from campaigns.results.sensitivity import Slices
-from campaigns.wording import number
+from worker.problem.problem import Problem
 from worker.search.base import Batch
 from worker.stages.parts import slices
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
 
 LOOKS = 20
 """On every ray."""
@@ -66,8 +67,8 @@ def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Bounda
     batch = yield looks
     beyond = _beyond(batch, problem.threshold)
     if beyond[0]:
-        text = "the nominal flight itself does not keep clear"
-        return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=[], line=None, text=text)
+        said = say(f"the nominal {problem.words.one} itself does not keep clear")
+        return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=[], line=None, said=said)
     costs = batch.costs[1:, 0].reshape(len(rays), LOOKS)
     for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), LOOKS), costs, strict=True):
         if hit.any():
@@ -114,17 +115,19 @@ def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Fl
 def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     *single, line = [_ray(problem, nominal, ray) for ray in rays]
     hits = [(ray.share, ray) for ray in single if ray.share is not None and ray.value is not None]
-    text = f"no violation was seen along any one parameter alone, looked at in {LOOKS} steps"
+    said = say("no violation was seen along any one parameter alone, looked at in ", count(LOOKS), " steps")
     if hits:
         share, near = min(hits, key=lambda hit: hit[0])
         assert near.value is not None
-        text = (
-            f"the nearest boundary along one parameter alone is {near.path} = {number(near.value)}, "
-            f"{100 * share:.3g} % of its range from nominal"
+        parameter = problem.signs[near.path]
+        said = say(
+            *("the nearest boundary along one parameter alone is ", parameter, " = ", number(near.value)),
+            *(", ", percent(share), " of its range from nominal"),
         )
     if line.way is not None:
-        text += f"; on the straight line to the worst case it is crossed after {100 * line.way:.3g} % of the way"
-    return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=single, line=line, text=text)
+        crossed = "; on the straight line to the worst case it is crossed after "
+        said = say(said, crossed, percent(line.way), " of the way")
+    return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=single, line=line, said=said)
 
 
 def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> Ray:

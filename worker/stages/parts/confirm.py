@@ -1,7 +1,7 @@
-"""Confirm: simulate cases again by other means, at half the step and with the reference integrator.
+"""Confirm: evaluate cases again by the other means that the system has, such as half the step and another integrator.
 
-A case agrees when both differences are within tolerance and all three values lie on the same side of the threshold. It
-is a confirmed violation when all three violate, however far they are apart. Either way it is validated. Tolerances have
+A case agrees when all differences are within tolerance and all values lie on the same side of the threshold. It is a
+confirmed violation when all of them violate, however far they are apart. Either way it is validated. Tolerances have
 a floor taken from the scale of the threshold, because a fraction of 0 is 0. Start reading at `cases`.
 """
 
@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from campaigns.results.base import OK
-from campaigns.results.finding import HalfStep, ReferenceCost, Validation
-from worker.reference import NAME, Flight, Reference
+from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
 from worker.stages.parts.base import Cancelled, Context
-from worker.systems.problem import Floats
+from worker.systems.base import Comparison, Confirmed, Floats
 
 FRACTION_OF_MARGIN = 0.1
 FLOOR = 1e-6
@@ -33,56 +32,28 @@ class Case:
 
 
 def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
-    """Every case at the campaign's step, at half of it and with the reference integrator.
-
-    Raises `Cancelled`.
-    """
-    step = context.problem.step
-    (full, counts), (half, _) = (costs(context, asked, s) for s in (step, step / 2))
-    others = reference(context, asked, [cost is not None for cost in full], counts)
-    return [_case(context, *case) for case in zip(asked, full, half, others, strict=True)]
-
-
-def costs(context: Context, asked: Sequence[Case], step: float) -> tuple[list[float | None], list[int | None]]:
-    """The cost of every case at this step [s], None where it has none; and the seed that counts, None for a mean."""
-    problem = context.problem
-    found: list[float | None] = [None] * len(asked)
-    counts = [case.seed for case in asked]
-    for own in (False, True):
-        rows = [i for i, case in enumerate(asked) if (case.seed is not None) == own]
-        if rows:
-            vectors = problem.vectors(np.array([asked[i].point for i in rows]))
-            if own:
-                batch, _ = problem.fly_vectors(vectors, step, np.array([asked[i].seed for i in rows], dtype=np.int64))
-            else:
-                batch, _, worst = problem.fly_realised(vectors, step)
-                for i, seed in zip(rows, worst or (), strict=worst is not None):
-                    counts[i] = seed
-            for i, cost, status in zip(rows, batch.costs[:, 0], batch.status, strict=True):
-                found[i] = float(cost) if status == OK else None
-    return found, counts
+    """Every case as the campaign asks, and by every other means that the system has. Raises `Cancelled`."""
+    if not asked:
+        return []
+    found = context.problem.system.confirm(*_asked(context, asked), context.cancelled)
+    if len(found) < len(asked):
+        raise Cancelled
+    return [_case(context, *case) for case in zip(asked, found, strict=True)]
 
 
-def reference(
-    context: Context, asked: Sequence[Case], known: Sequence[bool], counts: Sequence[int | None] | None = None
-) -> list[Flight]:
-    """Every case with the reference integrator; one that has no cost at the campaign's step is left out: it may be
-    beyond any explicit integrator. counts: the seeds that count, as in `Reference.fly`. Raises `Cancelled`."""
-    counts = [None] * len(asked) if counts is None else counts
-    found = [Flight(None, "the evaluation failed")] * len(asked)
-    by_seed: dict[int | None, list[int]] = {}
-    for i, (case, has_cost) in enumerate(zip(asked, known, strict=True)):
-        if has_cost:
-            by_seed.setdefault(case.seed, []).append(i)
-    for seed, rows in by_seed.items():
-        problem = context.problem.under(seed)
-        vectors = problem.vectors(np.array([asked[i].point for i in rows]))
-        flights = Reference(problem).fly_all(vectors, context.cancelled, [counts[i] for i in rows])
-        if len(flights) < len(rows):
-            raise Cancelled
-        for i, flight in zip(rows, flights, strict=True):
-            found[i] = flight
+def reference(context: Context, asked: Sequence[Case]) -> list[Comparison]:
+    """Every case, all of which have a cost, by the strongest of the other means. Raises `Cancelled`."""
+    if not asked:
+        return []
+    found = context.problem.system.compare(*_asked(context, asked), context.cancelled)
+    if len(found) < len(asked):
+        raise Cancelled
     return found
+
+
+def _asked(context: Context, asked: Sequence[Case]) -> tuple[Floats, list[int | None]]:
+    """The vectors of these cases, and the seeds of those that drew their own noise."""
+    return context.problem.vectors(np.array([case.point for case in asked])), [case.seed for case in asked]
 
 
 def scale(context: Context) -> float:
@@ -90,26 +61,34 @@ def scale(context: Context) -> float:
     return max(abs(context.problem.threshold), abs(context.nominal_cost or 0.0), 1e-9)
 
 
-def _case(context: Context, case: Case, cost: float | None, half: float | None, other: Flight) -> Validation:
-    threshold, step = context.problem.threshold, context.problem.step
-    known = [c for c in (cost, half, other.cost) if c is not None]
+def _case(context: Context, case: Case, found: Confirmed) -> Validation:
+    threshold, cost = context.problem.threshold, found.cost
+    known = [c for c in (cost, *(other.cost for other in found.comparisons)) if c is not None]
     violating = [c <= threshold for c in known]
     allowed = None if cost is None else _allowed(context, cost)
-    differences = [None if cost is None or c is None else c - cost for c in (half, other.cost)]
+    differences = [None if cost is None or o.cost is None else o.cost - cost for o in found.comparisons]
     close = allowed is not None and all(d is not None and abs(d) <= allowed for d in differences)
-    agrees, violates = close and len(set(violating)) == 1, len(known) == 3 and all(violating)
+    agrees = close and len(set(violating)) == 1
+    violates = len(known) == 1 + len(found.comparisons) and all(violating)
     return Validation(
         name=case.name,
-        step=step,
+        step=found.step,
         cost=cost,
-        half_step=HalfStep(step=step / 2, cost=half, difference=differences[0]),
-        integrator=ReferenceCost(name=NAME, cost=other.cost, difference=differences[1], reason=other.reason),
         allowed=allowed,
         agrees=agrees,
         violates=violates,
         ok=agrees or violates,
         realisation=case.seed,
+        **{o.kind: _stored(o, by) for o, by in zip(found.comparisons, differences, strict=True)},
     )
+
+
+def _stored(other: Comparison, difference: float | None) -> Any:
+    """A comparison as a validation holds it."""
+    if other.kind == "half_step":
+        return HalfStep(step=other.step or 0.0, cost=other.cost, difference=difference)
+    kind = ReferenceCost if other.kind == "integrator" else Repeated
+    return kind(name=other.name, cost=other.cost, difference=difference, reason=other.reason)
 
 
 def _allowed(context: Context, cost: float) -> float:

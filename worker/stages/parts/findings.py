@@ -21,7 +21,7 @@ from worker.stages.parts import seeds
 from worker.stages.parts.base import Context
 from worker.stages.parts.boundary import Around, after
 from worker.stages.parts.store import Columns
-from worker.systems.problem import Floats
+from worker.systems.base import Floats
 
 EACH, ALL = 12, 60
 """Points to descend from: of every stage's evaluations at most, and of everything at most."""
@@ -83,7 +83,8 @@ def search(context: Context, position: int, found: Found) -> Search:
             found.seen.see(points, batch.ranked())
             points = asking.send(batch)
     except StopIteration as end:
-        return str(end.value)
+        rule: str = end.value
+        return rule
     finally:
         asking.close()
 
@@ -107,7 +108,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
     found.candidates = gather(context, position)
     yield from _drawn(context, position, found)
     if not found.candidates:
-        return "no flight was evaluated"
+        return f"no {context.problem.words.one} was evaluated"
     random = _space(context).random
     yield from _told_apart(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
     yield from _evidence(context, found, random)
@@ -119,7 +120,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
         yield from _told_apart(context, found, [*found.basins, fresh])
         yield from _evidence(context, found, random)
-    return "polished every distinct worst case and flew its neighbours"
+    return f"polished every distinct worst case and {context.problem.words.evaluated} its neighbours"
 
 
 def gather(context: Context, position: int) -> list[Candidate]:

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from campaigns.results.base import OK
 from campaigns.results.search import FrontPoint
+from worker.problem.criteria import criteria, values
+from worker.problem.problem import Problem
 from worker.stages.parts.store import Columns
-from worker.systems.criteria import criteria, values
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
 
 MOST = 2000
 """Points of a front that a result holds; of more, these are spread evenly over the values of the first criterion."""
@@ -35,7 +36,7 @@ def undominated(costs: Floats) -> NDArray[np.int64]:
 
 def of_stage(problem: Problem, columns: Columns | None) -> tuple[list[FrontPoint] | None, int | None]:
     """The Pareto front of a stage's evaluations, thinned, and its size; None with one criterion."""
-    if columns is None or len(problem.criteria) == 1:
+    if columns is None or len(problem.results) == 1:
         return None, None
     ok = np.flatnonzero(columns.status == OK)
     rows = ok[undominated(columns.costs[ok])]

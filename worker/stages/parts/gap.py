@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.claims.say import count, number, say, symbol
 from campaigns.results.search import Gap
-from campaigns.wording import count, number
+from worker.problem.problem import Problem
 from worker.search.base import Batch, Floats
 from worker.search.methods import direct
 from worker.stages.parts.store import Columns
-from worker.systems.problem import Problem
 
 DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=True)}
 """The methods that keep rectangles."""
@@ -37,18 +37,23 @@ def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> G
     half = 0.5 * 3.0 ** -boxes.depth[: boxes.count][kept].astype(np.float64)
     lowest = float((boxes.value[: boxes.count][kept] - half @ slopes).min())
     best = float(boxes.value[: boxes.count][kept].min())
-    criterion, lost = problem.parts.criterion, int(np.count_nonzero(~kept))
-    unit = criterion.unit
-    without = f"; {count(lost)} rectangles whose centre has no value are left out" if lost else ""
+    unit, lost = problem.unit, int(np.count_nonzero(~kept))
+    without = say("; ", count(lost), " rectangles whose centre has no value are left out") if lost else ()
     return Gap(
         rectangles=boxes.count,
         without_value=lost,
         slopes={r.path: float(s) / (r.high - r.low) for r, s in zip(problem.ranges, slopes, strict=True)},
         lower_bound=lowest,
         gap=best - lowest,
-        text=f"estimate, no bound: if {criterion.quantity} changes nowhere faster than between neighbouring centres "
-        f"of its {count(boxes.count)} rectangles, it lies nowhere below {number(lowest)} {unit}, "
-        f"{number(best - lowest)} {unit} below the lowest of them{without}",
+        said=say(
+            *(
+                "estimate, no bound: if ",
+                symbol(problem.quantity),
+                " changes nowhere faster than between neighbouring ",
+            ),
+            *("centres of its ", count(boxes.count), " rectangles, it lies nowhere below ", number(lowest, unit)),
+            *(", ", number(best - lowest, unit), " below the lowest of them", without),
+        ),
     )
 
 

@@ -13,11 +13,13 @@ from typing import Any, TypedDict
 import numpy as np
 
 from campaigns.asked.stages import Morris, SobolIndices
+from campaigns.claims.say import count, listed, number, say
+from campaigns.claims.spans import Said
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sensitivity import MorrisRow, MorrisStudy, SobolRow, SobolStudy
-from campaigns.wording import count, listed
+from worker.problem.problem import Problem
 from worker.search.base import Batch
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
 """Of random numbers; searches have those from 0 on."""
@@ -34,11 +36,11 @@ def morris(
     points = np.asarray(sampling.sample(box, asked.trajectories, num_levels=asked.levels, seed=random))
     batch = yield points
 
-    def study(rows: list[MorrisRow] | None, text: str) -> MorrisStudy:
+    def study(rows: list[MorrisRow] | None, said: Said) -> MorrisStudy:
         counts = _counts(batch, confidence)
-        return MorrisStudy(**counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, text=text)
+        return MorrisStudy(**counts, trajectories=asked.trajectories, levels=asked.levels, indices=rows, said=said)
 
-    reason = _unusable(batch)
+    reason = _unusable(problem, batch)
     if reason is not None:
         return study(None, reason)
     values = batch.costs[:, 0]
@@ -47,7 +49,7 @@ def morris(
     )
     columns = {"mu": "mu", "mu_star": "mu_star", "mu_star_confidence": "mu_star_conf", "sigma": "sigma"}
     rows = [MorrisRow(path=path, **values) for path, values in _rows(problem, found, columns)]
-    return study(rows, f"largest effects: {_leading({row.path: row.mu_star for row in rows})}")
+    return study(rows, say("largest effects: ", _leading(problem, {row.path: row.mu_star for row in rows})))
 
 
 def sobol(
@@ -64,13 +66,13 @@ def sobol(
     uniform = np.asarray(sampling.sample(box, asked.samples, calc_second_order=False, seed=random))
     batch = yield problem.distributions.marginals(uniform)
 
-    def study(rows: list[SobolRow] | None, text: str) -> SobolStudy:
-        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, text=text)
+    def study(rows: list[SobolRow] | None, said: Said) -> SobolStudy:
+        return SobolStudy(**_counts(batch, confidence), samples=asked.samples, indices=rows, said=said)
 
     values = batch.costs[:, 0]
-    reason = _unusable(batch)
+    reason = _unusable(problem, batch)
     if reason is None and np.ptp(values) <= 1e-12 * max(1.0, float(np.abs(values).max())):
-        reason = "not computed: the value is the same for all flights, there is no variance to share"
+        reason = say(f"not computed: the value is the same for all {problem.words.many}, there is no variance to share")
     if reason is not None:
         return study(None, reason)
     found = analysis.analyze(
@@ -79,7 +81,8 @@ def sobol(
     columns = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
     rows = [SobolRow(path=path, **values) for path, values in _rows(problem, found, columns)]
     apart = "; correlations are left out" if problem.distributions.mixed else ""
-    return study(rows, f"largest total shares: {_leading({row.path: row.total for row in rows})}{apart}")
+    leading = _leading(problem, {row.path: row.total for row in rows})
+    return study(rows, say("largest total shares: ", leading, apart))
 
 
 def _box(problem: Problem) -> dict[str, Any]:
@@ -101,14 +104,16 @@ def _counts(batch: Batch, confidence: float) -> _Counts:
     return {"evaluations": len(batch.status), "failed": failed, "excluded": excluded, "confidence": confidence}
 
 
-def _unusable(batch: Batch) -> str | None:
+def _unusable(problem: Problem, batch: Batch) -> Said | None:
     """Why no index is computed: the designs need the value of every flight, and none is made up."""
     missing = int(np.count_nonzero(batch.status != OK))
     if not missing:
         return None
-    return (
-        f"not computed: {count(missing)} of {count(len(batch.status))} flights failed or were excluded, and the design "
-        "needs the value of every one; narrow the bounds to where all can be flown"
+    words = problem.words
+    return say(
+        *("not computed: ", count(missing), " of ", count(len(batch.status))),
+        f" {words.many} failed or were excluded, and the design needs the value of every one; "
+        f"narrow the bounds to where all can be {words.done}",
     )
 
 
@@ -121,6 +126,9 @@ def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[s
     return rows
 
 
-def _leading(values: dict[str, float | None]) -> str:
-    ordered = sorted(values.items(), key=lambda item: -(item[1] or 0.0))
-    return listed([f"{path} {value or 0.0:.3g}" for path, value in ordered[:3]])
+def _leading(problem: Problem, values: dict[str, float | None]) -> Said:
+    ordered, parameters = (
+        sorted(values.items(), key=lambda item: -(item[1] or 0.0)),
+        problem.signs,
+    )
+    return listed([say(parameters[path], " ", number(value or 0.0, digits=3)) for path, value in ordered[:3]])

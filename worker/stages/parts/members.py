@@ -36,7 +36,8 @@ class Members:
                     self.owner.setdefault(point.tobytes(), name)
                 batch = yield points
         except StopIteration as end:
-            return str(end.value)
+            rule: str = end.value
+            return rule
         finally:
             search.close()
 

@@ -13,14 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from campaigns.claims.say import count, number, say
+from campaigns.claims.spans import Said
 from campaigns.results.base import OK
 from campaigns.results.finding import Validation
 from campaigns.results.validate import Furthest, SpotChecks, StageCount, Violations
-from campaigns.wording import count, number
 from worker.stages.parts import seeds
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.confirm import Case, cases, reference
-from worker.systems.problem import Floats
+from worker.systems.base import Floats, Words
 
 AT_MOST = 200
 SPOT_CHECKS = 200
@@ -83,7 +84,7 @@ def violations(context: Context, positions: range) -> tuple[Violations, list[tup
         by_stage=[StageCount(position=int(at), count=int(n)) for at, n in zip(stages, counts, strict=True)],
         checked=len(chosen),
         confirmed=len(confirmed),
-        text=_counts(len(found), len(chosen), len(confirmed)),
+        said=_counts(context.problem.words, len(found), len(chosen), len(confirmed)),
     )
     return described, confirmed
 
@@ -93,7 +94,7 @@ def spot_checks(context: Context, positions: range) -> SpotChecks:
     known = _Stored(context, positions)
     random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(STREAM,)))
     chosen = known.pick(np.sort(random.permutation(len(known))[:SPOT_CHECKS]))
-    flights = reference(context, [s.case for s in chosen], [True] * len(chosen))
+    flights = reference(context, [s.case for s in chosen])
     pairs = [(s, f.cost) for s, f in zip(chosen, flights, strict=True) if f.cost is not None]
     apart = np.array([abs(cost - s.cost) for s, cost in pairs])
     threshold = context.problem.threshold
@@ -109,7 +110,9 @@ def spot_checks(context: Context, positions: range) -> SpotChecks:
         violating=len(sides),
         at=_furthest(context, *pairs[int(apart.argmax())]) if len(apart) else None,
         reasons=reasons[:5],
-        text=_apart(len(chosen), len(pairs), largest, median, len(sides), context.problem.parts.criterion.unit),
+        said=_apart(
+            context.problem.words.reference, len(chosen), len(pairs), largest, median, len(sides), context.problem.unit
+        ),
     )
 
 
@@ -128,28 +131,29 @@ def _even(size: int, at_most: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, size - 1, min(size, at_most)).round().astype(np.int64))
 
 
-def _counts(stored: int, checked: int, confirmed: int) -> str:
+def _counts(words: Words, stored: int, checked: int, confirmed: int) -> Said:
     if stored == 0:
-        return "no stored evaluation violates the criterion"
-    of = "all" if checked == stored else f"{count(checked)}, chosen evenly by cost,"
-    verb = "violates" if stored == 1 else "violate"
-    return (
-        f"{count(stored)} stored {'evaluation' if stored == 1 else 'evaluations'} {verb} the criterion; {of} of them "
-        "were simulated again at half the step and with the reference integrator, and "
-        f"{count(confirmed)} violate there too"
+        return say("no stored evaluation violates the criterion")
+    of = say("all") if checked == stored else say(count(checked, "checked"), ", chosen evenly by cost,")
+    verb = "evaluation violates" if stored == 1 else "evaluations violate"
+    return say(
+        *(count(stored, "violating"), f" stored {verb} the criterion; ", of, f" of them were {words.again}, and "),
+        *(count(confirmed, "confirmed"), " violate there too"),
     )
 
 
-def _apart(checked: int, compared: int, largest: float | None, median: float | None, violating: int, unit: str) -> str:
+def _apart(
+    by: str, checked: int, compared: int, largest: float | None, median: float | None, violating: int, unit: str
+) -> Said:
     if largest is None or median is None:
-        return "no random evaluation could be compared with the reference integrator"
-    text = (
-        f"{count(compared)} random evaluations compared with the reference integrator: at most "
-        f"{number(largest)} {unit} apart, half of them within {number(median)} {unit}"
+        return say(f"no random evaluation could be compared with {by}")
+    said = say(
+        *(count(compared, "compared"), f" random evaluations compared with {by}: at most "),
+        *(number(largest, unit, "largest"), " apart, half of them within ", number(median, unit, "median")),
     )
     without = checked - compared
     if without:
-        text += f"; {count(without)} more could not be simulated by it"
+        said = say(said, "; ", count(without), " more could not be simulated by it")
     if violating:
-        text += f"; {count(violating)} of them violate the criterion there and not here"
-    return text
+        said = say(said, "; ", count(violating), " of them violate the criterion there and not here")
+    return said

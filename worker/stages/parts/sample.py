@@ -11,17 +11,18 @@ from typing import Any
 
 import numpy as np
 
+from campaigns.claims.say import count, listed, number, percent, say, symbol
+from campaigns.claims.spans import Said, words
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.results.sample import Distribution, Histogram, QuantileBound
 from campaigns.results.sample import Noise as NoiseKind
 from campaigns.results.sample import Sample as Statement
-from campaigns.wording import count, listed, number
+from worker.problem.problem import Problem
 from worker.search.methods import monte_carlo
 from worker.stages.parts import claims
 from worker.stages.parts.base import Context
 from worker.stages.parts.store import Columns
-from worker.systems.closed_loop.realisations import Realisations
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats, Realised
 
 STEPS = 400
 """Values of the distribution function that a chart is given."""
@@ -45,11 +46,11 @@ class Noise:
     clause: str = ""
 
     @staticmethod
-    def given(realised: Realisations) -> Noise:
+    def given(realised: Realised) -> Noise:
         """Of flights that all simulate the realisations that the campaign states."""
         if not realised.random:
             return Noise()
-        seeds = listed([str(seed) for seed in realised.seeds])
+        seeds = words(listed([str(seed) for seed in realised.seeds]))
         which = f"the {realised.combine} of those with seeds {seeds}" if realised.several else f"that with seed {seeds}"
         return Noise("stated", f", given one realisation of the noise ({which}) and no other")
 
@@ -69,6 +70,8 @@ class Sample:
     """The probability of lying beyond the bounds, or an upper bound of it."""
     confidence: float
     noise: Noise = Noise()
+    one: str = "flight"
+    many: str = "flights"
 
     @staticmethod
     def of(columns: Columns, problem: Problem, confidence: float, drawn: bool = False) -> Sample:
@@ -77,7 +80,8 @@ class Sample:
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
         noise = DRAWN if drawn else Noise.given(problem.realisations)
-        return Sample(costs, failed, excluded, problem.threshold, problem.distributions.outside, confidence, noise)
+        outside, words = problem.distributions.outside, problem.words
+        return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise, words.one, words.many)
 
     @property
     def size(self) -> int:
@@ -106,18 +110,21 @@ class Sample:
             mean=float(costs.mean()) if len(costs) else None,
             deviation=float(costs.std(ddof=1)) if len(costs) > 1 else None,
             histogram=Histogram(edges=edges.tolist(), counts=counts.tolist()),
-            text=f"{self._seen()} violate the criterion{self.failures()}: P(violation) is at most "
-            f"{100 * upper:.3g} % with {100 * self.confidence:g} % confidence{self._beyond()}{self._conditions()}",
+            said=say(
+                *(self._seen(), " violate the criterion", self.failures(), ": P(violation) is at most "),
+                *(percent(upper, name="upper_bound"), " with ", percent(self.confidence, 6, "confidence")),
+                *(" confidence", self._beyond(), self._conditions()),
+            ),
         )
 
     def unclaimed(self, points: str, why: str) -> Statement:
         """The same without a bound, and why there is none."""
-        share = f" (an estimate of {100 * self.violations / self.size:.3g} %)" if self.size else ""
-        text = (
-            f"{count(self.violations)} of {count(self.size)} {points} violate the criterion{self.failures()}{share}: "
-            f"{why}{self._conditions()}"
+        estimate = say(" (an estimate of ", percent(self.violations / self.size), ")") if self.size else ()
+        said = say(
+            *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points} violate the "),
+            *("criterion", self.failures(), estimate, f": {why}", self._conditions()),
         )
-        return self.statement().model_copy(update={"upper_bound": None, "text": text})
+        return self.statement().model_copy(update={"upper_bound": None, "said": said})
 
     def quantile(self, share: float, quantity: str, unit: str) -> QuantileBound:
         """Wilks' lower bound on the quantile at `share`: which of the lowest values, with which confidence."""
@@ -126,22 +133,22 @@ class Sample:
         r = claims.order(self.size, within, self.confidence)
         least = claims.needed(within, self.confidence) if within > 0.0 else None
         value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
-        most = f"{100 * share:g} %"
+        most, size, none = percent(share, 6, "share"), count(self.size, "samples"), "no bound on the "
         if least is None:
-            text = f"no bound on the {most} quantile: {100 * self.outside:.3g} % of the draws may lie beyond the bounds"
+            said = say(none, most, " quantile: ", percent(self.outside), " of the draws may lie beyond the bounds")
         elif r == 0:
-            text = (
-                f"{count(self.size)} flights are too few for a bound on the {most} quantile, which needs {count(least)}"
-            )
+            few = f" {self.many} are too few for a bound on the "
+            said = say(size, few, most, " quantile, which needs ", count(least, "needed"))
         elif value is None:
-            text = f"no bound on the {most} quantile: the {_ordinal(r)} lowest of the sample is a failed flight"
+            said = say(none, most, f" quantile: the {_ordinal(r)} lowest of the sample is a failed {self.one}")
         else:
-            text = (
-                f"at most {most} of the flights{counted} have {quantity} below {number(value)} {unit}, "
-                f"with {100 * self.confidence:g} % confidence: it is the {_ordinal(r)} lowest of {count(self.size)}"
+            said = say(
+                *("at most ", most, f" of the {self.many}{counted} have ", symbol(quantity), " below "),
+                *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence")),
+                *(f" confidence: it is the {_ordinal(r)} lowest of ", size),
             )
         confidence = claims.held(r, self.size, within) if r else None
-        return QuantileBound(share=share, order=r or None, bound=value, needed=least, confidence=confidence, text=text)
+        return QuantileBound(share=share, order=r or None, bound=value, needed=least, confidence=confidence, said=said)
 
     def distribution(self) -> Distribution:
         """The empirical distribution function: values and the share of the sample at or below each; its band."""
@@ -161,30 +168,33 @@ class Sample:
         """The fraction of all draws that were excluded."""
         return self.excluded / max(self.size + self.excluded, 1)
 
-    def _seen(self) -> str:
+    def _seen(self) -> Said:
         own = self.noise.clause if self.noise.kind == "drawn" else ""
-        return f"{count(self.violations)} of {count(self.size)} flights drawn from the stated distributions{own}"
+        drawn = f" {self.many} drawn from the stated distributions{own}"
+        return say(count(self.violations, "violations"), " of ", count(self.size, "samples"), drawn)
 
-    def _conditions(self) -> str:
+    def _conditions(self) -> Said:
         """Under which condition the statement holds: the noise, and what was excluded."""
         given = self.noise.clause if self.noise.kind == "stated" else ""
         if not self.excluded:
-            return given
-        return (
-            f"{given}; it holds for starts above the threshold only: {count(self.excluded)} of "
-            f"{count(self.size + self.excluded)} draws ({100 * self.excluded_fraction:.3g} %) start at or below it and "
-            "were excluded"
+            return say(given)
+        return say(
+            *(f"{given}; it holds for starts above the threshold only: ", count(self.excluded, "draws_excluded")),
+            *(" of ", count(self.size + self.excluded, "draws"), " draws (", percent(self.excluded_fraction)),
+            ") start at or below it and were excluded",
         )
 
-    def failures(self) -> str:
+    def failures(self) -> Said:
         """A clause on the flights that failed, where some did."""
-        return f" ({count(self.failed)} of them flights that failed)" if self.failed else ""
+        of = f" of them {self.many} that failed)"
+        return say(" (", count(self.failed, "draws_failed"), of) if self.failed else ()
 
-    def _beyond(self) -> str:
+    def _beyond(self) -> Said:
         if not self.outside:
-            return ""
+            return ()
         every = ", counted over all draws, excluded ones among them" if self.excluded else ""
-        return f", of which {100 * self.outside:.3g} % is the probability of lying beyond the bounds{every}"
+        beyond = f" is the probability of lying beyond the bounds{every}"
+        return say(", of which ", percent(self.outside, name="outside"), beyond)
 
 
 def of_search(context: Context, options: Any, columns: Columns) -> Statement:
@@ -195,16 +205,17 @@ def of_search(context: Context, options: Any, columns: Columns) -> Statement:
     if isinstance(options, monte_carlo.Options) and options.sampling != "plain":
         return sample.unclaimed(POINTS[options.sampling], NO_SAMPLE)
     if isinstance(options, monte_carlo.Options) and options.continued:
-        return sample.unclaimed("flights drawn from the stated distributions", WENT_ON)
+        return sample.unclaimed(f"{sample.many} drawn from the stated distributions", WENT_ON)
     if not isinstance(options, monte_carlo.Options) or options.interval == 0.0:
         return sample.statement()
     looks, level = monte_carlo.looked(len(columns.status), confidence)
     statement = sample.statement(level)
-    how = (
+    how = say(
         "; the sample may stop by what it shows, which makes it no fixed sample: each look spends a part of the error, "
-        f"so that the bounds of all looks hold together, and this is number {looks}, made with {100 * level:.6g} %"
+        "so that the bounds of all looks hold together, and this is number ",
+        *(count(looks, "looks"), ", made with ", percent(level, 6, "level")),
     )
-    return statement.model_copy(update={"looks": looks, "text": statement.text + how})
+    return statement.model_copy(update={"looks": looks, "said": say(statement.said, how)})
 
 
 def _ordinal(r: int) -> str:

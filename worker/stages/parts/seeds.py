@@ -16,7 +16,7 @@ from campaigns.asked.spec import MAX_SEED
 from campaigns.results import CertifyResult
 from worker.stages.parts.base import Context, all_columns
 from worker.stages.parts.store import Columns
-from worker.systems.closed_loop.realisations import Seeds
+from worker.systems.base import Seeds
 
 _GAMMA = 0x9E3779B97F4A7C15
 _BITS = MAX_SEED.bit_length() - 1

@@ -12,8 +12,9 @@ import numpy as np
 
 from campaigns.results.base import STATUS
 from campaigns.results.sensitivity import Curve, Slices
+from worker.problem.problem import Problem
 from worker.search.base import Batch
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats
 
 POINTS = 41
 """On each slice through a worst case, beside the worst case itself."""

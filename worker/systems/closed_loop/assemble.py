@@ -98,11 +98,16 @@ class Loop:
         params = np.ascontiguousarray(params, dtype=np.float64)
         trace = np.full((traced, steps + 1, self.n_state + self.n_held), np.nan)
         flown = Flown(len(params), len(self.parts.criteria), trace)
+        # Comparisons inside components may swallow a NaN: a flight of parameters that are no numbers is none.
+        numbers: NDArray[np.bool_] = np.asarray(np.isfinite(params).all(axis=1))
+        if not numbers.all():
+            fine = self.fly(params[numbers], step, steps, every, int(np.count_nonzero(numbers[:traced])))
+            flown.costs[:], flown.status[:], flown.when[:] = np.nan, loop.NOT_FINITE, 0.0
+            flown.costs[numbers], flown.status[numbers], flown.when[numbers] = fine.costs, fine.status, fine.when
+            trace[numbers[:traced]] = fine.trace
+            return flown
         with np.errstate(all="ignore"):
             self._fly(params, step, steps, every, flown.costs, flown.status, flown.when, trace)
-        # Comparisons inside components may swallow a NaN: a flight of parameters that are no numbers is none.
-        wrong = ~np.isfinite(params).all(axis=1)
-        flown.costs[wrong], flown.status[wrong], flown.when[wrong] = np.nan, loop.NOT_FINITE, 0.0
         return flown
 
     def warm(self) -> None:

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from worker.systems.base import Floats
+from worker.systems.closed_loop.flights import Flights
 from worker.systems.closed_loop.trace import Flown
-from worker.systems.problem import Floats, Problem
 
 UNITS = {"force": "N", "velocity": "m/s"}
 MOST = 10_000
@@ -41,18 +42,18 @@ class Field:
     """At every place (m, 3); what is no number is NaN."""
 
 
-def field(problem: Problem, flown: Flown, time: float, places: Floats) -> Field:
+def field(flights: Flights, flown: Flown, time: float, places: Floats) -> Field:
     """The demands at places (m, 2), x and y [m] of the flight's axes, at a time [s] of a flight.
 
     The vehicle is taken to be mistaken there by as much as it is where it flies.
     """
-    loop = problem.loop
-    row = min(max(round(time / problem.step), 0), len(flown.states) - 1)
-    at, p = row * problem.step, loop.extend(flown.vector)
+    loop = flights.loop
+    row = min(max(round(time / flights.step), 0), len(flown.states) - 1)
+    at, p = row * flights.step, loop.extend(flown.vector)
     state = _numbers(flown.states[row, : loop.n_state])
     # The loop asked at this step with the memory that the step before had left.
     memory = loop.part("blank")(p) if row == 0 else _numbers(flown.states[row - 1, loop.n_state :])
-    dimension = problem.parts.vehicle.dimension
+    dimension = flights.parts.vehicle.dimension
     asked_at = loop.part("asked_at")
 
     def asked(place: Sequence[float]) -> Floats:
@@ -60,14 +61,14 @@ def field(problem: Problem, flown: Flown, time: float, places: Floats) -> Field:
 
     with np.errstate(all="ignore"):
         _, believed, velocity, _ = loop.part("aware")(at, state, p)
-        true = loop.observe(flown.states[row : row + 1], flown.vector, problem.step)[0, :3]
+        true = loop.observe(flown.states[row : row + 1], flown.vector, flights.step)[0, :3]
         height = believed[2:dimension]
         error = np.array(believed[:2]) - true[:2]
         demand = np.array([_finite(asked, [*place, *height]) for place in (places + error).tolist()])
         own = _finite(asked, believed)
     full = np.zeros(3)
     full[:dimension] = velocity
-    avoider = problem.parts.avoider
+    avoider = flights.parts.avoider
     return Field(at, true, full, avoider.demand, avoider.memory, own, demand.reshape(len(places), 3))
 
 

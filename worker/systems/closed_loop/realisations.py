@@ -20,9 +20,7 @@ from campaigns.asked.spec import Realisations as Asked
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.kernels.layout import Section
 from worker.search.base import Batch
-
-Floats = NDArray[np.float64]
-Seeds = NDArray[np.int64]
+from worker.systems.base import Floats, Realised, Seeds
 
 OWN = 2.0**24
 PLACE = 2.0**8
@@ -32,12 +30,10 @@ assert OWN * PLACE * MAX_SEED <= 2.0**52
 
 
 @dataclass(frozen=True)
-class Realisations:
+class Realisations(Realised):
     """Seeds, how their flights combine, and where in the flat vector each random component finds its seed."""
 
-    seeds: tuple[int, ...]
-    combine: str
-    places: tuple[int, ...]
+    places: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, asked: Asked, sections: Sequence[Section]) -> Realisations:
@@ -48,16 +44,7 @@ class Realisations:
             for k, parameter in enumerate(section.parameters)
             if parameter.name == SEED and section.prefix.startswith(("environment.", "faults."))
         ]
-        return cls(tuple(asked.seeds), asked.combine, tuple(places))
-
-    @property
-    def random(self) -> bool:
-        """Whether any component of the scenario is random, so that a seed changes the simulation."""
-        return bool(self.places)
-
-    @property
-    def several(self) -> bool:
-        return len(self.seeds) > 1
+        return cls(tuple(asked.seeds), asked.combine, bool(places), tuple(places))
 
     def flights(self, vectors: Floats) -> Floats:
         """The vectors (k m, size) to fly for the vectors (m, size) of m evaluations: all of one seed, then the next."""

@@ -16,36 +16,35 @@ from backend.db.records import Trace
 from campaigns import thin
 from campaigns.results.base import FAILED, STATUS
 from campaigns.results.trace import Closest, Realisation, TraceColumn, TraceHead, TraceObstacle
-from worker.systems.criteria import criteria
-from worker.systems.criteria import values as criterion_values
-from worker.systems.problem import Floats, Problem
+from worker.systems.base import Floats, in_own_sign
+from worker.systems.closed_loop.flights import Flights
 
 POSE = 6
 Group = Literal["time", "pose", "state", "command", "separation"]
 
 
-def trace(problem: Problem, name: str, values: Mapping[str, float], rows: int | None = None) -> Trace:
+def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | None = None) -> Trace:
     """Fly one case and return its trace, thinned to about `rows` rows around the closest approach where given.
 
     Of several realisations it shows the worst; the cost told is that of the evaluation.
     values: parameters by path; what is left out is nominal. Raises KeyError for an unknown path.
     """
-    flown = fly(problem, values)
+    flown = fly(flights, values)
     states, vector = flown.states, flown.vector
-    seen = _Seen(problem, problem.loop.observe(states, vector, problem.step), vector)
-    closest = _closest(problem, seen)
+    seen = _Seen(flights, flights.loop.observe(states, vector, flights.step), vector)
+    closest = _closest(flights, seen)
     kept = _kept(len(states), rows, closest)
     data = np.column_stack(
         (
-            kept * problem.step,
+            kept * flights.step,
             seen.columns[kept, :POSE],
-            states[kept][:, _further(problem)],
+            states[kept][:, _further(flights)],
             seen.commands[kept],
             seen.moving[kept],
             seen.separation(kept),
         )
     )
-    return Trace(name, _columns(problem), data, _head(problem, seen, values, flown, closest))
+    return Trace(name, _columns(flights), data, _head(flights, seen, values, flown, closest))
 
 
 @dataclass(frozen=True)
@@ -65,19 +64,19 @@ class Flown:
     """Of the realisation shown."""
 
 
-def fly(problem: Problem, values: Mapping[str, float]) -> Flown:
+def fly(flights: Flights, values: Mapping[str, float]) -> Flown:
     """Fly one case; values: parameters by path, what is left out is nominal. Raises KeyError for an unknown path."""
-    vectors = problem.realisations.flights(problem.vector(values)[None, :])
+    vectors = flights.realisations.flights(flights.vector(values)[None, :])
     several = len(vectors) > 1
-    flown = problem.loop.fly(vectors, problem.step, *problem.counts(problem.step), traced=0 if several else 1)
-    codes, said = problem.judge(flown.status, flown.when)
-    batch, reasons = problem.realisations.combined(flown.costs, codes, said)
-    shown = problem.realisations.worst(flown.costs, codes)
-    states = flown.trace[0] if not several else _again(problem, vectors[shown])
+    flown = flights.loop.fly(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
+    codes, said = flights.judge(flown.status, flown.when)
+    batch, reasons = flights.realisations.combined(flown.costs, codes, said)
+    shown = flights.realisations.worst(flown.costs, codes)
+    states = flown.trace[0] if not several else _again(flights, vectors[shown])
     flying = np.isfinite(states).all(axis=1)
     states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
     if codes[shown] == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
-        states = states[: round(float(flown.when[shown]) / problem.step) + 1]
+        states = states[: round(float(flown.when[shown]) / flights.step) + 1]
     return Flown(
         vector=vectors[shown],
         states=states,
@@ -89,19 +88,19 @@ def fly(problem: Problem, values: Mapping[str, float]) -> Flown:
     )
 
 
-def _again(problem: Problem, vector: Floats) -> Floats:
+def _again(flights: Flights, vector: Floats) -> Floats:
     """The states of one realisation, flown once more by itself: traces of all of them would take all the memory.
 
     A flight's bits depend on its vector alone, so it is the flight whose cost was counted.
     """
-    flown = problem.loop.fly(vector[None, :], problem.step, *problem.counts(problem.step), traced=1)
+    flown = flights.loop.fly(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
     states: Floats = flown.trace[0]
     return states
 
 
-def _realisation(problem: Problem, shown: int, cost: float) -> Realisation:
+def _realisation(flights: Flights, shown: int, cost: float) -> Realisation:
     """Which realisation the trace shows, of how many, and its own cost."""
-    realised = problem.realisations
+    realised = flights.realisations
     return Realisation(
         seed=realised.seeds[shown],
         seeds=len(realised.seeds),
@@ -110,10 +109,10 @@ def _realisation(problem: Problem, shown: int, cost: float) -> Realisation:
     )
 
 
-def _values(problem: Problem, costs: Floats) -> dict[str, float | None]:
+def _values(flights: Flights, costs: Floats) -> dict[str, float | None]:
     """By every criterion's name its value, in its own sign; costs (1, k)."""
-    names = [c.name for c in criteria(problem)]
-    return dict(zip(names, map(_known, criterion_values(problem, costs)[0]), strict=True))
+    names = [r.name for r in flights.results]
+    return dict(zip(names, map(_known, in_own_sign(flights.results, costs)[0]), strict=True))
 
 
 def _known(cost: float) -> float | None:
@@ -123,11 +122,11 @@ def _known(cost: float) -> float | None:
 class _Seen:
     """The observed columns of one flight by what they show."""
 
-    def __init__(self, problem: Problem, columns: Floats, vector: Floats) -> None:
-        self.problem, self.columns, self.vector = problem, columns, vector
-        obstacles = problem.parts.obstacles
-        last = columns.shape[1] - problem.loop.channels.total
-        deciding = problem.loop.channels.of["criterion"]
+    def __init__(self, flights: Flights, columns: Floats, vector: Floats) -> None:
+        self.flights, self.columns, self.vector = flights, columns, vector
+        obstacles = flights.parts.obstacles
+        last = columns.shape[1] - flights.loop.channels.total
+        deciding = flights.loop.channels.of["criterion"]
         first = last - 3 * len(obstacles)
         self.commands = columns[:, POSE:first]
         self.centres = columns[:, first:last].reshape(len(columns), len(obstacles), 3)
@@ -139,44 +138,44 @@ class _Seen:
 
     def cost(self, channels: Floats) -> float:
         """The criterion's value of one reading of the channels."""
-        extended = self.problem.loop.extend(self.vector)
-        return float(self.problem.loop.part("cost")(tuple(map(float, channels)), extended))
+        extended = self.flights.loop.extend(self.vector)
+        return float(self.flights.loop.part("cost")(tuple(map(float, channels)), extended))
 
     def separation(self, kept: Any) -> Floats:
         """The criterion's value at every row (m,)."""
-        cost, p = self.problem.loop.part("cost"), self.problem.loop.extend(self.vector)
+        cost, p = self.flights.loop.part("cost"), self.flights.loop.extend(self.vector)
         return np.array([cost(tuple(map(float, row)), p) for row in self.channels[kept]])
 
 
-def _further(problem: Problem) -> list[int]:
+def _further(flights: Flights) -> list[int]:
     """The vehicle's states that the pose does not show already."""
-    vehicle = problem.parts.vehicle
+    vehicle = flights.parts.vehicle
     shown = {"x", "y", "z", "phi", "theta", "psi"} if vehicle.dimension == 3 else {"x", "y", "theta", "psi"}
     return [k for k, s in enumerate(vehicle.states) if s.name not in shown]
 
 
-def _columns(problem: Problem) -> list[TraceColumn]:
-    vehicle, signals, criterion = problem.parts.vehicle, problem.loop.signals, problem.parts.criterion
+def _columns(flights: Flights) -> list[TraceColumn]:
+    vehicle, signals, criterion = flights.parts.vehicle, flights.loop.signals, flights.parts.criterion
 
     def column(name: str, symbol: str, unit: str, group: Group) -> TraceColumn:
         return TraceColumn(name=name, symbol=symbol, unit=unit, group=group)
 
-    commands = (*vehicle.inputs, *problem.parts.controller.signals)
-    moving = [i for i, o in enumerate(problem.parts.obstacles) if o.moving]
+    commands = (*vehicle.inputs, *flights.parts.controller.signals)
+    moving = [i for i, o in enumerate(flights.parts.obstacles) if o.moving]
     return [
         column("t", "t", "s", "time"),
         *(column(s.name, s.symbol, s.unit, "pose") for s in signals[:POSE]),
-        *(column(s.name, s.symbol, s.unit, "state") for s in (vehicle.states[k] for k in _further(problem))),
+        *(column(s.name, s.symbol, s.unit, "state") for s in (vehicle.states[k] for k in _further(flights))),
         *(column(s.name, s.symbol, s.unit, "command") for s in commands),
         *(column(f"obstacle.{i}.{a}", a, "m", "pose") for i in moving for a in "xyz"),
         column("separation", "d", criterion.unit, "separation"),
     ]
 
 
-def _closest(problem: Problem, seen: _Seen) -> Closest | None:
+def _closest(flights: Flights, seen: _Seen) -> Closest | None:
     """When, where and to which obstacle the flight came closest, refined by the parabola as the cost is."""
     channels = seen.distances
-    if problem.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
+    if flights.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
         return None
     row, obstacle = (int(i) for i in np.unravel_index(np.argmin(channels), channels.shape))
     lowest, shift = float(channels[row, obstacle]), 0.0
@@ -187,11 +186,11 @@ def _closest(problem: Problem, seen: _Seen) -> Closest | None:
             shift = 0.5 * (left - right) / bend
             lowest = mid - 0.125 * (left - right) ** 2 / bend
     return Closest(
-        time=(row + shift) * problem.step,
+        time=(row + shift) * flights.step,
         row=row,
         value=seen.cost(np.full(seen.channels.shape[1], lowest)),
         position=_between(seen.columns[:, :3], row, shift),
-        speed=_speed(seen.columns[:, :3], row, shift, problem.step),
+        speed=_speed(seen.columns[:, :3], row, shift, flights.step),
         obstacle=obstacle,
         obstacle_position=_between(seen.centres[:, obstacle], row, shift),
     )
@@ -221,12 +220,12 @@ def _kept(count: int, rows: int | None, closest: Closest | None) -> Any:
     return np.union1d(thin.even(count, max(rows - 21, 2)), thin.near(count, closest.row if closest else 0, 10))
 
 
-def _free(problem: Problem, vector: Floats, i: int) -> float | None:
+def _free(flights: Flights, vector: Floats, i: int) -> float | None:
     """Radius of the disc about an obstacle's centre that must stay free [m]; None where no disc is what must."""
-    criterion, reach = problem.parts.criterion, problem.parts.obstacles[i].reach
+    criterion, reach = flights.parts.criterion, flights.parts.obstacles[i].reach
 
     def value(path: str) -> float:
-        return float(vector[problem.paths[path]]) if path in problem.paths else 0.0
+        return float(vector[flights.paths[path]]) if path in flights.paths else 0.0
 
     if criterion.measured_to != "surface":
         return value("criterion.threshold")
@@ -237,16 +236,16 @@ def _free(problem: Problem, vector: Floats, i: int) -> float | None:
 
 
 def _head(
-    problem: Problem, seen: _Seen, values: Mapping[str, float], flown: Flown, closest: Closest | None
+    flights: Flights, seen: _Seen, values: Mapping[str, float], flown: Flown, closest: Closest | None
 ) -> TraceHead:
     vector = seen.vector
 
     def place(prefix: str) -> list[float]:
-        paths = problem.paths
+        paths = flights.paths
         return [float(vector[paths[f"{prefix}.{a}"]]) if f"{prefix}.{a}" in paths else 0.0 for a in "xyz"]
 
     def radius(i: int) -> float:
-        at = problem.paths.get(f"obstacles.{i}.radius")
+        at = flights.paths.get(f"obstacles.{i}.radius")
         return 0.0 if at is None else float(vector[at])
 
     obstacles = [
@@ -255,24 +254,24 @@ def _head(
             title=o.title,
             position=[float(c) for c in seen.centres[0, i]] if len(seen.centres) else [],
             radius=radius(i),
-            free_radius=_free(problem, vector, i),
+            free_radius=_free(flights, vector, i),
             moving=o.moving,
         )
-        for i, o in enumerate(problem.parts.obstacles)
+        for i, o in enumerate(flights.parts.obstacles)
     ]
-    several = problem.realisations.places
+    several = flights.realisations.places
     return TraceHead(
-        frame=problem.parts.vehicle.frame,
-        vehicle=problem.parts.vehicle.name,
+        frame=flights.parts.vehicle.frame,
+        vehicle=flights.parts.vehicle.name,
         obstacles=obstacles,
         start=place("start"),
         goal=place("goal"),
-        threshold=float(vector[problem.paths["criterion.threshold"]]),
-        parameters={r.path: float(vector[r.index]) for r in problem.ranges} | dict(values),
+        threshold=float(vector[flights.paths["criterion.threshold"]]),
+        parameters={p: float(vector[flights.paths[p]]) for p in flights.campaign.uncertain} | dict(values),
         closest=closest,
         status=STATUS[flown.status],
         reason=flown.reason,
         cost=_known(flown.costs[0, 0]),
-        values=_values(problem, flown.costs),
-        realisation=_realisation(problem, flown.realisation, flown.own_cost) if several else None,
+        values=_values(flights, flown.costs),
+        realisation=_realisation(flights, flown.realisation, flown.own_cost) if several else None,
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
+from backend.db import signed
 from campaigns.results import earlier
 
 revision = "0010"
@@ -33,7 +34,12 @@ def upgrade() -> None:
         op.add_column("findings", sa.Column(name, sa.JSON(), nullable=True))
     connection = op.get_bind()
     for run_id in connection.scalars(sa.select(_RUNS.c.id).order_by(_RUNS.c.id)).all():
+        if not signed.is_signed(connection, run_id):
+            _upgrade(connection, run_id)
+            continue
+        before = signed.digest_of_0010(connection, run_id)
         _upgrade(connection, run_id)
+        signed.bind_again(connection, run_id, before, signed.digest_of_0010(connection, run_id), "migration 0010")
 
 
 def _upgrade(connection: sa.Connection, run_id: int) -> None:

@@ -41,6 +41,7 @@ export const ROLE_OF: Record<List, Role> = { obstacles: 'obstacle', environment:
 
 /** The parts of a campaign, in the order of the form. */
 export function sectionsOf(campaign: Campaign, catalogue: Catalogue): Section[] {
+  if (campaign.simulator) return []
   const { scenario } = campaign
   const { vehicle, controller, avoider, start = {}, goal } = scenario
   const find = (role: Role, part: Part) =>
@@ -90,7 +91,14 @@ function listed(prefix: string, group: string, entries: ParameterEntry[], values
 }
 
 export const parametersOf = (campaign: Campaign, catalogue: Catalogue): Parameter[] =>
-  sectionsOf(campaign, catalogue).flatMap((section) => section.parameters)
+  campaign.simulator
+    ? ofSimulator(campaign.simulator, catalogue)
+    : sectionsOf(campaign, catalogue).flatMap((section) => section.parameters)
+
+function ofSimulator({ name, parameters = {} }: NonNullable<Campaign['simulator']>, catalogue: Catalogue): Parameter[] {
+  const known = catalogue.simulators?.find((each) => each.name === name)
+  return listed('simulator', known?.title ?? name, known?.parameters ?? [], parameters)
+}
 
 /** The number a raw value means; null where it means none. */
 export function numberOf(raw: Raw | null | undefined): number | null {

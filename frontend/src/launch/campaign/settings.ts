@@ -12,18 +12,18 @@ export interface Setting {
 }
 
 export const SIMULATION: Setting[] = [
-  { at: ['scenario', 'horizon'], label: 'Horizon', unit: 's', text: 'Length of a flight' },
+  { at: ['scenario', 'horizon'], label: 'Horizon', unit: 's', text: 'Duration of a simulation' },
   { at: ['scenario', 'step'], label: 'Step', unit: 's', text: 'Of the fourth-order Runge-Kutta method' },
   {
     at: ['scenario', 'guidance', 'period'],
     label: 'Guidance period',
     unit: 's',
-    text: '0: the avoider is asked continuously; else at this period, with a hold between',
+    text: '0: the avoider is evaluated continuously; otherwise at this period, with a zero-order hold',
   },
 ]
 
 export const VERDICT: Setting[] = [
-  { at: ['agreement'], label: 'Agreement', text: 'Share of nominal minus worst within which the global methods must agree' },
+  { at: ['agreement'], label: 'Agreement', text: 'Fraction of nominal minus worst within which the global methods must agree' },
   {
     at: ['target_probability'],
     label: 'Target for P(violation)',
@@ -54,18 +54,18 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'certify', 'samples'],
         label: 'Certify samples',
-        text: 'Independent flights that probabilities are claimed from; empty leaves the stage out',
+        text: 'Independent samples for statements on probabilities; empty omits the stage',
         empty: 'left out',
       },
       {
         at: ['stages', 'certify', 'quantile'],
         label: 'Certify quantile',
-        text: 'Share of the flights whose value is bounded from below',
+        text: 'Fraction of the samples whose value is bounded from below',
       },
       {
         at: ['stages', 'certify', 'grid', 'points'],
         label: 'Grid points per axis',
-        text: 'A full grid, where the parameters are few; empty leaves it out',
+        text: 'A full grid, for few parameters; empty omits it',
         empty: 'left out',
       },
     ],
@@ -87,20 +87,20 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'sensitivity', 'points'],
         label: 'Sensitivity points',
-        text: 'Per parameter, one at a time; empty leaves the stage out',
+        text: 'Per parameter, one at a time; empty omits the stage',
         empty: 'left out',
       },
       {
         at: ['stages', 'sensitivity', 'morris', 'trajectories'],
         label: 'Morris trajectories',
-        text: 'Elementary effects over the whole box; empty leaves them out',
+        text: 'Elementary effects over the whole box; empty omits them',
         empty: 'left out',
       },
       { at: ['stages', 'sensitivity', 'morris', 'levels'], label: 'Morris levels', text: 'Of the grid; an even number' },
       {
         at: ['stages', 'sensitivity', 'sobol', 'samples'],
         label: 'Sobol samples',
-        text: 'Shares of the variance; a power of two; empty leaves them out',
+        text: 'Fractions of the variance; a power of two; empty omits them',
         empty: 'left out',
       },
     ],
@@ -108,19 +108,19 @@ export const STAGES: Group[] = [
   {
     title: 'Findings',
     field: 'stages.findings',
-    digest: ({ stages: { findings } }) => `at most ${findings?.at_most ?? 8} worst cases told apart`,
+    digest: ({ stages: { findings } }) => `at most ${findings?.at_most ?? 8} distinct worst cases`,
     settings: [
-      { at: ['stages', 'findings', 'at_most'], label: 'Findings at most', text: 'How many distinct worst cases are kept' },
+      { at: ['stages', 'findings', 'at_most'], label: 'Findings at most', text: 'Maximum number of distinct worst cases' },
       {
         at: ['stages', 'findings', 'evaluations'],
         label: 'Evaluations at most',
-        text: 'For telling worst cases apart',
+        text: 'For distinguishing worst cases',
       },
-      { at: ['stages', 'findings', 'distance'], label: 'Distance', text: 'Nearer than this share of every range, two are one' },
+      { at: ['stages', 'findings', 'distance'], label: 'Distance', text: 'Two minima closer than this fraction of every range count as one' },
       {
         at: ['stages', 'findings', 'barrier'],
         label: 'Barrier',
-        text: 'With no hill above this share of nominal minus worst between them, two are one',
+        text: 'Two minima count as one if no barrier between them is above this fraction of nominal minus worst',
       },
     ],
   },
@@ -133,10 +133,10 @@ export const STAGES: Group[] = [
       {
         at: ['stages', 'validate', 'tolerance'],
         label: 'Validation tolerance',
-        text: 'Share of the value, against half the step and the other integrator',
+        text: 'Fraction of the value, for the step-halving check and the reference integrator',
       },
-      { at: ['stages', 'validate', 'neighbours'], label: 'Neighbours', text: 'Flown around each finding' },
-      { at: ['stages', 'validate', 'reach'], label: 'Reach of neighbours', text: 'Share of each range' },
+      { at: ['stages', 'validate', 'neighbours'], label: 'Neighbours', text: 'Simulated around each finding' },
+      { at: ['stages', 'validate', 'reach'], label: 'Reach of neighbours', text: 'Fraction of each range' },
     ],
   },
 ]

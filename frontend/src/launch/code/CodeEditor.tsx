@@ -143,7 +143,7 @@ function Standing({ text, cursor, campaign, catalogue, schema, readOnly, onForm 
           </button>
         </>
       ) : (
-        <span className="mut">{readOnly ? 'Touch a line to be told what stands there.' : 'Ctrl Space offers what may be written, Ctrl F searches, F8 goes to the next problem.'}</span>
+        <span className="mut">{readOnly ? 'Touch a line to see its description.' : 'Ctrl Space suggests completions, Ctrl F searches, F8 goes to the next problem.'}</span>
       )}
     </div>
   )

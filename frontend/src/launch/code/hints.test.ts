@@ -61,7 +61,7 @@ it('tells of a field what the catalogue knows, with unit and bounds', () => {
   expect(at('scenario', 'vehicle', 'component')?.detail).toBe('vehicle, 2D')
   expect(at('stages', 'search', 0, 'method')?.title).toBe('DIRECT')
   expect(at('stages', 'search', 0, 'options', 'iterations')?.text).not.toBe('')
-  expect(at('scenario', 'horizon')).toMatchObject({ title: 'Horizon', text: 'Length of a flight' })
+  expect(at('scenario', 'horizon')).toMatchObject({ title: 'Horizon', text: 'Duration of a simulation' })
   expect(at('nothing', 'of', 'this')).toBeNull()
 })
 

@@ -15,7 +15,7 @@ export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarP
   const { draft, saving, trouble, overtaken } = saved
   // What went wrong is shown below; a rejected promise has nothing to add.
   const save = (another = false) => void saved.save({ another }).catch(() => undefined)
-  const standing = dirty ? 'Unsaved changes.' : draft ? `Everything is kept in ${draft.id}.` : ''
+  const standing = dirty ? 'Unsaved changes.' : draft ? `All changes are saved in ${draft.id}.` : ''
   return (
     <div className="draftbar">
       <button type="button" className="btn wide" disabled={saving || (draft !== null && !dirty)} onClick={() => save()}>

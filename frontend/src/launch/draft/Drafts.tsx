@@ -24,7 +24,7 @@ export function Drafts() {
   return (
     <Card
       title="Drafts"
-      note="Campaigns that were kept before they were started."
+      note="Saved campaigns that have not been started."
       className="drafts"
       flush
       footer={
@@ -111,7 +111,7 @@ function Deletion({ draft, onDone }: { draft: DraftSummary; onDone: () => void }
   return (
     <div className="panel">
       <p>
-        {draft.name || 'This untitled draft'} is gone for everybody then. Runs that were started from it stay.
+        {draft.name || 'This untitled draft'} will be deleted for all users. Runs started from it remain.
       </p>
       {removal.error && (
         <p className="ferr" role="alert">

@@ -33,7 +33,7 @@ export function Leaving({ dirty, expected, onSave }: LeavingProps) {
   return (
     <Modal opened onClose={blocker.reset} title="Unsaved changes" centered lockScroll={false}>
       <div className="panel">
-        <p>What you changed in this campaign is kept nowhere yet.</p>
+        <p>Your changes to this campaign are not saved.</p>
         {failed && (
           <p className="ferr" role="alert">
             {failed}

@@ -65,7 +65,7 @@ function useTools(): [Tools | null, Error | null] {
   useEffect(() => {
     load().then(
       (come) => setFound((tools = come)),
-      () => setFailed(new Error('A part of this page could not be loaded: load the page again to go on.')),
+      () => setFailed(new Error('A part of this page could not be loaded: reload the page to continue.')),
     )
   }, [])
   return [found, failed]

@@ -15,7 +15,7 @@ interface AboutFormProps {
 
 export function AboutForm({ campaign, set }: AboutFormProps) {
   const published = campaign.published ?? []
-  const told = published.length === 0 ? 'none' : `${published.length} to show beside ours`
+  const told = published.length === 0 ? 'none' : `${published.length} to compare with ours`
   return (
     <Card title="About this campaign" id="section-about">
       <Fold title="Name and notes" digest={campaign.name} fields={['name', 'summary', 'notes', 'tags']}>

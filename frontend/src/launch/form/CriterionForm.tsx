@@ -23,7 +23,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
   const further = sections.filter((section) => section.at[0] === 'objectives')
   const shared = { campaign, catalogue, set }
   const told = further.map((section) => section.component?.title ?? section.part.component).join(', ')
-  const none = 'none; they decide nothing, and NSGA-II searches for the front of all of them'
+  const none = 'none; they do not affect the verdict, and NSGA-II searches for the Pareto front of all of them'
   return (
     <Card title="Criterion" note="The flight is clear while its value stays above the threshold." id="section-criterion">
       <div style={{ display: 'grid', gap: 10 }}>

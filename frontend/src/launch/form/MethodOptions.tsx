@@ -50,7 +50,7 @@ export function MethodOptions({ field, at, stage, method, parameters, set }: Met
           ))}
         </div>
       )}
-      {rules.length === 0 && <p className="small mut">This method has nothing to set besides its budget.</p>}
+      {rules.length === 0 && <p className="small mut">This method has no settings except its budget.</p>}
       {(method.starts || (stage.starts?.length ?? 0) > 0) && (
         <Starts field={field} at={at} starts={stage.starts ?? []} parameters={parameters} set={set} />
       )}

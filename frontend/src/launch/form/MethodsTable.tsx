@@ -109,7 +109,7 @@ interface MethodRowProps {
 }
 
 const ALONE =
-  'It looks for the front of several criteria, and there is one: add further ones under Criterion, or search with a global method.'
+  'It searches for the Pareto front of several criteria, but there is only one: add further ones under Criterion, or search with a global method.'
 
 function MethodRow({ at, stage, method, single, parameters, set, onToggle }: MethodRowProps) {
   const [open, setOpen] = useState(false)

@@ -40,7 +40,7 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
                 values={seeds}
                 onChange={(values: Raw[]) => set(['scenario', 'realisations', 'seeds'], values)}
               />
-              <small>Whole numbers with commas between; every evaluation flies all of them</small>
+              <small>Whole numbers separated by commas; every evaluation simulates all of them</small>
               <FieldErrors field={`${FIELD}.seeds`} deep />
             </div>
             <div>

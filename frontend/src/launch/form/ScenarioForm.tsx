@@ -19,9 +19,9 @@ interface ScenarioFormProps {
 
 const TITLE: Record<List, string> = { obstacles: 'Obstacles', environment: 'Environment', faults: 'Faults' }
 const NONE: Record<List, string> = {
-  obstacles: 'Nothing is in the way yet.',
+  obstacles: 'There is no obstacle yet.',
   environment: 'Still air, level ground without resistance.',
-  faults: 'Everything is sensed, timed and actuated perfectly.',
+  faults: 'Sensing, timing and actuation are ideal.',
 }
 
 export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormProps) {

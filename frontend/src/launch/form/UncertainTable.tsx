@@ -39,7 +39,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
       flush
       right={<AddParameter free={free} onAdd={(path) => toggle(path, true)} />}
       footer={
-        'The search uses only the bounds. The distribution weighs the independent sample, so its statistical bound ' +
+        'The search uses only the bounds. The distribution applies to the independent sample, so its statistical bound ' +
         'holds for that distribution.'
       }
     >

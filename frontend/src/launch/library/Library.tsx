@@ -49,7 +49,7 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
           />
         ))}
       </div>
-      {found.length === 0 && <p className="sec">No campaign of the library has these words.</p>}
+      {found.length === 0 && <p className="sec">No campaign in the library matches.</p>}
       {shown.length < found.length && (
         <button type="button" className="btn s" onClick={() => onShelf({ ...shelf, whole: true })}>
           <IconChevronDown className="i s" aria-hidden /> Show {count(found.length - shown.length)} more

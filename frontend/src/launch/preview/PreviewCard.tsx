@@ -74,7 +74,7 @@ function Legend({ flown, moving, reach, from, ranges }: LegendProps) {
   return (
     <p className="legend micro mut">
       {flown && <span>{key('M0 4h18', 'var(--c-nom)')} Nominal flight</span>}
-      {moving && <span>{key('M0 4h18', 'var(--c-obs)', '5 3')} {flown ? 'Flown by the obstacle' : 'Intended way'}</span>}
+      {moving && <span>{key('M0 4h18', 'var(--c-obs)', '5 3')} {flown ? 'Path of the obstacle' : 'Intended path'}</span>}
       {reach > 0 && <span>{key('M0 4h18', 'var(--c-crit)', '3 2')} Distance {plain(reach)} m{from}</span>}
       {ranges > 0 && (
         <span>
@@ -97,16 +97,16 @@ function Flight({ ok, live, criterion }: FlightProps) {
     <div className="nominal">
       <button type="button" className="btn wide" aria-pressed={following} onClick={() => live.follow(!following)}>
         <IconPlaneDeparture className="i s" aria-hidden />
-        {following ? 'Stop flying every edit' : 'Preview nominal flight'}
+        {following ? 'Stop previewing every edit' : 'Preview nominal flight'}
       </button>
       <div className="said small" aria-live="polite" data-testid="nominal-flight">
-        {following && !ok && <p className="mut">It is flown again once the problems are solved.</p>}
+        {following && !ok && <p className="mut">It is simulated again when the problems are solved.</p>}
         {waited !== null && (
           <p className="row">
             <IconLoader className="i s spin" aria-hidden />
             <span>
-              Flying the nominal case{waited > 0 && `, ${waited} s`}.
-              {waited >= LONG && ' Components that were not flown together before are compiled first: up to a minute, once.'}
+              Simulating the nominal case{waited > 0 && `, ${waited} s`}.
+              {waited >= LONG && ' New combinations of components are compiled first: once, for up to a minute.'}
             </span>
           </p>
         )}
@@ -140,7 +140,7 @@ function Told({ flown, stale, criterion }: { flown: Preview; stale: boolean; cri
         <p className="row">
           <IconAlertTriangle className="i s" aria-hidden />
           <span>
-            The nominal flight is {flown.status}: {flown.reason || 'no reason is known'}.
+            The nominal flight is {flown.status}: {flown.reason || 'the reason is unknown'}.
           </span>
         </p>
       ) : (
@@ -164,7 +164,7 @@ function Told({ flown, stale, criterion }: { flown: Preview; stale: boolean; cri
           {realisation.combine === 'worst' ? 'The worst' : 'The average'} of {realisation.seeds} realisations; drawn is seed {realisation.seed}.
         </p>
       )}
-      <p className="mut">One flight at nominal values, nothing stored; it took {duration(flown.seconds)}.</p>
+      <p className="mut">One simulation at nominal values, not stored; it took {duration(flown.seconds)}.</p>
     </div>
   )
 }

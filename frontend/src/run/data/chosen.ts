@@ -5,6 +5,9 @@ import { CAMERAS, type Camera } from './viewChange'
 
 export const NOMINAL = 'nominal'
 
+/** A finding's label, or the nominal flight. */
+const LABEL = /^(F[1-9]\d{0,2}|nominal)$/
+
 export interface ChosenSearch {
   /** A finding's label, or `nominal`; the worst one where there is none. */
   finding?: string
@@ -20,20 +23,31 @@ export interface ChosenSearch {
   t?: number
   /** From where it is looked at first. */
   cam?: Camera
+  /** The what-if is open, and begins at these parameters: those of a finding, or `nominal`. */
+  whatif?: string
+  /** What it has otherwise, `path:value` each. */
+  set?: string[]
+  /** Its noise seed, where it has one of its own. */
+  noise?: number
 }
 
 export function readChosen(search: Record<string, unknown>): ChosenSearch {
-  const { finding, brush, by, time, columns, t, cam } = search
+  const { finding, brush, by, time, columns, t, cam, whatif, set, noise } = search
+  const seed = typeof noise === 'string' && /^\d{1,15}$/.test(noise) ? Number(noise) : noise
+  const values = [set].flat().filter((value) => typeof value === 'string' && /^[\w.#]+:[-+\d.eE]+$/.test(value)) as string[]
   const at = typeof t === 'string' && t !== '' ? Number(t) : t
   const ranges = [brush].flat().filter((range) => typeof range === 'string' && /^[\w.#]+:\S+:\S+$/.test(range)) as string[]
   return {
-    ...(typeof finding === 'string' && /^(F[1-9]\d{0,2}|nominal)$/.test(finding) ? { finding } : {}),
+    ...(typeof finding === 'string' && LABEL.test(finding) ? { finding } : {}),
     ...(ranges.length > 0 ? { brush: ranges } : {}),
     ...(typeof by === 'string' && /^\w+(#\d+)?$/.test(by) ? { by } : {}),
     ...(time === 'all' ? { time } : {}),
     ...(typeof columns === 'string' && /^[\w.]+(,[\w.]+)*$/.test(columns) ? { columns } : {}),
     ...(typeof at === 'number' && at >= 0 && at < 1e6 ? { t: at } : {}),
     ...(CAMERAS.includes(cam as Camera) ? { cam: cam as Camera } : {}),
+    ...(typeof whatif === 'string' && LABEL.test(whatif) ? { whatif } : {}),
+    ...(values.length > 0 ? { set: values } : {}),
+    ...(typeof seed === 'number' && Number.isSafeInteger(seed) && seed >= 0 ? { noise: seed } : {}),
   }
 }
 

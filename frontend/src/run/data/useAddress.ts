@@ -10,7 +10,7 @@ export function useAddress(id: string): [ChosenSearch, (change: Partial<ChosenSe
   const change = useCallback(
     (part: Partial<ChosenSearch>) =>
       void navigate({
-        to: '/runs/$id',
+        to: '.',
         params: { id },
         search: (before) => ({ ...before, ...part }),
         hash: (hash) => hash ?? '',

@@ -2,9 +2,15 @@
 import type { FindingDetail, Validation, ValidateResult } from '../../client'
 
 /** `agrees` and `violates` are newer than `ok`. */
-export function validatedWord({ ok, agrees, violates }: Pick<Validation, 'ok' | 'agrees' | 'violates'>): string {
+export function validatedWord({
+  ok,
+  agrees,
+  violates,
+  again,
+}: Pick<Validation, 'ok' | 'agrees' | 'violates' | 'again'>): string {
   if (agrees === null || violates === null) return ok ? 'Validated' : 'Not validated'
   if (violates) return agrees ? 'Violation confirmed' : 'Violation confirmed, beyond tolerance'
+  if (again) return agrees ? 'Evaluations agree' : 'Evaluations disagree'
   return agrees ? 'Integrations agree' : 'Integrations disagree'
 }
 

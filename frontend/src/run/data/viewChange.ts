@@ -54,7 +54,7 @@ export function uuid(): string {
 }
 
 /** Where a view is opened: what it shows is behind the `#`, so that every view of a run is one kept page. */
-export function addressOf(run: string, { flight, theme }: Wanted, { time, camera }: Place, key?: string): string {
+export function addressOf(run: string, { flight, theme }: Wanted, { time, camera }: Place, key: string): string {
   const parts = [flight, ...(time === undefined ? [] : ['t', String(time)]), ...(camera ? ['cam', camera] : []), theme]
-  return key ? `/view/${run}/#${[...parts, 'key', key].join('/')}/` : `/view/${run}/${parts.join('/')}/`
+  return `/view/${run}/#${[...parts, 'key', key].join('/')}/`
 }

@@ -1,19 +1,20 @@
 // Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
 import type { MouseEvent } from 'react'
-import type { FindingDetail, Gathered, ValidateResult } from '../../client'
+import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
+import { sentence, words } from '../../format/said'
 import { unitText } from '../../format/units'
 import { Place } from '../../ui/bars'
 import { Card, NumHead } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { methodLook } from '../../ui/methods'
+import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import { useHotkeys } from '../../ui/useHotkeys'
 import { NOMINAL } from '../data/chosen'
 import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { ModePicture } from './ModePicture'
-import { Said } from '../data/Said'
 import { useAddress } from '../data/useAddress'
 import { validatedWord } from '../data/validated'
 
@@ -35,14 +36,14 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
   return (
     <Card
       title="Findings"
-      note="Distinct worst cases. The chosen one is shown in the flight, the table beside it and the separation"
+      note="Distinct worst cases. The chosen one is shown in the flight, the table next to it and the separation"
       className={className}
       id="findings"
       flush
       footer={
         result?.findings && (
           <>
-            <Boundary data={data} text={shown?.boundary?.text} />
+            <Boundary data={data} said={shown?.boundary?.said ?? []} />
             <Told told={result.findings} kept={findings.length} />
           </>
         )
@@ -232,10 +233,10 @@ function Validated({ finding }: { finding: FindingDetail }) {
 }
 
 /** How far from nominal the chosen violation begins. */
-function Boundary({ data, text }: { data: RunData; text: string | undefined }) {
-  return text ? (
+function Boundary({ data, said }: { data: RunData; said: readonly Span[] }) {
+  return said.length > 0 ? (
     <div>
-      <span className="sec">Boundary of {data.chosen}:</span> <Said data={data} text={`${text}.`} />
+      <span className="sec">Boundary of {data.chosen}:</span> <Said spans={[...said, words('.')]} />
     </div>
   ) : null
 }
@@ -244,12 +245,12 @@ function Boundary({ data, text }: { data: RunData; text: string | undefined }) {
 function Told({ told, kept }: { told: Gathered; kept: number }) {
   return (
     <>
-      {told.complete ? '' : `${told.text.charAt(0).toUpperCase()}${told.text.slice(1)}. `}
+      {!told.complete && <Said spans={[...sentence(told.said), words(' ')]} />}
       {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they are
       within {percent(told.distance)} of every range, or no barrier above {percent(told.barrier)} of nominal minus worst
       is between them.
-      {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal flight, and left out.`}
-      {kept >= told.at_most && ` At most ${told.at_most} are kept: there may be more.`}
+      {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal flight and are omitted.`}
+      {kept >= told.at_most && ` At most ${told.at_most} are stored: there may be more.`}
     </>
   )
 }

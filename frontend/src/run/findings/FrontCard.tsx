@@ -55,7 +55,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   return (
     <ChartCard
       title="Pareto front"
-      note={`${count(points.length)} flights that no other one is worse than by every criterion`}
+      note={`${count(points.length)} Pareto-optimal flights: no other is worse in every criterion`}
       className={className}
       id="front"
       run={run.id}
@@ -63,7 +63,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
       footer={
         <>
           {criteria.map((c) => `${c.title}: ${c.worse === 'high' ? 'more' : 'less'} is worse`).join('; ')}. The front is
-          the worst that was found; it decides nothing: the verdict rests on {criteria[0]?.title.toLowerCase()} alone.
+          the worst that was found; it does not affect the verdict, which rests on {criteria[0]?.title.toLowerCase()} alone.
           {thinned && ` Of the largest of these fronts, ${count(Math.max(...sizes))} flights, some are left out.`}
         </>
       }

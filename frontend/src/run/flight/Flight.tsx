@@ -13,14 +13,18 @@ import { FlightNotice } from './FlightNotice'
 import { PlayBar } from './PlayBar'
 import { useInstant } from './useInstant'
 import type { View } from './view'
+import type { WhatIfState } from './useWhatIf'
 
 interface FlightProps {
   data: RunData
   view: View
+  whatIf: WhatIfState
   className: string
+  /** The page is about nothing else: what other cards offer on a run's page stands in the head. */
+  alone?: boolean
 }
 
-export function Flight({ data, view, className }: FlightProps) {
+export function Flight({ data, view, whatIf, className, alone = false }: FlightProps) {
   const theme = useTheme()
   // A viewer costs the service a scene: it is opened when it comes near the window.
   const [holder, near] = useNear<HTMLDivElement>()
@@ -42,7 +46,7 @@ export function Flight({ data, view, className }: FlightProps) {
   return (
     <Card
       title="Flight"
-      note={<span title="Drag to turn, wheel to zoom. Vehicles not to scale">{flights(data)}</span>}
+      note={<span title="Drag to turn, wheel to zoom. Vehicles not to scale">{flights(data, whatIf.whatIf !== null)}</span>}
       className={className}
       id="flight"
       flush
@@ -51,7 +55,7 @@ export function Flight({ data, view, className }: FlightProps) {
           data={data}
           view={view}
           shown={known.shown}
-          theme={theme}
+          alone={alone}
           onFull={() => void holder.current?.requestFullscreen().catch(() => undefined)}
         />
       }
@@ -69,7 +73,7 @@ export function Flight({ data, view, className }: FlightProps) {
           )}
           <FlightNotice known={known} onRetry={() => view.retry()} />
         </div>
-        <PlayBar data={data} view={view} shown={known.shown} />
+        <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>
     </Card>
   )
@@ -94,9 +98,9 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
 }
 
 /** Which flights are shown, and with which noise the chosen one was simulated. */
-function flights({ chosen, nominalTrace, findingTrace }: RunData): string {
+function flights({ chosen, nominalTrace, findingTrace }: RunData, whatIf: boolean): string {
   const noise = noiseOf(chosen === NOMINAL ? nominalTrace : findingTrace)
   const which =
     chosen === NOMINAL ? 'Nominal alone' : `Nominal and ${chosen === 'F1' ? calledOf(chosen).toLowerCase() : chosen}`
-  return noise ? `${which}, ${noise}` : which
+  return [which, ...(noise ? [noise] : []), ...(whatIf ? ['what-if'] : [])].join(', ')
 }

@@ -5,30 +5,35 @@ import {
   IconExternalLink,
   IconLink,
 } from '@tabler/icons-react'
+import { Link } from '@tanstack/react-router'
 import { useEffect, useState } from 'react'
 import type { ViewState } from '../../client'
 import { RecordingMenu } from '../../exports/Recording'
 import { fixed } from '../../format/numbers'
-import type { Theme } from '../../theme/useTheme'
 import { Seg } from '../../ui/Card'
 import { IconButton } from '../../ui/IconButton'
 import type { RunData } from '../data/data'
 import type { View } from './view'
-import { addressOf, CAMERAS, type Camera, type Place } from '../data/viewChange'
+import { CAMERAS, type Camera, type Place } from '../data/viewChange'
+import { type ChosenSearch, NOMINAL } from '../data/chosen'
+import { useAddress } from '../data/useAddress'
 
 interface Props {
   data: RunData
   view: View
   shown: ViewState | null
-  theme: Theme
+  /** In a window of its own. */
+  alone: boolean
   onFull: () => void
 }
 
-export function FlightHead({ data, view, shown, theme, onFull }: Props) {
+export function FlightHead({ data, view, shown, alone, onFull }: Props) {
   const recorded = data.traces.some((trace) => trace.name === data.chosen)
-  const own = addressOf(data.run.id, { flight: shown?.flight ?? data.chosen, theme }, placeOf(shown))
+  const [address] = useAddress(data.run.id)
+  const place = placeOf(shown)
   return (
     <div className="row flight-head">
+      {alone && <Choice data={data} />}
       <Seg
         label="Camera"
         value={(shown?.camera ?? '') as Camera}
@@ -36,17 +41,21 @@ export function FlightHead({ data, view, shown, theme, onFull }: Props) {
         onChange={(camera) => view.steer({ camera })}
       />
       <span className="row" style={{ gap: 4 }}>
-        <CopyInstant view={view} />
-        <a
-          className="iconbtn bd"
-          href={own}
-          target="_blank"
-          rel="noreferrer"
-          aria-label="Own window"
-          title="This instant in a window of its own"
-        >
-          <IconExternalLink className="i s" aria-hidden />
-        </a>
+        <CopyInstant view={view} address={address} alone={alone} />
+        {!alone && (
+          <Link
+            className="iconbtn bd"
+            to="/runs/$id/flight"
+            params={{ id: data.run.id }}
+            search={{ ...whatIfIn(address), finding: data.chosen, t: place.time ?? address.t, cam: place.camera ?? address.cam }}
+            target="_blank"
+            preload={false}
+            aria-label="Own window"
+            title="This instant in a window of its own"
+          >
+            <IconExternalLink className="i s" aria-hidden />
+          </Link>
+        )}
         <IconButton label="Full screen" icon={IconArrowsMaximize} act={onFull} />
       </span>
       {recorded && <RecordingMenu run={data.run.id} flight={data.chosen} />}
@@ -57,14 +66,46 @@ export function FlightHead({ data, view, shown, theme, onFull }: Props) {
 const placeOf = (shown: ViewState | null): Place =>
   shown ? { time: Number(shown.time.toFixed(2)), ...(shown.camera && { camera: shown.camera }) } : {}
 
-/** The run's page at the instant that the view shows now. */
-function linkTo(run: string, shown: ViewState): string {
+/** What of an address is the what-if. */
+const whatIfIn = ({ whatif, set, noise }: ChosenSearch): ChosenSearch => ({
+  ...(whatif !== undefined && { whatif }),
+  ...(set && { set }),
+  ...(noise !== undefined && { noise }),
+})
+
+/** This page at the instant that the view shows now, with its what-if. */
+function linkTo(run: string, shown: ViewState, address: ChosenSearch, alone: boolean): string {
   const { camera } = shown
+  const { whatif, set = [], noise } = address
   const query = new URLSearchParams({ finding: shown.flight, t: shown.time.toFixed(2), ...(camera && { cam: camera }) })
-  return `${location.origin}/runs/${run}?${query.toString()}`
+  if (whatif !== undefined) query.append('whatif', whatif)
+  for (const value of set) query.append('set', value)
+  if (noise !== undefined) query.append('noise', String(noise))
+  return `${location.origin}/runs/${run}${alone ? '/flight' : ''}?${query.toString().replaceAll('%3A', ':')}`
 }
 
-function CopyInstant({ view }: { view: View }) {
+/** Which flight is shown beside the nominal one. */
+function Choice({ data }: { data: RunData }) {
+  const [, change] = useAddress(data.run.id)
+  const labels = data.findings.length > 0 ? data.findings.map(({ label }) => label) : [data.chosen]
+  return (
+    <select aria-label="Flight shown" value={data.chosen} onChange={(event) => change({ finding: event.target.value })}>
+      {[...new Set([...labels, NOMINAL])].map((label) => (
+        <option key={label} value={label}>
+          {label === NOMINAL ? 'Nominal alone' : label === 'F1' ? 'Worst (F1)' : label}
+        </option>
+      ))}
+    </select>
+  )
+}
+
+interface CopyProps {
+  view: View
+  address: ChosenSearch
+  alone: boolean
+}
+
+function CopyInstant({ view, address, alone }: CopyProps) {
   const [said, setSaid] = useState('')
   useEffect(() => {
     if (!said) return
@@ -74,10 +115,10 @@ function CopyInstant({ view }: { view: View }) {
   const copy = async () => {
     const shown = await view.look()
     if (!shown) return setSaid('The 3D view is not open yet')
-    const link = linkTo(view.run, shown)
+    const link = linkTo(view.run, shown, address, alone)
     return navigator.clipboard.writeText(link).then(
       () => setSaid(`Copied, at ${fixed(shown.time, 2)} s`),
-      () => setSaid(`The browser does not let this page copy: ${link}`),
+      () => setSaid(`The browser blocks copying; copy it by hand: ${link}`),
     )
   }
   return (

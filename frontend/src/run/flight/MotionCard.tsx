@@ -72,7 +72,7 @@ export function MotionCard({ data, className, onCross, standing }: MotionProps) 
       className={className}
       run={run.id}
       data={() => tableOf(columns, flights)}
-      footer="Dotted: the closest approaches. Values stand beside each name under the crosshair, which the separation shares."
+      footer="Dotted: the closest approaches. Values under the crosshair are next to each name; the separation chart shares the crosshair."
       right={
         <>
           <Legend keys={flights} hidden={hidden} onToggle={toggle} />

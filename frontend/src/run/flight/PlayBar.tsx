@@ -1,6 +1,7 @@
 // Below the 3D view: play, the instant that it shows, how fast, and what is drawn, all of it by the page's own controls.
 // Start reading at `PlayBar`.
 import {
+  IconAdjustments,
   IconFocusCentered,
   IconLayoutSidebarRightCollapse,
   IconLayoutSidebarRightExpand,
@@ -16,6 +17,7 @@ import { Menu, Pick, Picks } from '../../ui/Menu'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
 import type { View } from './view'
+import type { WhatIfState } from './useWhatIf'
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5]
 
@@ -26,7 +28,11 @@ interface Props {
   shown: ViewState | null
 }
 
-export function PlayBar({ data, view, shown }: Props) {
+interface BarProps extends Props {
+  whatIf: WhatIfState
+}
+
+export function PlayBar({ data, view, shown, whatIf }: BarProps) {
   const { playing = false, speed = 1, panel = false } = shown ?? {}
   return (
     <div className="playbar" role="group" aria-label="Time of the flight">
@@ -58,9 +64,18 @@ export function PlayBar({ data, view, shown }: Props) {
         ))}
       </select>
       {shown && <LayersMenu data={data} view={view} shown={shown} />}
+      <button
+        type="button"
+        className="btn s"
+        aria-pressed={whatIf.whatIf !== null}
+        title="Other parameters, simulated at once"
+        onClick={whatIf.toggle}
+      >
+        <IconAdjustments className="i s" aria-hidden /> What-if
+      </button>
       <IconButton
         label={panel ? 'Close the panel' : 'Open the panel'}
-        title={`${panel ? 'Close' : 'Open'} the panel: what-if, parameter space, search`}
+        title={`${panel ? 'Close' : 'Open'} the panel: values, parameter space, search`}
         icon={panel ? IconLayoutSidebarRightCollapse : IconLayoutSidebarRightExpand}
         off={shown === null}
         act={() => view.steer({ panel: !panel })}

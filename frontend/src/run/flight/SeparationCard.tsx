@@ -5,7 +5,7 @@ import { type Key, Legend, useHidden } from '../../charts/Legend'
 import { Plot, type Standing } from '../../charts/Plot'
 import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
-import type { TraceData } from '../../client'
+import type { FlightAnswer, TraceData } from '../../client'
 import { decimalsFor, fixed, plain } from '../../format/numbers'
 import { type Shown, WindowSeg } from '../../ui/WindowSeg'
 import { calledOf } from '../data/chosen'
@@ -33,6 +33,14 @@ export function flownOf({
   return pair.flatMap(({ trace, ...rest }) => (trace ? [{ ...rest, trace }] : []))
 }
 
+/** The flight of the what-if as one more curve; none where nothing moved. */
+function whatIfOf(answer: FlightAnswer | null): Flown[] {
+  if (!answer || Object.keys(answer.data).length === 0) return []
+  const { trace: meta, columns, data } = answer
+  const rows = data[columns[0]?.name ?? '']?.length ?? 0
+  return [{ key: 'what-if', label: 'What-if', colour: '--c-what-if', trace: { name: 'what-if', rows, columns, meta, data } }]
+}
+
 /** How much of the flights the charts over time show, one for all of them. */
 export function useShown(id: string): [Shown, (shown: Shown) => void] {
   const [{ time }, change] = useAddress(id)
@@ -47,19 +55,21 @@ interface SeparationProps {
   onCross: (time: number) => void
   /** The time that the flight is shown at: the crosshair stands there while no pointer is on a chart. */
   standing: Standing
+  /** What the open what-if gave. */
+  whatIf?: FlightAnswer | null
 }
 
-export function SeparationCard({ data, className, height, onCross, standing }: SeparationProps) {
+export function SeparationCard({ data, className, height, onCross, standing, whatIf = null }: SeparationProps) {
   const { run } = data
   const [shown, setShown] = useShown(run.id)
   const [hidden, toggle] = useHidden()
   const { nominalTrace, findingTrace, chosen } = data
   const { threshold, unit } = run
   const measured = run.criteria[0]?.measured_to ?? ''
-  const spec = useMemo(
-    () => specOf(flownOf({ nominalTrace, findingTrace, chosen }), { threshold, unit, measured }, shown, height),
-    [nominalTrace, findingTrace, chosen, threshold, unit, measured, shown, height],
-  )
+  const spec = useMemo(() => {
+    const flown = [...flownOf({ nominalTrace, findingTrace, chosen }), ...whatIfOf(whatIf)]
+    return specOf(flown, { threshold, unit, measured }, shown, height)
+  }, [nominalTrace, findingTrace, chosen, whatIf, threshold, unit, measured, shown, height])
   const noises = flownOf(data).flatMap(({ label, trace }) => (noiseOf(trace) ? [`${label}: ${noiseOf(trace)}`] : []))
   const keys: Key[] = [
     ...spec.lines.map((line) => ({ key: line.key, label: line.label, colour: line.colour })),

@@ -1,4 +1,4 @@
-// The address and the 3D view agree on the instant, the camera and the finding: what is changed in one is in the other.
+// The address and the 3D view agree on the instant and the camera: what is changed in one is in the other.
 // Start reading at `useInstant`.
 import { useEffect, useRef } from 'react'
 import { useAddress } from '../data/useAddress'
@@ -44,10 +44,10 @@ export function useInstant(view: View, id: string): void {
       clearTimeout(timer)
       if (view.known.shown) timer = setTimeout(write, STILL)
     }
-    const ends = [view.subscribe(heard), view.chosen((finding) => latest.current({ finding }))]
+    const end = view.subscribe(heard)
     return () => {
       clearTimeout(timer)
-      for (const end of ends) end()
+      end()
     }
   }, [view])
 }

@@ -26,7 +26,7 @@ it('tells a view opened anew all that the last one showed', () => {
     ...{ sampled: true, field: false, space: false, axes: ['a', 'b', 'value'] as [string, string, string] },
   }
   const eye = { position: [1, 2, 3] as [number, number, number], target: [0, 0, 0] as [number, number, number] }
-  const last = { opened: 1, revision: 7, flight: 'F2', time: 3.5, camera: null, eye, playing: true, speed: 2, panel: true, what_if: null, what_if_seed: null }
+  const last = { opened: 1, revision: 7, flight: 'F2', time: 3.5, camera: null, eye, playing: true, speed: 2, panel: true, what_if: null, what_if_seed: null, what_if_source: null }
   const said = again({ ...last, theme: 'dark', layers })
   expect(said).toEqual({ flight: 'F2', theme: 'dark', time: 3.5, playing: true, speed: 2, panel: true, layers, eye })
   const noisy = again({ ...last, theme: 'dark', layers, what_if: { 'vehicle.m': 5 }, what_if_seed: 7 })
@@ -41,7 +41,7 @@ it('keeps one page for all views that a page opens', () => {
   expect(addressOf('R-0001', wanted, { time: 2.5, camera: 'chase' }, 'k')).toBe(
     '/view/R-0001/#F2/t/2.5/cam/chase/dark/key/k/',
   )
-  expect(addressOf('R-0001', wanted, {})).toBe('/view/R-0001/F2/dark/')
+  expect(addressOf('R-0001', wanted, {}, 'k')).toBe('/view/R-0001/#F2/dark/key/k/')
 })
 
 it('has a key of its own', () => {

@@ -1,9 +1,10 @@
-// The page's hold on its 3D view: what it is to show goes there by a key that only this page knows, and what its visitor
-// changes in it comes back at once. One that is lost is opened again as it was. Start reading at `View.live`.
+// The page's hold on its 3D view: what it is to show goes there by a key that only this page knows, and where its visitor
+// has moved the camera or the time has run comes back at once. `reconnect` says what becomes of it. Start at `View.live`.
 import { changeView, getView } from '../../api/calls'
 import { Refusal } from '../../api/problems'
 import { signedOut } from '../../api/session'
 import type { ViewChange, ViewState } from '../../client'
+import { CLOSED, type Event, type Machine, next, phaseOf, reframed, saidOf } from './reconnect'
 import { Request } from './request'
 import { addressOf, again, merged, type Place, uuid, type Wanted } from '../data/viewChange'
 
@@ -11,8 +12,7 @@ import { addressOf, again, merged, type Place, uuid, type Wanted } from '../data
 const PAUSE = 40
 /** Between two pieces of news at least [ms]: while the flight plays, the page goes along so often. */
 const NEWS = 100
-/** How long the service waits for a view to open, or for news of it, at most [s]. */
-const OPENING = 30
+/** How long the service waits for news, at most [s]. */
 const QUIET = 25
 /** A frame that has the focus opens a lost socket anew by itself: for so long it is waited for [s]. */
 const OWN = 3
@@ -25,7 +25,7 @@ const BACK = 8000
 export interface Known {
   /** What is shown; null while it is not open. */
   shown: ViewState | null
-  phase: 'opening' | 'open' | 'lost' | 'failed'
+  phase: ReturnType<typeof phaseOf>
   /** A sentence for the visitor: what is wrong and what to do, or that it is back. */
   said: string
   /** Where the frame is, and which frame it is: one that is lost is replaced. */
@@ -37,6 +37,7 @@ export class View {
   readonly run: string
   readonly key = uuid()
   known: Known = { shown: null, phase: 'opening', said: '', address: null, frame: 0 }
+  private machine: Machine = CLOSED
   /** What it showed last, also after it was lost. */
   private last: ViewState | null = null
   private wanted: Wanted | null = null
@@ -48,7 +49,6 @@ export class View {
   /** Ends the request for news that is under way. */
   private hurry: () => void = () => undefined
   private readonly listeners = new Set<() => void>()
-  private readonly choosers = new Set<(flight: string) => void>()
 
   constructor(run: string) {
     this.run = run
@@ -56,9 +56,11 @@ export class View {
 
   /** Open it at a place, and keep it open until what is returned is called. */
   open(place: Place): () => void {
+    if (!this.wanted) return () => undefined
     const abort = new AbortController()
     this.abort = abort
-    this.begin(place)
+    this.frame(place)
+    this.take({ kind: 'wanted' })
     void this.live(abort.signal)
     const seen = () => this.hurry()
     document.addEventListener('visibilitychange', seen)
@@ -69,14 +71,15 @@ export class View {
       abort.abort()
       this.abort = null
       this.pending = {}
-      this.tell({ shown: null, phase: 'opening', said: '', address: null })
+      this.take({ kind: 'left' })
+      this.tell({ shown: null, address: null })
     }
   }
 
-  /** Give up waiting, and try once more from the beginning. */
+  /** Try once more after it was given up. */
   retry(): void {
-    if (!this.abort || this.known.phase !== 'failed') return
-    this.anew()
+    if (!this.abort || this.machine.name !== 'failed') return
+    this.take({ kind: 'retried' })
     void this.live(this.abort.signal)
   }
 
@@ -111,85 +114,73 @@ export class View {
     return () => this.listeners.delete(listener)
   }
 
-  /** Calls with each finding that the visitor chooses in the view itself, until what is returned is called. */
-  chosen(listener: (flight: string) => void): () => void {
-    this.choosers.add(listener)
-    return () => this.choosers.delete(listener)
-  }
-
   /** The time that is shown [s], for charts over time. */
   readonly time = (): number | null => this.known.shown?.time ?? null
 
-  /** Opens it, listens to it, and opens it again when it was lost, for as long as the page is there. */
+  /** Does what the state asks for and takes what comes of it, until the page is left or the view is given up. */
   private async live(signal: AbortSignal): Promise<void> {
-    let wait = OPENING
-    while (!signal.aborted && (await this.enter(wait, signal))) {
-      await this.listen(signal)
-      if (signal.aborted) return
-      const said = 'The 3D view was lost. It is being opened again, as it was.'
-      this.tell({ shown: null, phase: 'lost', said })
-      wait = document.activeElement instanceof HTMLIFrameElement ? OWN : 0
+    while (!signal.aborted && this.machine.name !== 'failed') {
+      const event = await this.doing(signal)
+      if (!signal.aborted) this.take(event)
     }
   }
 
-  /** Tells it all that it is to show once it is open, in a new frame where the old one does not come back. */
-  private async enter(first: number, signal: AbortSignal): Promise<boolean> {
-    let wait = first
-    let said = this.last ? 'The 3D view was lost and is back, as it was.' : ''
-    for (let frames = first === OPENING ? 1 : 0; !signal.aborted; ) {
-      const { wanted, last } = this
-      const change = merged(last ? again(last) : {}, { ...this.pending, ...wanted })
-      const asked = new Request(signal, wait)
-      const answer = await changeView(this.run, this.key, change, wait, asked.signal).catch(refusedFor)
-      asked.over()
-      if (signal.aborted) return false
-      if (!(answer instanceof Refusal)) {
-        this.pending = {}
-        this.told = wanted
-        this.back(answer, said)
-        void this.send()
-        return true
-      }
-      if (answer.status === 404 && frames < 2) {
-        frames += 1
-        wait = OPENING
-        this.anew()
-      } else if (answer.status === 422 && last) {
-        this.last = null // what it showed is there no more: it opens as the page has it
-        said = 'The 3D view was lost and is back, but not all that it showed is still there.'
-      } else if (answer.status === 0 || answer.status >= 500) {
-        const why = `${answer.message} The 3D view is opened again as it was, as soon as that is possible.`
-        this.tell({ shown: null, phase: 'lost', said: why })
-        wait = frames = 0
-        await this.rest(RETRY, signal)
-      } else {
-        if (answer.status === 401) signedOut()
-        this.tell({ shown: null, phase: 'failed', said: saidOf(answer) })
-        return false
-      }
-    }
-    return false
+  private async doing(signal: AbortSignal): Promise<Event> {
+    if (this.machine.name === 'open') return this.listen(signal)
+    if (this.machine.name === 'asking') return this.ask(signal)
+    await this.rest(RETRY, signal)
+    return { kind: 'rested' }
   }
 
-  /** Hears what is shown otherwise, until the view is lost; asks nothing while the page is hidden. */
-  private async listen(signal: AbortSignal): Promise<void> {
-    for (let lost = 0; !signal.aborted && lost < 2; ) {
-      if (document.hidden) {
-        await this.rest(Number.POSITIVE_INFINITY, signal)
-        continue
-      }
-      const since = this.known.shown?.revision ?? 0
-      const news = new Request(signal, QUIET)
-      this.hurry = news.end
-      const answer = await getView(this.run, this.key, news.signal, { since, wait: QUIET }).catch(refusedFor)
-      news.over()
-      if (!(answer instanceof Refusal)) {
-        lost = 0
-        this.hear(answer)
-      } else if (answer.status === 404) return
-      else if (news.late || !news.signal.aborted) lost += 1
-      await this.rest(NEWS, signal)
+  private take(event: Event): void {
+    const before = this.machine
+    this.machine = next(before, event)
+    const { machine } = this
+    if (machine === before) return
+    if (machine.restores === 'part') this.last = null // what it showed is there no more: it opens as the page has it
+    if (reframed(before, machine)) this.frame(this.last ? placeOf(this.last) : {})
+    if (machine.name === 'open' && before.name === 'open') return
+    const said = saidOf(machine)
+    this.tell({ phase: phaseOf(machine), said, ...(machine.name !== 'open' && { shown: null }) })
+    if (machine.name === 'open' && said) setTimeout(() => this.known.said === said && this.tell({ said: '' }), BACK)
+  }
+
+  /** Tells it all that it is to show, once it is open. */
+  private async ask(signal: AbortSignal): Promise<Event> {
+    const { wanted, last, machine, pending } = this
+    this.pending = {} // what is asked for meanwhile is sent once it is open
+    const change = merged(last ? again(last) : {}, { ...pending, ...wanted })
+    const asked = new Request(signal, machine.wait)
+    const answer = await changeView(this.run, this.key, change, machine.wait, asked.signal).catch(refusedFor)
+    asked.over()
+    if (signal.aborted || answer instanceof Refusal) {
+      if (this.abort?.signal === signal) this.pending = merged(pending, this.pending)
+      return eventOf(answer)
     }
+    this.told = wanted
+    this.last = answer
+    this.tell({ shown: answer })
+    void this.send()
+    return { kind: 'opened' }
+  }
+
+  /** News of what is shown, or that there is none; asks nothing while the page is hidden. */
+  private async listen(signal: AbortSignal): Promise<Event> {
+    if (document.hidden) {
+      await this.rest(Number.POSITIVE_INFINITY, signal)
+      return { kind: 'heard' }
+    }
+    const since = this.known.shown?.revision ?? 0
+    const news = new Request(signal, QUIET)
+    this.hurry = news.end
+    const answer = await getView(this.run, this.key, news.signal, { since, wait: QUIET }).catch(refusedFor)
+    news.over()
+    const wait = document.activeElement instanceof HTMLIFrameElement ? OWN : 0
+    if (answer instanceof Refusal && answer.status === 404) return { kind: 'absent', wait }
+    if (!(answer instanceof Refusal)) this.hear(answer)
+    await this.rest(NEWS, signal)
+    const failed = answer instanceof Refusal && (news.late || !news.signal.aborted)
+    return failed ? { kind: 'missed', wait } : { kind: 'heard' }
   }
 
   /** Sends what there is to change, one request at a time. */
@@ -213,44 +204,19 @@ export class View {
       await new Promise((resolve) => setTimeout(resolve, PAUSE))
     }
     this.busy = false
-    this.adopt()
   }
 
   /** Takes what is shown; answers may overtake each other. */
   private hear(shown: ViewState): void {
-    if (this.known.shown && shown.revision < this.known.shown.revision) return
+    if (!this.known.shown || shown.revision < this.known.shown.revision) return
     this.last = shown
-    if (shown.revision !== this.known.shown?.revision) this.tell({ shown, phase: 'open' })
-    this.adopt()
+    if (shown.revision !== this.known.shown.revision) this.tell({ shown })
   }
 
-  /** A finding that the page has not asked for is the visitor's choice: it is the page's, too, from now on. */
-  private adopt(): void {
-    const { shown } = this.known
-    if (this.busy || !shown || !this.wanted || this.told !== this.wanted || shown.flight === this.wanted.flight) return
-    this.wanted = this.told = { ...this.wanted, flight: shown.flight }
-    for (const listener of this.choosers) listener(shown.flight)
-  }
-
-  private begin(place: Place): void {
+  /** A frame, another one where there is one. */
+  private frame(place: Place): void {
     if (!this.wanted) return
-    const address = addressOf(this.run, this.wanted, place, this.key)
-    this.tell({ shown: null, phase: 'opening', said: '', address, frame: this.known.frame + 1 })
-  }
-
-  /** Another frame in place of the one that is lost. */
-  private anew(): void {
-    const { last, wanted } = this
-    if (!wanted) return
-    const place = last ? { time: last.time, ...(last.camera && { camera: last.camera }) } : {}
-    const phase = this.known.phase === 'lost' ? 'lost' : 'opening'
-    this.tell({ address: addressOf(this.run, wanted, place, this.key), frame: this.known.frame + 1, phase })
-  }
-
-  private back(shown: ViewState, said: string): void {
-    this.last = shown
-    this.tell({ shown, phase: 'open', said })
-    if (said) setTimeout(() => this.known.said === said && this.tell({ said: '' }), BACK)
+    this.tell({ address: addressOf(this.run, this.wanted, place, this.key), frame: this.known.frame + 1 })
   }
 
   /** Waits so long [ms], or until there is reason to hurry. */
@@ -275,10 +241,16 @@ export class View {
 
 const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No answer', 'The service does not answer.'))
 
-/** Why a view cannot be opened, and what to do. */
-function saidOf(refusal: Refusal): string {
-  if (refusal.status === 401) return 'You are signed out: open a login link of the service, then open the 3D view again.'
-  if (refusal.status === 404)
-    return 'The 3D view did not open. Where the browser can draw no 3D graphics (WebGL), switch them on; otherwise try again.'
-  return refusal.message
+const placeOf = ({ time, camera }: ViewState): Place => ({ time, ...(camera && { camera }) })
+
+/** What a refused opening is to the machine. */
+function eventOf(answer: ViewState | Refusal): Event {
+  if (!(answer instanceof Refusal)) return { kind: 'opened' }
+  const { status, message: why } = answer
+  if (status === 404) return { kind: 'absent' }
+  if (status === 422) return { kind: 'refused', why }
+  if (status === 0 || status >= 500) return { kind: 'silent', why }
+  if (status !== 401) return { kind: 'barred', why }
+  signedOut()
+  return { kind: 'barred', why: 'You are signed out: open a login link of the service, then open the 3D view again.' }
 }

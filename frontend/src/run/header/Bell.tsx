@@ -4,8 +4,8 @@ import { useState } from 'react'
 import { type Asked, toggleRun, useWanted } from '../../page/notify'
 
 const WHY: Record<Exclude<Asked, 'granted'>, string> = {
-  denied: 'The browser does not allow it; its settings for this site say so.',
-  unavailable: 'The browser offers it on this machine and over HTTPS only.',
+  denied: 'Blocked by the browser’s settings for this site.',
+  unavailable: 'The browser allows this only on this machine or over HTTPS.',
 }
 
 export function Bell({ run }: { run: string }) {
@@ -19,7 +19,7 @@ export function Bell({ run }: { run: string }) {
         className="btn"
         aria-pressed={on}
         onClick={() => void toggleRun(run).then(setAnswer)}
-        title="A message of the browser when this run has ended"
+        title="Browser notification when this run ends"
       >
         {on ? <IconBellFilled className="i s" aria-hidden /> : <IconBell className="i s" aria-hidden />}
         {on ? 'Will notify' : 'Notify me'}

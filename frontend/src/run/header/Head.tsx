@@ -42,7 +42,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
           )}
           {run.continues && (
             <span className="small nw">
-              Goes on with{' '}
+              Extends{' '}
               <Link to="/runs/$id" params={{ id: run.continues }} className="mono">
                 {run.continues}
               </Link>
@@ -53,6 +53,11 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
       <div className="acts">
         {isLive(run) && <Freshness stale={stale} />}
         {isLive(run) && <Bell run={run.id} />}
+        {isLive(run) && (
+          <Link to="/runs/$id/flight" params={{ id: run.id }} className="btn" title="The flights as they are found, and the searches">
+            3D view
+          </Link>
+        )}
         <ExportMenu run={run} />
         <Link to="/launch" search={{ from: run.id }} className="btn">
           <IconRefresh className="i s" aria-hidden />
@@ -66,7 +71,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
 
 function Freshness({ stale }: { stale: boolean }) {
   const stream = useStreamStatus()
-  const words = stale ? 'The service does not answer, trying again' : stream === 'open' ? 'Live' : 'Asking every 2 s'
+  const words = stale ? 'The service does not answer, trying again' : stream === 'open' ? 'Live' : 'Refreshing every 2 s'
   return (
     <span className={stale ? 'small bad-t nw' : 'small mut nw'} role="status">
       {words}

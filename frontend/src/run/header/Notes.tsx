@@ -61,10 +61,10 @@ export function Notes({ run, className }: { run: RunDetail; className: string })
           {edit.isError && <p className="ferr">{edit.error.message}</p>}
           {run.notes !== read && (
             <div className="note" role="status">
-              <b>Meanwhile somebody else wrote:</b>
+              <b>Another user has written:</b>
               <Markdown text={run.notes} />
               <button type="button" className="btn s" onClick={() => setRead(run.notes)}>
-                I have read it; mine is to stand
+                I have read it; keep mine
               </button>
             </div>
           )}
@@ -83,7 +83,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string })
       ) : run.notes.trim() ? (
         <Markdown text={run.notes} />
       ) : (
-        <p className="mut">Nothing written yet. Say why this run was flown, and what was decided on it.</p>
+        <p className="mut">No notes yet. State why this run was made, and what was decided on it.</p>
       )}
     </Card>
   )

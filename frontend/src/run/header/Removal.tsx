@@ -101,7 +101,7 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
     >
       <p className="sec">
         {runs.length === 1 ? 'It leaves' : 'They leave'} every list, count and search. Results, history and address stay, and
-        it can be undone, until somebody purges what was removed long ago.
+        removal can be undone until the run is purged.
       </p>
       {runs.length > 1 && (
         <ul className="small sec listed">
@@ -114,7 +114,7 @@ function RemoveForm({ runs, staying, onClose, onDone }: Omit<RemoveDialogProps, 
         </ul>
       )}
       {Boolean(staying) && (
-        <p className="small sec">{plural(staying ?? 0)} of the selection still in work: cancel first to remove such a one.</p>
+        <p className="small sec">{plural(staying ?? 0)} of the selection still running: cancel first to remove them.</p>
       )}
       <label className="lbl">
         Reason

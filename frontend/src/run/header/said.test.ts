@@ -9,7 +9,7 @@ const said = (action: string, detail: HistoryEntry['detail'] = {}) =>
 it('tells what an edit changed', () => {
   expect(said('run.edited', { pinned: true })).toBe('Pinned it')
   expect(said('run.edited', { name: 'B', tags: ['a', 'b'], notes: {} })).toBe('Named it “B”; tagged it a, b; wrote its notes')
-  expect(said('run.edited', { tags: [] })).toBe('Took its tags off')
+  expect(said('run.edited', { tags: [] })).toBe('Removed its tags')
 })
 
 it('tells who signed, and why not any more', () => {
@@ -25,7 +25,7 @@ it('tells whether a cancel came in time', () => {
 it('tells what became of a run', () => {
   expect(said('run.removed', { reason: 'a trial' })).toBe('Removed it from the lists: a trial')
   expect(said('run.restored', { reason: 'a trial' })).toBe('Restored it')
-  expect(said('run.purged', { results_digest: '0123456789abcdef01' })).toBe('Deleted its results for good, sha256 0123456789abcdef')
+  expect(said('run.purged', { results_digest: '0123456789abcdef01' })).toBe('Permanently deleted its results, sha256 0123456789abcdef')
 })
 
 it('hides nothing that it has no words for', () => {

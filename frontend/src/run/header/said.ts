@@ -17,11 +17,13 @@ export function saidOf({ action, detail }: HistoryEntry): string {
     case 'run.restored':
       return 'Restored it'
     case 'run.purged':
-      return `Deleted its results for good, sha256 ${text(detail.results_digest).slice(0, 16)}`
+      return `Permanently deleted its results, sha256 ${text(detail.results_digest).slice(0, 16)}`
     case 'signoff.created':
       return `Signed off as ${[text(detail.name), text(detail.role)].filter(Boolean).join(', ')}`
     case 'signoff.withdrawn':
       return detail.reason ? `Withdrew a sign-off: ${text(detail.reason)}` : 'Withdrew a sign-off'
+    case 'signoff.bound':
+      return 'An update stored the same results in another form; a sign-off was bound to it'
     default:
       return action
   }
@@ -30,7 +32,7 @@ export function saidOf({ action, detail }: HistoryEntry): string {
 function editOf(detail: HistoryEntry['detail']): string {
   const parts: string[] = []
   if ('name' in detail) parts.push(`named it “${text(detail.name)}”`)
-  if (Array.isArray(detail.tags)) parts.push(detail.tags.length > 0 ? `tagged it ${detail.tags.join(', ')}` : 'took its tags off')
+  if (Array.isArray(detail.tags)) parts.push(detail.tags.length > 0 ? `tagged it ${detail.tags.join(', ')}` : 'removed its tags')
   if ('notes' in detail) parts.push('wrote its notes')
   if ('pinned' in detail) parts.push(detail.pinned ? 'pinned it' : 'unpinned it')
   const said = parts.join('; ') || 'changed it'

@@ -1,7 +1,9 @@
 // Sensitivity over the whole box: Morris' elementary effects and Sobol's shares of the variance, a row per parameter.
 import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
+import { words } from '../../format/said'
 import { Card } from '../../ui/Card'
+import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
@@ -51,11 +53,11 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
       flush={columns.length > 0}
       footer={
         <>
-          {morris && (morris.indices ? `μ, μ* and σ are per whole range, in ${run.unit}. ` : `Morris: ${morris.text}. `)}
-          {sobol &&
-            (sobol.indices
-              ? `The shares are of the variance, ± the half width of their ${percent(sobol.confidence)} interval.`
-              : `Sobol: ${sobol.text}.`)}
+          {morris?.indices && `μ, μ* and σ are per whole range, in ${run.unit}. `}
+          {morris && !morris.indices && <Said spans={[words('Morris: '), ...morris.said, words('. ')]} />}
+          {sobol?.indices &&
+            `Indices are fractions of the variance, ± half the width of their ${percent(sobol.confidence)} interval.`}
+          {sobol && !sobol.indices && <Said spans={[words('Sobol: '), ...sobol.said, words('.')]} />}
         </>
       }
     >

@@ -97,7 +97,7 @@ interface Through {
 /** Why a finding has no slices, where validation ended before it flew them. */
 function missing(validation: ValidateResult | null, chosen: string, slices: Slices | null): string {
   if (slices || chosen === NOMINAL || !validation?.findings || validation.findings.complete) return ''
-  return `No slices were flown through ${chosen}: validation ended before it came to them. `
+  return `No slices were simulated through ${chosen}: validation ended before them.  `
 }
 
 function footerOf(curves: readonly Curve[], absent: string) {

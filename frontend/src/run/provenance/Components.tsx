@@ -14,7 +14,7 @@ export function Components({ run, className }: { run: RunDetail; className: stri
   return (
     <Card
       title="Components"
-      note={data.digest ? 'What they meant when the run began' : 'As installed now'}
+      note={data.digest ? 'Descriptions at the start of the run' : 'As installed now'}
       className={className}
       id="components"
       right={
@@ -46,20 +46,20 @@ function Code({ told }: { told: RunComponents }) {
   if (!installed)
     return (
       <p className="sec">
-        Flown by code <Digest of={code} />. No worker has published the code that is installed now.
+        Simulated by code <Digest of={code} />. No worker has published the code that is installed now.
       </p>
     )
   if (sameCode(told))
     return (
       <p className="sec">
-        Flown by code <Digest of={code} />, which is what is installed now.
+        Simulated by code <Digest of={code} />, the code installed now.
       </p>
     )
   return (
     <div className="note warn">
       <div>
         <p className="m">
-          The code differs: <Digest of={code} /> flew this run, <Digest of={installed} /> is installed now. The same
+          The code differs: <Digest of={code} /> simulated this run, <Digest of={installed} /> is installed now. The same
           campaign may give other results.
         </p>
         {modules.length > 0 && (
@@ -86,23 +86,23 @@ function Origin({ told }: { told: RunComponents }) {
   if (!digest)
     return (
       <p className="sec">
-        This run kept nothing of what its components meant. Texts, units, limits and default values on this page are those
+        This run did not store the descriptions of its components. Texts, units, limits and default values on this page are those
         installed now (Clearance {catalogue.version}); they may not be those that flew.
       </p>
     )
   return (
     <>
       <p className="sec">
-        Kept with the run, from Clearance {catalogue.version}: sha256{' '}
+        Stored with the run, from Clearance {catalogue.version}: sha256{' '}
         <span className="mono" title={digest}>
           {digest.slice(0, 16)}
         </span>
-        .{changes.length === 0 && (sameCode(told) ? ' What is installed now says the same.' : ' The texts are the same now.')}
+        .{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The texts are the same now.')}
       </p>
       {changes.length > 0 && (
         <div className="note warn">
           <div>
-            <p className="m">This installation describes them otherwise now. The page shows what the run kept.</p>
+            <p className="m">This installation describes them differently. The page shows what is stored with the run.</p>
             <ul className="listed">
               {changes.map((change) => (
                 <li key={change}>{change}</li>

@@ -30,7 +30,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
   return (
     <Card
       title="Provenance"
-      note="What it takes to get the same numbers again"
+      note="What is needed to reproduce the numbers"
       className={className}
       id="provenance"
       right={
@@ -67,6 +67,7 @@ export function originOf({ summary, flown }: Pick<RunDetail, 'summary' | 'flown'
     lanes: known('lanes'),
     step: known('step'),
     integrator: known('integrator'),
+    simulator: stated?.simulator ?? flown?.simulator ?? null,
   }
 }
 
@@ -92,12 +93,21 @@ const hash = (text: string | null | undefined) => (
 )
 
 function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
-  const period = Number(campaign.scenario.guidance?.period ?? 0)
   return [
     ['Campaign', <span key="c">sha256 {hash(run.campaign_digest)}</span>],
     ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
-    ['Simulation kernel', <span key="k">{hash(origin.loop)}</span>],
+    [campaign.simulator ? 'Simulator digest' : 'Simulation kernel', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
+    ...(campaign.simulator ? [['Simulator', campaign.simulator.name] satisfies Rows[number]] : loopRows(campaign, origin)),
+    ['Started by', `${run.owner}, ${moment(run.created)}`],
+    ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
+  ]
+}
+
+/** What only a closed loop has: its integrator, its horizon, its components. */
+function loopRows(campaign: RunData['campaign'], origin: Origin): Rows {
+  const period = Number(campaign.scenario.guidance?.period ?? 0)
+  return [
     [
       'Integrator',
       `${origin.integrator ?? 'RK4'}, step ${plain((origin.step ?? Number(campaign.scenario.step)) * 1000)} ms`,
@@ -112,8 +122,6 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
         </Link>,
       ]
     }),
-    ['Started by', `${run.owner}, ${moment(run.created)}`],
-    ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]
 }
 

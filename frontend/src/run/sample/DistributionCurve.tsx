@@ -21,7 +21,7 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
     const { quantile } = sample
     const within = (share: number) => 100 * Math.min(1, Math.max(0, share))
     return {
-      label: `Share of the sample at or below each ${symbolText(run.quantity || 'value')}`,
+      label: `Fraction of the sample at or below each ${symbolText(run.quantity || 'value')}`,
       x: values,
       lines: [
         { key: 'sample', label: 'Sample', colour: '--c-nom', y: shares.map(within), width: 1.8 },
@@ -37,7 +37,7 @@ export function DistributionCurve({ data, sample, height }: DistributionCurvePro
           <Sign text={run.quantity || 'value'} />, {run.unit}
         </>
       ),
-      yTitle: 'Share of the sample, %',
+      yTitle: 'Fraction of the sample, %',
       yRange: [0, 100],
       left: 48,
       height,

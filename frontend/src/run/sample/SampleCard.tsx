@@ -7,12 +7,13 @@ import { ChartCard } from '../../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { lostOf } from '../../format/counts'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
+import { sentence, words } from '../../format/said'
 import { Seg } from '../../ui/Card'
+import { Said } from '../../ui/Said'
 import { SvgSign, symbolText } from '../../ui/Sign'
 import { useWidth } from '../../ui/useWidth'
 import { DistributionCurve } from './DistributionCurve'
 import type { RunData } from '../data/data'
-import { Said } from '../data/Said'
 
 interface SampleCardProps {
   data: RunData
@@ -58,9 +59,9 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
       footer={
         <>
           Mean {fixed(sample.mean, decimals)} {run.unit}, standard deviation {plain(sample.deviation, 3)} {run.unit},
-          lowest {fixed(sample.lowest, decimals)} {run.unit}. <Said data={data} text={`${sample.text}.`} />
-          {quantile && <Said data={data} text={` ${sentence(quantile.text)}`} />}
-          {grid && <Said data={data} text={` ${sentence(grid.text)}`} />}
+          lowest {fixed(sample.lowest, decimals)} {run.unit}. <Said spans={sentence(sample.said)} />
+          {quantile && <Said spans={[words(' '), ...sentence(quantile.said)]} />}
+          {grid && <Said spans={[words(' '), ...sentence(grid.said)]} />}
         </>
       }
     >
@@ -75,7 +76,6 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
   )
 }
 
-const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`
 
 const [HEIGHT, TOP, LEFT, BOTTOM, RIGHT] = [250, 56, 40, 36, 12]
 

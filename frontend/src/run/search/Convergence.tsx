@@ -132,7 +132,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       </div>
       {curves.length === 0 ? (
         <p className="sec" style={{ minHeight: height }}>
-          {data.evaluations ? 'No search has flown an evaluation yet.' : 'Loading the evaluations …'}
+          {data.evaluations ? 'No search has completed an evaluation yet.' : 'Loading the evaluations …'}
         </p>
       ) : (
         <>

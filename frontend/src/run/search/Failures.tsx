@@ -29,7 +29,7 @@ export function Failures({ data, className }: { data: RunData; className: string
         failures.length > FIRST && (
           <span className="row" style={{ justifyContent: 'space-between' }}>
             {count(shown.length)} of {count(total)} shown
-            {failures.length < total && `; the first ${failures.length} are kept here, all of them are in the CSV file`}
+            {failures.length < total && `; the first ${failures.length} are shown here; the CSV file contains all`}
             <button type="button" className="btn s" onClick={() => setAll(!all)}>
               {all ? `Show the first ${FIRST}` : `Show ${count(failures.length)}`}
             </button>

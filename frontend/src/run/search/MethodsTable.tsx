@@ -2,13 +2,14 @@
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
 import { count, decimalsApart, duration, fixed, NONE, signed } from '../../format/numbers'
+import { words } from '../../format/said'
 import { HelpLink } from '../../help/links'
 import { Card, NumHead, Progress } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
 import { useMethodLook } from '../../ui/methods'
+import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import { type RunData, type SearchStage, searchesOf, stageOf } from '../data/data'
-import { Said } from '../data/Said'
 
 export function MethodsTable({ data, className, id }: { data: RunData; className: string; id?: string }) {
   const methodLook = useMethodLook()
@@ -32,7 +33,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
       id={id}
       flush
       right={<HelpLink to="/help/methods">What each method does</HelpLink>}
-      footer={over ? <Ends data={data} searches={searches} /> : undefined}
+      footer={over ? <Ends searches={searches} /> : undefined}
     >
       <table className="tight">
         <thead>
@@ -119,13 +120,13 @@ const membersText = (members: Member[]): string =>
   members.map((member) => `${member.title} ${count(member.evaluations)}`).join(', ')
 
 /** How each search ended, in its own words. */
-function Ends({ data, searches }: { data: RunData; searches: SearchStage[] }) {
+function Ends({ searches }: { searches: SearchStage[] }) {
   return searches.map(({ stage, title, result }) =>
     result?.stop ? (
       <div key={stage.position}>
-        <span className="sec">{title}:</span> {result.stop.text}
+        <span className="sec">{title}:</span> <Said spans={result.stop.said} />
         {result.members.length > 0 && `; ${membersText(result.members)}`}
-        {result.gap && <Said data={data} text={`; ${result.gap.text}`} />}
+        {result.gap && <Said spans={[words('; '), ...result.gap.said]} />}
       </div>
     ) : null,
   )

@@ -5,6 +5,7 @@ import { count, decimalsApart, decimalsFor, fixed, NONE } from '../../format/num
 import { unitText } from '../../format/units'
 import { Card, NumHead } from '../../ui/Card'
 import { MethodName } from '../../ui/MethodMark'
+import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
@@ -93,7 +94,7 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
               })}
               <td className={minimum.cost === lowest ? 'num b' : 'num'}>{fixed(minimum.cost, decimals)}</td>
               <td className="num sec">{count(minimum.evaluations)}</td>
-              <td className="sec">{minimum.text}</td>
+              <td className="sec"><Said spans={minimum.said} /></td>
             </tr>
           ))}
         </tbody>

@@ -112,7 +112,7 @@ function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress
     name: NAME[kind],
     state,
     figures: ended
-      ? `${count(flown)} flown`
+      ? `${count(flown)} done`
       : begun
         ? `${count(flown)} of ${count(planned)}`
         : isLive(run)

@@ -14,12 +14,12 @@ export const MEANING: Record<Fate, Meaning> = {
   failed: {
     word: 'Failed',
     name: 'failed',
-    text: 'the flight left the model’s envelope or the simulation broke off; how it would have ended is not known, which bars “cleared”',
+    text: 'the flight left the model’s envelope or the simulation broke off; its outcome is unknown, which rules out “cleared”',
   },
   timeout: {
     word: 'Timed out',
     name: 'timed out',
-    text: 'the simulation took longer than it may; counted among the failed',
+    text: 'the simulation exceeded its time limit; counted as failed',
   },
   excluded: {
     word: 'Excluded',

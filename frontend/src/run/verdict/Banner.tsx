@@ -3,10 +3,11 @@ import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-reac
 import type { DescribedCheck, RunDetail } from '../../client'
 import { withoutValue } from '../../format/counts'
 import { count } from '../../format/numbers'
+import { words } from '../../format/said'
 import { HelpLink } from '../../help/links'
+import { Said } from '../../ui/Said'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
-import { Said } from '../data/Said'
 
 export function Banner({ data }: { data: RunData }) {
   const { run } = data
@@ -27,11 +28,11 @@ export function Banner({ data }: { data: RunData }) {
           <HelpLink to="/help/evidence">What a verdict rests on</HelpLink>
         </span>
         <p>
-          <Said data={data} text={(run.verdict ? (summary?.sentence ?? run.reason) : reasonOf(run, outcome)) ?? ''} />
+          {run.verdict ? <Said spans={summary?.said ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
         </p>
-        {run.verdict && summary?.scope && (
+        {run.verdict && summary && summary.holds_for.length > 0 && (
           <p className="scope">
-            Scope: <Said data={data} text={lower(summary.scope)} />
+            Scope: <Said spans={summary.holds_for} />
           </p>
         )}
         {run.verdict && summary && summary.checks.length > 0 && (
@@ -41,7 +42,7 @@ export function Banner({ data }: { data: RunData }) {
                 <Standing check={check} />
                 <span>
                   <span className="m">{check.title}</span>:{' '}
-                  <Said data={data} text={check.but ? `${check.text}; ${check.but}` : check.text} />
+                  <Said spans={check.limit.length > 0 ? [...check.said, words('; '), ...check.limit] : check.said} />
                 </span>
               </li>
             ))}
@@ -60,14 +61,12 @@ export function Standing({ check }: { check: Pick<DescribedCheck, 'standing'> })
   return <IconCircleX className="i s bad-t" aria-label="does not hold" />
 }
 
-const lower = (text: string): string => text.replace(/^scope:\s*/i, '')
-
 /** As a sentence, however it was stored. */
 const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1).replace(/[.\s]+$/, '')}.`
 
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled')
-    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations, ${withoutValue(run)}. What was flown is kept below; it says nothing about the avoidance system.`
+    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations, ${withoutValue(run)}. Completed evaluations are shown below; they support no statement about the avoidance system.`
   const attempts = run.attempts > 1 ? ` It was tried ${run.attempts} times.` : ''
-  return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This says nothing about the avoidance system.`
+  return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This is not a result about the avoidance system.`
 }

@@ -26,26 +26,30 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
   const largest = Math.max(...Object.values(influence), 0)
   return (
     <Card
-      title="Encounter"
-      note="Was the avoidance put to the test?"
+      title={unseen ? 'Encounter' : 'Effect of the parameters'}
+      note={unseen ? 'Was the avoidance put to the test?' : 'This system models no encounter'}
       className={className}
       id="encounter"
-      right={<HelpLink to="/help/evidence" at="vacuous">Why this is asked</HelpLink>}
+      right={<HelpLink to="/help/evidence" at="vacuous">Why this is checked</HelpLink>}
     >
       <dl className="kv">
-        <Closest name="nominal" approach={closest} />
+        {unseen && <Closest name="nominal" approach={closest} />}
         {findings.map((each) => each.closest && <Closest key={each.label} name={each.label} approach={each.closest} />)}
-        <dt>Path of the nominal case</dt>
-        <dd>{moved === null ? NONE : `${plain(moved, 4)} m`}</dd>
-        <dt>Nominal {quantity} with every obstacle unseen</dt>
-        <dd data-testid="unseen">
-          {unseen.cost === null ? `no value: ${unseen.reason}` : `${plain(unseen.cost)} ${run.unit}`}
-          {run.nominal_cost !== null && (
-            <span className="mut">
-              , with the avoider {plain(run.nominal_cost)} {run.unit}
-            </span>
-          )}
-        </dd>
+        {unseen && (
+          <>
+            <dt>Path of the nominal case</dt>
+            <dd>{moved === null ? NONE : `${plain(moved, 4)} m`}</dd>
+            <dt>Nominal {quantity} with every obstacle unseen</dt>
+            <dd data-testid="unseen">
+              {unseen.cost === null ? `no value: ${unseen.reason}` : `${plain(unseen.cost)} ${run.unit}`}
+              {run.nominal_cost !== null && (
+                <span className="mut">
+                  , with the avoider {plain(run.nominal_cost)} {run.unit}
+                </span>
+              )}
+            </dd>
+          </>
+        )}
         <dt>Range of {quantity}</dt>
         <dd>
           {spread.lowest === null || spread.highest === null

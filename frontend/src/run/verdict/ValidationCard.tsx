@@ -3,11 +3,12 @@
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
 import type { SpotChecks, ValidateResult, Validation, Violations } from '../../client'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
+import { sentence, words } from '../../format/said'
 import { Card, NumHead } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
+import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
-import { Said } from '../data/Said'
 import { casesOf, validatedWord } from '../data/validated'
 
 interface ValidationCardProps {
@@ -24,10 +25,11 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
     cases.map((c) => c.cost),
     7,
   )
+  const repeated = cases.some((c) => c.again)
   return (
     <Card
       title="Validation"
-      note="The same cases by other means"
+      note={repeated ? 'The same cases evaluated again' : 'The same cases by other means'}
       className={className}
       id="validation"
       flush={cases.length > 0}
@@ -39,9 +41,9 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       }
       footer={
         <>
-          <Said data={data} text={sentence(result.text)} />{' '}
+          <Said spans={sentence(result.said)} />{' '}
           {[result.violations, result.spot_checks].map(
-            (told, i) => told && <Said key={i} data={data} text={`${sentence(told.text)} `} />,
+            (told, i) => told && <Said key={i} spans={[...sentence(told.said), words(' ')]} />,
           )}
           Tolerance {percent(result.tolerance)} of the value, and a tenth of the margin.{' '}
           {neighbours && (
@@ -60,8 +62,8 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
         <table className="tight">
           <thead>
             <tr>
-              <th>Flight</th>
-              <th>Integration</th>
+              <th>{repeated ? 'Case' : 'Flight'}</th>
+              <th>{repeated ? 'Evaluation' : 'Integration'}</th>
               <NumHead unit="ms">Step</NumHead>
               <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
               <NumHead unit={run.unit}>Change</NumHead>
@@ -78,7 +80,7 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
         <p className="sec">The cases are not stored.</p>
       )}
       {result.violations && result.spot_checks && (
-        <Again data={data} violations={result.violations} spots={result.spot_checks} />
+        <Again data={data} repeated={repeated} violations={result.violations} spots={result.spot_checks} />
       )}
     </Card>
   )
@@ -86,28 +88,30 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
 
 interface AgainProps {
   data: Pick<RunData, 'run' | 'stages'>
+  /** Evaluated again by the same simulator, and by no other means. */
+  repeated: boolean
   violations: Violations
   spots: SpotChecks
 }
 
 /** What was simulated again besides nominal and findings, in figures. */
-function Again({ data: { run, stages }, violations, spots }: AgainProps) {
+function Again({ data: { run, stages }, repeated, violations, spots }: AgainProps) {
   const unit = run.unit
   const apart = (value: number | null) => (value === null ? NONE : `${plain(value, 3)} ${unit}`)
   const { at } = spots
   const stage = at && stages.find((s) => s.position === at.position)
   return (
-    <dl className="kv again" aria-label="Simulated again">
+    <dl className="kv again" aria-label={repeated ? 'Evaluated again' : 'Simulated again'}>
       <dt>Stored violations</dt>
       <dd data-testid="violations">
         {count(violations.stored)} stored, {count(violations.checked)} checked, {count(violations.confirmed)} confirmed
       </dd>
-      <dt>Random evaluations, reference integrator</dt>
+      <dt>Random evaluations, {repeated ? 'evaluated again' : 'reference integrator'}</dt>
       <dd data-testid="spot-checks">
         {count(spots.compared)} of {count(spots.checked)} compared
         {spots.violating > 0 && <span className="bad-t">, {count(spots.violating)} violate there only</span>}
       </dd>
-      <dt>Distance to the stored value</dt>
+      <dt>Difference from the stored value</dt>
       <dd title={at ? Object.entries(at.parameters).map(([path, v]) => `${path} = ${plain(v, 9)}`).join('\n') : undefined}>
         median {apart(spots.median)}, largest {apart(spots.largest)}
         {at && `, ${stage?.method ? methodLook(stage.method).title : (stage?.kind ?? 'stage')} evaluation ${count(at.index + 1)}`}
@@ -117,20 +121,20 @@ function Again({ data: { run, stages }, violations, spots }: AgainProps) {
   )
 }
 
-const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}.`
-
 function Rows({ item, decimals }: { item: Validation; decimals: number }) {
   const name = item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
+  const { half_step: half, integrator, again } = item
   const rows = [
-    { key: 'run', text: 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
-    {
-      key: 'half',
-      text: 'Half step, RK4',
-      step: item.half_step.step,
-      cost: item.half_step.cost,
-      change: item.half_step.difference,
-    },
-    { key: 'other', text: item.integrator.name, step: null, cost: item.integrator.cost, change: item.integrator.difference },
+    { key: 'run', text: again ? 'As searched' : 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
+    ...(half
+      ? [{ key: 'half', text: 'Half step, RK4', step: half.step, cost: half.cost, change: half.difference }]
+      : []),
+    ...(integrator
+      ? [{ key: 'other', text: integrator.name, step: null, cost: integrator.cost, change: integrator.difference }]
+      : []),
+    ...(again
+      ? [{ key: 'again', text: again.name.charAt(0).toUpperCase() + again.name.slice(1), step: null, cost: again.cost, change: again.difference }]
+      : []),
   ]
   return rows.map((row, i) => {
     const over = typeof row.change === 'number' && item.allowed !== null && Math.abs(row.change) > item.allowed
@@ -144,7 +148,7 @@ function Rows({ item, decimals }: { item: Validation; decimals: number }) {
           )}
         </td>
         <td className="sec">{row.text}</td>
-        <td className="num sec">{row.step === null ? 'adaptive' : plain(row.step * 1000)}</td>
+        <td className="num sec">{row.step === null ? (again ? NONE : 'adaptive') : plain(row.step * 1000)}</td>
         <td className="num">{fixed(row.cost, decimals)}</td>
         <td className={over ? 'num b bad-t' : 'num sec'}>
           {row.change === undefined ? NONE : row.change === null ? 'no value' : signedSmall(row.change)}

@@ -10,16 +10,16 @@ export function WhatToDo({ run, className }: { run: RunDetail; className: string
     <Card title="What to do" className={className}>
       <ol className="todo-list">
         <li>
-          <b>Run it again</b> with the button above, as it is or changed. If it ended by the same reason
+          <b>Run it again</b> with the button above, as it is or changed. If it fails for the same reason
           {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step, or leave
           that stage out, on the <Link to="/launch" search={{ from: run.id }}>launch page</Link>.
         </li>
         <li>
-          <b>Look into the log</b> of the worker{run.worker ? ` (${run.worker})` : ''}, in the folder <code>logs</code> of the
+          <b>Read the log</b> of the worker{run.worker ? ` (${run.worker})` : ''}, in the folder <code>logs</code> of the
           service’s data: it has what the simulation said before it ended.
         </li>
         <li>
-          <b>Draw no conclusion.</b> A run that failed has no verdict, whatever it had flown until then.
+          <b>Draw no conclusion.</b> A run that failed has no verdict, whatever it had evaluated until then.
         </li>
       </ol>
     </Card>

@@ -1,0 +1,1 @@
+"""One flight of a stored run, simulated on request with other parameters: the what-if."""

@@ -1,0 +1,79 @@
+"""Of one client's requests the newest counts: an older one without an answer is refused. Start at `Turns.run`."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from backend.http.capacity import Capacity, Gone
+from backend.http.errors import RefusedError
+
+Result = TypeVar("Result")
+
+OVERTAKEN = "superseded by a newer request of this client: use the newer answer"
+GONE = "the client closed the connection before the answer"
+
+
+@dataclass(eq=False)
+class Turn:
+    """One request."""
+
+    order: int
+    """Rises from one request to the next."""
+    begun: bool = False
+    """Its work is in a thread, which cannot be taken back."""
+    overtaken: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class Turns:
+    """The newest unanswered request of every client; used on one event loop."""
+
+    def __init__(self) -> None:
+        self._newest: dict[Hashable, Turn] = {}
+        self._order = itertools.count(1)
+        self._begun: set[asyncio.Task[object]] = set()
+
+    async def run(self, client: Hashable, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone) -> Result:
+        """The result of the work, done in the capacity's threads; raises `RefusedError`: 409 once it is overtaken."""
+        turn = Turn(next(self._order))
+        if (older := self._newest.get(client)) is not None:
+            older.overtaken.set()
+        self._newest[client] = turn
+        job = asyncio.create_task(self._work(turn, capacity, work, gone))
+        overtaken = asyncio.create_task(turn.overtaken.wait())
+        try:
+            await asyncio.wait((job, overtaken), return_when=asyncio.FIRST_COMPLETED)
+            if turn.overtaken.is_set():
+                raise RefusedError(409, "flight-overtaken", OVERTAKEN)
+            return job.result()
+        finally:
+            overtaken.cancel()
+            self._leave(job, turn)
+            if self._newest.get(client) is turn:
+                del self._newest[client]
+
+    def _leave(self, job: asyncio.Task[Result], turn: Turn) -> None:
+        """What has not begun leaves the queue; what has keeps its place until its thread is done."""
+        if not turn.begun:
+            job.cancel()
+        elif not job.done():
+            self._begun.add(job)
+            job.add_done_callback(self._forget)
+        elif not job.cancelled():
+            job.exception()  # seen, also where the request was overtaken at the same moment
+
+    def _forget(self, job: asyncio.Task[Result]) -> None:
+        self._begun.discard(job)
+        if not job.cancelled():
+            job.exception()
+
+    @staticmethod
+    async def _work(turn: Turn, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone) -> Result:
+        async with capacity.turn():
+            if await gone():
+                raise RefusedError(503, "busy", GONE)
+            turn.begun = True
+            return await capacity.thread(lambda: work(turn))

@@ -1,0 +1,37 @@
+"""What the sentences of a run may speak of, for those that earlier versions stored as words. Start at `speaking`."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+
+import sqlalchemy as sa
+
+from backend.catalog.service import described
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Run
+from campaigns import Campaign
+from campaigns.asked.check import parameters
+from campaigns.claims import earlier
+from campaigns.symbols import labels
+
+Terms = Callable[[], earlier.Terms]
+"""Worked out once, when the first such sentence is read."""
+
+
+def speaking(reader: sa.Connection, run_id: int) -> Terms:
+    """The value of the criterion and the uncertain parameters of a run, with their symbols and units."""
+    return functools.cache(lambda: _terms(reader, run_id))
+
+
+def _terms(reader: sa.Connection, run_id: int) -> earlier.Terms:
+    query = sa.select(CampaignRow.document).join(Run, Run.campaign_digest == CampaignRow.digest)
+    campaign = Campaign.model_validate(reader.scalar(query.where(Run.id == run_id)))
+    catalogue = described(reader, run_id)
+    known = {} if catalogue is None else parameters(campaign, catalogue)
+    criterion = None if catalogue is None else catalogue.component("criterion", campaign.criterion.component)
+    symbols = labels(campaign.uncertain, {path: entry.symbol for path, (entry, _) in known.items()})
+    units = {known[path][0].unit for path in campaign.uncertain if path in known} | {"s"}
+    if criterion is None:
+        return earlier.Terms(symbols, units)
+    return earlier.Terms({criterion.quantity: criterion.quantity, **symbols}, units | {criterion.unit})

@@ -1,0 +1,102 @@
+"""The what-if flight as a viewer shows it: one that it is given, or that it simulates by its parameters. Read `WhatIf`.
+
+A page has its flights from the API, which gives the viewer each of them to draw. A view that is opened again is told
+the parameters alone, and simulates them itself. Whatever was asked for last is what is drawn.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from backend.scenes.base.flight import ROWS, Flight, from_live
+from backend.scenes.base.noise import Noise
+from backend.scenes.base.part import Driver, Part
+from backend.scenes.base.schemas import WhatIfSource
+from backend.scenes.base.setting import Setting, UnknownParameterError
+from backend.scenes.drawing.drawn import Drawn
+from backend.scenes.live.latest import Latest
+from backend.scenes.live.live import Live, LiveError
+from campaigns.asked.said import within
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    number: int
+    parameters: dict[str, float]
+    seed: int | None
+
+
+class WhatIf(Part):
+    """Holds which flight is drawn as the what-if."""
+
+    def __init__(
+        self, setting: Setting, live: Live, drawn: Drawn, show: Callable[[Flight | None], None], driver: Driver
+    ) -> None:
+        self._setting, self._live, self._drawn, self._show, self._driver = setting, live, drawn, show, driver
+        self.seed: int | None = None
+        """Of the noise realisation that was asked for; None: those of the campaign."""
+        self.source: WhatIfSource | None = None
+        self._number = self._order = 0
+        self._latest: Latest[_Asked] = Latest(self._simulate)
+
+    @property
+    def parameters(self) -> dict[str, float] | None:
+        """Those of the flight that is drawn; None where there is none."""
+        flight = self._drawn.flight
+        if flight is None:
+            return None
+        return {one.path: one.nominal for one in self._setting.uncertain} | flight.parameters
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """As `ViewState` has it."""
+        return {"what_if": self.parameters, "what_if_seed": self.seed, "what_if_source": self.source}
+
+    def draw(self, flight: Flight | None, seed: int | None, source: WhatIfSource, order: int = 0) -> None:
+        """Show this flight, None for one without motion, unless a later one of the page's is shown already."""
+        with self._driver.drawing():
+            if order and order <= self._order:
+                return
+            self._order = max(order, self._order)
+            self._number += 1
+            self.seed, self.source = seed, source
+            self._show(flight)
+
+    def fly(self, parameters: Mapping[str, float], seed: int | None) -> None:
+        """Simulate and show the case with these, the others nominal, under this noise seed or those of the campaign.
+
+        Raises `UnknownParameterError`.
+        """
+        known = {one.path: one for one in self._setting.uncertain}
+        for path, value in parameters.items():
+            one = known.get(path)
+            if one is None:
+                allowed = ", ".join(known) or "none is known"
+                raise UnknownParameterError(f"{path!r} is not an uncertain parameter of this campaign: {allowed}")
+            if not within(value, one.low, one.high):
+                bounds = f"{one.low!r} to {one.high!r} {one.unit}".strip()
+                raise UnknownParameterError(f"{path} is given as {value!r}, and may be {bounds}")
+        self._number += 1
+        nominal = {path: one.nominal for path, one in known.items()}
+        self._latest.ask(_Asked(self._number, nominal | dict(parameters), seed))
+
+    def stop(self) -> None:
+        """Simulate nothing more."""
+        self._latest.stop()
+
+    def _simulate(self, asked: _Asked) -> None:
+        setting, noise = self._setting, Noise(seed=asked.seed)
+        try:
+            answer = self._live.fly(setting.document, setting.digest, asked.parameters, ROWS, noise)
+        except LiveError as error:
+            _log.info("the what-if flight of a view of %s could not be simulated: %s", setting.run, error)
+            return
+        flight = from_live(answer)
+        with self._driver.drawing():
+            if asked.number == self._number:
+                self.draw(flight, asked.seed, "page")

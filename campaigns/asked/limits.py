@@ -1,0 +1,30 @@
+"""Values that a campaign gives to parameters, against their entries in the catalogue. Start reading at `refused`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from campaigns.asked import said
+from campaigns.asked.problem import Problem
+from campaigns.catalogue import ParameterEntry
+
+
+def refused(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:
+    """Unknown names, values beyond a parameter's own limits, and values that must be given and are not."""
+    known = {e.name: e for e in entries}
+    for name, value in values.items():
+        if name not in known:
+            yield Problem(f"{field}.{name}", said.given(value), f"no such parameter; {said.known(name, known)}")
+        elif not known[name].low <= value <= known[name].high:
+            yield Problem(f"{field}.{name}", said.given(value), said.limits(known[name]))
+    for name, entry in known.items():
+        if entry.default is None and name not in values:
+            yield Problem(f"{field}.{name}", "", f"this parameter is required: {entry.text} [{entry.unit}]")
+
+
+def valued(
+    prefix: str, entries: list[ParameterEntry], given: Mapping[str, float]
+) -> dict[str, tuple[ParameterEntry, float]]:
+    """Every parameter by path, with its entry and nominal value: NaN where it must be given and is not."""
+    missing = float("nan")
+    return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}

@@ -1,0 +1,102 @@
+"""Sentences of versions that stored words alone, as spans: symbols, and numbers with their units, found in the words.
+
+The words stay as they are: what is found is written exactly as it stood, or left as text. Only for what earlier
+versions stored; new sentences are built by `campaigns.claims.say`. Start reading at `spoken`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple
+
+from campaigns.claims.numbers import MINUS, NARROW, Format
+from campaigns.claims.say import Part, say, symbol
+from campaigns.claims.spans import Quantity, Said, words
+
+SENTENCES = {"text": "said", "sentence": "said", "scope": "holds_for"}
+"""Where the spans of each kind of sentence are."""
+SCOPE = "Scope: "
+_NUMBER = rf"[-+\u2212]?\d(?:[\d{NARROW}]*\d)?(?:\.\d+)?(?:e[-+\u2212]\d+)?"
+
+_COUNT = rf"[\d{NARROW}]+"
+_VERDICT = {
+    "threshold": ("stayed above |falls to or below ", ""),
+    "worst": (r"worst case found has \S+ = ", ""),
+    "margin": (r"worst case found .+ a margin of ", ""),
+    "evaluations": ("", " evaluations, searched"),
+    "excluded": ("", " more were excluded"),
+    "violating": ("", r" stored evaluations? violates? the"),
+    "violations": ("", rf" of {_COUNT} flights drawn"),
+    "samples": (r"\d of ", " flights drawn"),
+    "upper_bound": (r"P\(violation\) is at most ", ""),
+}
+"""What is before and after the numbers of a verdict."""
+
+
+class Terms(NamedTuple):
+    """What the sentences of a run may speak of."""
+
+    symbols: Mapping[str, str]
+    """The symbol of what is written: d_min of d_min, m of vehicle.m."""
+    units: Collection[str]
+    """Those that numbers may have."""
+
+
+def spoken(stored: Any, terms: Callable[[], Terms]) -> Any:
+    """A stored result in which every sentence without spans has them; `terms` is asked only where one has none."""
+    if isinstance(stored, list):
+        return [spoken(item, terms) if isinstance(item, dict | list) else item for item in stored]
+    if not isinstance(stored, dict):
+        return stored
+    found = {key: spoken(value, terms) if isinstance(value, dict | list) else value for key, value in stored.items()}
+    for name, spans in SENTENCES.items():
+        text = stored.get(name)
+        if spans not in stored and isinstance(text, str):
+            found[spans] = [span.model_dump() for span in said(text.removeprefix(SCOPE), terms())]
+    return found
+
+
+def verdict(reason: str) -> Said:
+    """The sentence of a verdict, its numbers named as they are today."""
+    return said(reason, Terms({}, ()), _VERDICT)
+
+
+def said(text: str, terms: Terms, named: Mapping[str, tuple[str, str]] = {}) -> Said:
+    """The words as spans; `named`: what comes before and after each number that has a name."""
+    names = sorted((name for name in terms.symbols if terms.symbols[name] != name or "_" in name), key=len)
+    any_name = "|".join(map(re.escape, reversed(names))) or "(?!)"
+    units = "|".join(map(re.escape, sorted({*terms.units, "%"} - {""}, key=len, reverse=True)))
+    pattern = rf"(?<![\w.])(?:(?P<name>{any_name})(?!\w|\.\w))|(?<![\w.\u2212-])(?P<number>{_NUMBER})" + (
+        rf"(?: (?P<unit>{units})(?![\w/]))?"
+    )
+    parts: list[Part] = []
+    end = 0
+    for match in re.finditer(pattern, text):
+        name = _name(text[: match.start()], text[match.end() :], named)
+        parts += [text[end : match.start()], _part(match, terms, name)]
+        end = match.end()
+    return say(*parts, text[end:])
+
+
+def _name(before: str, after: str, named: Mapping[str, tuple[str, str]]) -> str:
+    rules = named.items()
+    return next((n for n, (b, a) in rules if re.search(rf"(?:{b})$", before) and re.match(a, after)), "")
+
+
+def _part(match: re.Match[str], terms: Terms, name: str) -> Part:
+    if match["name"]:
+        return symbol(match["name"], terms.symbols[match["name"]])
+    plain = match["number"].replace(NARROW, "").replace(MINUS, "-")
+    value, unit = float(plain), match["unit"] or ""
+    own = min(max(len(re.sub(r"e.*|\D", "", plain).lstrip("0")), 1), 17)
+    form = Format.PERCENT if unit == "%" else Format.SIGNED if plain[0] == "+" or MINUS in match[0] else Format.PLAIN
+    if NARROW in match["number"]:
+        form = Format.COUNT
+    if form is Format.PERCENT:
+        value, unit = value / 100, ""
+    for digits in (3 if form is Format.PERCENT else 6, own):  # those that the sentences had, else as many as it shows
+        made = Quantity(value=value, unit=unit, format=form, digits=digits, name=name)
+        if words((made,)) == match[0]:
+            return made
+    return match[0]

@@ -1,0 +1,150 @@
+"""How numbers and units are written: in plain words, and as in print. Each format exists once.
+
+In words: significant digits, a full space before the unit, as on the command line. In print: true minus sign, narrow
+space before the unit, units with dots and raised powers, as in reports and on the pages (`frontend/src/format` writes
+the same digits). Start reading at `written`.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Iterable
+from enum import StrEnum
+
+MINUS, NARROW, NONE = "\u2212", "\u202f", "\u2014"
+_RAISED = {"2": "²", "3": "³", "4": "⁴"}
+
+
+class Format(StrEnum):
+    """How a number is written."""
+
+    PLAIN = "plain"
+    """Significant digits."""
+    SIGNED = "signed"
+    """The same with its sign: margins and differences."""
+    COUNT = "count"
+    """A whole number, grouped by narrow spaces."""
+    PERCENT = "percent"
+    """A fraction as percent."""
+
+
+def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: int = 6) -> str:
+    """A number with its unit in plain words."""
+    value += 0.0  # no negative zero
+    if form is Format.PERCENT:
+        return f"{100 * value:.{digits}g} %"
+    text = {
+        Format.PLAIN: lambda: f"{value:.{digits}g}",
+        Format.SIGNED: lambda: f"{value:+.{digits}g}".replace("-", MINUS),
+        Format.COUNT: lambda: f"{round(value):,}".replace(",", NARROW),
+    }[form]()
+    return f"{text} {unit}" if unit else text
+
+
+def printed(value: float, unit: str = "", form: Format = Format.PLAIN, digits: int = 6) -> str:
+    """The same digits as in print."""
+    text = written(value, "", form, digits).replace("-", MINUS)
+    if form is Format.PERCENT:
+        return text.replace(" ", NARROW)
+    return f"{text}{NARROW}{unit_in_print(unit)}" if unit else text
+
+
+def number(value: float) -> str:
+    """Six significant digits."""
+    return written(value)
+
+
+def signed(value: float) -> str:
+    """Six significant digits with a sign."""
+    return written(value, form=Format.SIGNED)
+
+
+def count(value: float | None) -> str:
+    """A whole number, grouped; a dash for what is not known."""
+    return written(value, form=Format.COUNT) if value is not None and known(value) else NONE
+
+
+def known(value: object) -> bool:
+    """Whether this is a number that can be printed."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def fixed(value: float | None, decimals: int = 2) -> str:
+    """A number in print with so many decimals; a dash for what is not known."""
+    if value is None or not known(value):
+        return NONE
+    text = f"{abs(value):,.{min(max(decimals, 0), 20)}f}".replace(",", NARROW)
+    negative = value < 0 and any(c in "123456789" for c in text)
+    return (MINUS if negative else "") + text
+
+
+def difference(value: float | None, decimals: int = 2) -> str:
+    """As `fixed`, with a plus before positive numbers."""
+    text = fixed(value, decimals)
+    return f"+{text}" if value is not None and value > 0 and any(c in "123456789" for c in text) else text
+
+
+def decimals_for(values: Iterable[float | None], digits: int = 4) -> int:
+    """Decimals that show the largest of some numbers with so many significant digits."""
+    largest = max((abs(v) for v in values if v is not None and known(v)), default=0.0)
+    if largest == 0:
+        return max(0, digits - 1)
+    return min(12, max(0, digits - 1 - math.floor(math.log10(largest) + 1e-12)))
+
+
+def decimals_apart(values: Iterable[float | None], digits: int = 4, most: int = 7) -> int:
+    """Decimals that show some numbers and still distinguish the nearest two."""
+    ordered = sorted(v for v in values if v is not None and known(v))
+    scale = max((abs(v) for v in ordered), default=0.0)
+    gaps = [b - a for a, b in itertools.pairwise(ordered) if b - a > 1e-9 * scale]
+    base = decimals_for(ordered, digits)
+    if not gaps:
+        return base
+    return min(max(base, math.ceil(-math.log10(min(gaps)) - 0.01)), decimals_for(ordered, most))
+
+
+def plain(value: float | None, digits: int = 6) -> str:
+    """A number in a table: significant digits, no trailing zeros, grouped, powers of ten at the ends."""
+    if value is None or not known(value):
+        return NONE
+    if value == 0:
+        return "0"
+    size = abs(value)
+    if size >= 1e9 or size < 1e-4:
+        mantissa, _, power = f"{size:.{digits - 1}e}".partition("e")
+        text = f"{_trimmed(mantissa)}e{int(power)}".replace("-", MINUS)
+    else:
+        text = _trimmed(fixed(size, decimals_for([size], digits)))
+    return (MINUS if value < 0 else "") + text
+
+
+def percent(fraction: float | None, digits: int = 3) -> str:
+    """A fraction in a table as percent, trailing zeros included."""
+    if fraction is None or not known(fraction):
+        return NONE
+    value = 100 * fraction
+    return f"{fixed(value, 0 if value == 0 else decimals_for([value], digits))}{NARROW}%"
+
+
+def seconds(value: float | None) -> str:
+    """A length of time [s]."""
+    if value is None or not known(value):
+        return NONE
+    if value < 0.05:
+        return "< 0.1 s"
+    if value < 60:
+        return f"{value:.1f} s"
+    minutes, rest = divmod(round(value), 60)
+    return f"{minutes}:{rest:02d} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def unit_in_print(text: str) -> str:
+    """kg m2 as kg·m²."""
+    raised = re.sub(r"([A-Za-zµΩ°])\^?([234])(?!\d)", lambda m: m[1] + _RAISED[m[2]], text)
+    return re.sub(r"(?<=\S) (?=\S)", "·", raised)
+
+
+def _trimmed(digits: str) -> str:
+    return digits.rstrip("0").rstrip(".") if "." in digits else digits

@@ -1,0 +1,107 @@
+"""Sentences are built here: `say("a margin of ", signed(margin, "m"), " is kept")`. Start reading at `say`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from campaigns.claims.numbers import Format
+from campaigns.claims.spans import Quantity, Reference, Said, Span, Symbol, Target, Text
+
+Part = str | Span | Said
+
+
+def say(*parts: Part) -> Said:
+    """One sentence of words, spans and other sentences, in this order."""
+    found: list[Span] = []
+    for part in parts:
+        for span in (Text(text=part),) if isinstance(part, str) else part if isinstance(part, tuple) else (part,):
+            last = found[-1] if found else None
+            if isinstance(span, Text) and isinstance(last, Text):
+                found[-1] = Text(text=last.text + span.text)
+            elif not isinstance(span, Text) or span.text:
+                found.append(span)
+    return tuple(found)
+
+
+def number(value: float, unit: str = "", name: str = "", digits: int = 6) -> Span:
+    """A number with so many significant digits."""
+    return _quantity(value, unit, Format.PLAIN, digits, name)
+
+
+def signed(value: float, unit: str = "", name: str = "") -> Span:
+    """A number with its sign."""
+    return _quantity(value, unit, Format.SIGNED, 6, name)
+
+
+def count(value: int, name: str = "") -> Span:
+    """A whole number, grouped."""
+    return _quantity(value, "", Format.COUNT, 6, name)
+
+
+def percent(fraction: float, digits: int = 3, name: str = "") -> Span:
+    """A fraction as percent."""
+    return _quantity(fraction, "", Format.PERCENT, digits, name)
+
+
+def symbol(name: str, label: str = "") -> Span:
+    """What a criterion measures, or a parameter by its path, with the symbol that it has in print."""
+    label = label or name
+    return Symbol(name=name, symbol=label) if label != name or "_" in name or "." in name else Text(text=name)
+
+
+def finding(label: str) -> Span:
+    """A finding by its label."""
+    return Reference(to=Target.FINDING, id=label, label=label)
+
+
+def case(name: str) -> Part:
+    """A case that is simulated again: nominal, or a finding by its label."""
+    return name if name == "nominal" else finding(name)
+
+
+def method(name: str, title: str) -> Span:
+    """A search method by its title."""
+    return Reference(to=Target.METHOD, id=name, label=title)
+
+
+def joined(separator: str, parts: Iterable[Part]) -> Said:
+    """These one after the other, with words between."""
+    found = list(parts)
+    return say(*[piece for i, part in enumerate(found) for piece in ((separator, part) if i else (part,))])
+
+
+def listed(parts: Sequence[Part]) -> Said:
+    """A, B and C; every one once."""
+    said = list(dict.fromkeys(say(part) for part in parts))
+    if len(said) < 2:
+        return said[0] if said else say("nothing")
+    return say(joined(", ", said[:-1]), " and ", said[-1])
+
+
+def capital(said: Said) -> Said:
+    """With a capital, where it begins with a word."""
+    first = said[0] if said else None
+    return say(first.text[:1].upper() + first.text[1:], said[1:]) if isinstance(first, Text) else said
+
+
+def unnamed(said: Said) -> Said:
+    """The same where its numbers are beside the point: those of another claim are no values of this one."""
+    return tuple(s.model_copy(update={"name": ""}) if isinstance(s, Quantity) else s for s in said)
+
+
+def sentence(said: Said) -> Said:
+    """A clause as a sentence: with a capital and a full stop."""
+    return say(capital(said), "") if not said or ends(said) else say(capital(said), ".")
+
+
+def ends(said: Said) -> bool:
+    """Whether it ends with a full stop."""
+    last = said[-1] if said else None
+    return isinstance(last, Text) and last.text.endswith(".")
+
+
+def _quantity(value: float, unit: str, form: Format, digits: int, name: str) -> Span:
+    if not math.isfinite(value):
+        return Text(text=f"{value} {unit}".rstrip())
+    return Quantity(value=value, unit=unit, format=form, digits=digits, name=name)

@@ -1,0 +1,99 @@
+"""A sentence as data: spans of text, symbols, quantities with their unit, and references to parts of the run.
+
+Pages, reports and the command line draw the same spans; `words` is the one rendering to plain words. Start reading at
+`Said`.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+from typing_extensions import TypeAliasType
+
+from campaigns.claims.numbers import Format, written
+
+
+class _Span(BaseModel):
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", use_attribute_docstrings=True, json_schema_serialization_defaults_required=True
+    )
+
+
+class Text(_Span):
+    """Words."""
+
+    kind: Literal["text"] = "text"
+    text: str
+
+
+class Symbol(_Span):
+    """A criterion's value or a parameter."""
+
+    kind: Literal["symbol"] = "symbol"
+    name: str
+    """As it is written: d_min, or the path of a parameter."""
+    symbol: str
+    """As it is set in print; the path where another parameter of the campaign has the same symbol."""
+
+
+class Quantity(_Span):
+    """A number with its unit."""
+
+    kind: Literal["quantity"] = "quantity"
+    value: float
+    """A fraction where the format is percent."""
+    unit: str = ""
+    format: Format = Format.PLAIN
+    digits: int = Field(6, ge=1, le=17)
+    """Significant digits; those of a count are all written."""
+    name: str = ""
+    """What the number is in its claim, such as `margin`; empty where nothing is decided from it."""
+
+
+class Target(StrEnum):
+    """What a reference leads to."""
+
+    FINDING = "finding"
+    STAGE = "stage"
+    EVALUATION = "evaluation"
+    METHOD = "method"
+
+
+class Reference(_Span):
+    """A part of the run: the finding F1, a search method by its title."""
+
+    kind: Literal["reference"] = "reference"
+    to: Target
+    id: str
+    """The label of a finding, the position of a stage, the name of a method."""
+    label: str
+    """As it is written."""
+
+
+Span = TypeAliasType("Span", Annotated[Text | Symbol | Quantity | Reference, Field(discriminator="kind")])
+Said = tuple[Span, ...]
+"""A sentence, a clause, a phrase."""
+
+
+def words(said: Said) -> str:
+    """The sentence in plain words."""
+    return "".join(map(_written, said))
+
+
+def values(said: Said) -> dict[str, float]:
+    """The numbers that have a name in their claim."""
+    return {span.name: span.value for span in said if isinstance(span, Quantity) and span.name}
+
+
+def _written(span: Span) -> str:
+    match span:
+        case Text():
+            return span.text
+        case Symbol():
+            return span.name
+        case Quantity():
+            return written(span.value, span.unit, span.format, span.digits)
+        case Reference():
+            return span.label

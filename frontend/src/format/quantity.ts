@@ -1,0 +1,36 @@
+// A quantity of a sentence as text: the digits that the service writes (`campaigns/claims/numbers.py`), checked against
+// the table that it writes. Start reading at `quantityText`.
+import type { Quantity } from '../client'
+import { count, MINUS, NARROW, trimmed } from './numbers'
+import { unitText } from './units'
+
+export function quantityText({ value, unit, format, digits }: Pick<Quantity, 'value' | 'unit' | 'format' | 'digits'>): string {
+  if (format === 'percent') return `${significant(100 * value, digits)}${NARROW}%`
+  const text = format === 'count' ? count(value) : significant(value, digits)
+  const sign = format === 'signed' && value >= 0 ? '+' : ''
+  return `${sign}${text}${unit && NARROW}${unitText(unit)}`
+}
+
+/** So many significant digits, without trailing zeros; powers of ten below 1e-4 and above what the digits can show. */
+function significant(value: number, digits: number): string {
+  if (value === 0) return '0'
+  const [mantissa = '', exponent = '0'] = rounded(Math.abs(value), digits).split('e')
+  const power = Number(exponent)
+  const minus = value < 0 ? MINUS : ''
+  if (power < -4 || power >= digits) {
+    const size = String(Math.abs(power)).padStart(2, '0')
+    return `${minus}${trimmed(mantissa)}e${power < 0 ? MINUS : '+'}${size}`
+  }
+  const plain = mantissa.replace('.', '')
+  const written = power < 0 ? `0.${'0'.repeat(-power - 1)}${plain}` : `${plain.slice(0, power + 1)}.${plain.slice(power + 1)}`
+  return minus + trimmed(written)
+}
+
+const EXACT = 60
+/** In powers of ten; a number exactly between two others becomes the even one, as the service rounds. */
+function rounded(size: number, digits: number): string {
+  const [exact = '', exponent = ''] = size.toExponential(EXACT).split('e')
+  const all = exact.replace('.', '')
+  const tie = /^50*$/.test(all.slice(digits)) && Number(all[digits - 1]) % 2 === 0
+  return tie ? `${all[0]}.${all.slice(1, digits)}e${exponent}` : size.toExponential(digits - 1)
+}

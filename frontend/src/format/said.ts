@@ -1,0 +1,13 @@
+// Sentences of the service as spans: a clause becomes a sentence, words join it. Start reading at `sentence`.
+import type { Span } from '../client'
+
+export const words = (text: string): Span => ({ kind: 'text', text })
+
+/** With a capital, where it begins with a word, and a full stop. */
+export function sentence(said: readonly Span[]): Span[] {
+  if (said.length === 0) return []
+  const [first, ...rest] = said as [Span, ...Span[]]
+  const begun = first.kind === 'text' ? [words(first.text.charAt(0).toUpperCase() + first.text.slice(1)), ...rest] : [...said]
+  const last = begun.at(-1)
+  return last?.kind === 'text' && last.text.endsWith('.') ? begun : [...begun, words('.')]
+}

@@ -1,0 +1,64 @@
+// The 3D view of a run in a window of its own, with all of its controls; of a run that still works, too.
+import { Link, useParams, useSearch } from '@tanstack/react-router'
+import { useEffect, useMemo, useState } from 'react'
+import { Refusal } from '../api/problems'
+import { isLive } from '../api/queries'
+import type { RunDetail } from '../client'
+import { Loading, Trouble } from '../page/Trouble'
+import { useTitle } from '../page/useTitle'
+import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
+import { useRunData } from './data/data'
+import { useRun } from './data/useRun'
+import { Flight } from './flight/Flight'
+import { useWhatIf } from './flight/useWhatIf'
+import { View } from './flight/view'
+import { WhatIfCard } from './flight/WhatIfCard'
+import { Purged } from './header/Removed'
+
+export function FlightPage() {
+  const { id } = useParams({ from: '/runs/$id' })
+  useTitle(`${id} flight`)
+  const query = useRun(id)
+  if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
+  if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
+  if (!query.data) return <Loading what={id} />
+  return <Page key={id} run={query.data} />
+}
+
+function Page({ run }: { run: RunDetail }) {
+  useTitle(`${run.id} ${run.name}, flight`)
+  const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
+  const view = useMemo(() => new View(run.id), [run.id])
+  const whatIf = useWhatIf(data, view)
+  // Which flight is meant is known once the findings are.
+  const [ready, setReady] = useState(false)
+  if (data.complete && !ready) setReady(true)
+  const live = isLive(run)
+  useEffect(() => {
+    if (live) view.steer({ panel: true }) // there is the convergence of the searches
+  }, [view, live])
+  if (!ready) return <Loading what="flight" />
+  return (
+    <div className="own">
+      <div className="ph">
+        <div className="t">
+          <nav className="crumb" aria-label="Breadcrumb">
+            <Link to="/runs">Runs</Link>/
+            <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono">
+              {run.id}
+            </Link>
+            /<span>Flight</span>
+          </nav>
+          <div className="titles">
+            <h1>{run.name}</h1>
+            <VerdictBadge outcome={outcomeOf(run)} />
+          </div>
+        </div>
+      </div>
+      <div className="grid">
+        <Flight data={data} view={view} whatIf={whatIf} className={whatIf.whatIf ? 'c8' : 'c12'} alone />
+        <WhatIfCard data={data} state={whatIf} className="c4" />
+      </div>
+    </div>
+  )
+}

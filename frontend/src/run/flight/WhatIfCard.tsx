@@ -1,0 +1,281 @@
+// The what-if beside the 3D view: a slider and a field for every uncertain parameter, and what the flight gave.
+// Start reading at `WhatIfCard`.
+import { IconAlertTriangle, IconX } from '@tabler/icons-react'
+import { type CSSProperties, type KeyboardEvent, useState } from 'react'
+import { flushSync } from 'react-dom'
+import type { FlightAnswer, FlightValue } from '../../client'
+import { decimalsFor, field, fixed, NARROW, NONE, parse, plain, signed } from '../../format/numbers'
+import { unitText } from '../../format/units'
+import { Card } from '../../ui/Card'
+import { IconButton } from '../../ui/IconButton'
+import { Sign } from '../../ui/Sign'
+import { NOMINAL } from '../data/chosen'
+import type { RunData, UncertainParameter } from '../data/data'
+import type { WhatIfState } from './useWhatIf'
+import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
+import './whatif.css'
+
+interface Props {
+  data: RunData
+  state: WhatIfState
+  className: string
+}
+
+export function WhatIfCard({ data, state, className }: Props) {
+  const { whatIf, change, toggle } = state
+  if (!whatIf) return null
+  const values = valuesOf(whatIf, data)
+  const changed = Object.keys(whatIf.set).length
+  const name = nameOf(whatIf.like)
+  return (
+    <Card
+      title="What-if"
+      note={changed ? `${changed} changed` : `as ${name}`}
+      className={`what-if ${className}`}
+      id="what-if"
+      flush
+      right={<IconButton label="Close the what-if" icon={IconX} act={toggle} />}
+      footer={
+        <span className="row what-if-from">
+          <label className="row">
+            Begin at
+            <select
+              aria-label="Begin at the parameters of"
+              value={whatIf.like}
+              onChange={(event) => change({ like: event.target.value, set: {}, seed: null })}
+            >
+              {[NOMINAL, ...data.findings.map(({ label }) => label)].map((label) => (
+                <option key={label} value={label}>
+                  {nameOf(label)}
+                </option>
+              ))}
+            </select>
+          </label>
+          <button
+            type="button"
+            className="btn s"
+            disabled={changed === 0 && whatIf.seed === null}
+            onClick={() => change({ like: whatIf.like, set: {}, seed: null })}
+          >
+            Back to {name}
+          </button>
+        </span>
+      }
+    >
+      <Outcome data={data} state={state} />
+      <div className="what-if-rows">
+        {data.parameters.map((parameter) => (
+          <Row
+            key={parameter.path}
+            parameter={parameter}
+            value={values[parameter.path] ?? parameter.nominal}
+            base={baseOf(whatIf.like, data)[parameter.path] ?? parameter.nominal}
+            worst={data.finding?.parameters[parameter.path] ?? null}
+            changed={parameter.path in whatIf.set}
+            onChange={(value) => change(withValue(whatIf, parameter, value, data))}
+          />
+        ))}
+        {data.parameters.length === 0 && (
+          <p className="small sec">The components of this campaign are not described in this installation.</p>
+        )}
+      </div>
+    </Card>
+  )
+}
+
+const nameOf = (like: string): string => (like === NOMINAL ? 'nominal' : like === 'F1' ? 'worst (F1)' : like)
+
+/** What the flight gave: value and margin with units, or why there are none. */
+function Outcome({ data, state: { answer, refused, busy, whatIf } }: Omit<Props, 'className'>) {
+  const { run } = data
+  return (
+    <div className="what-if-out" role="status" aria-busy={busy} aria-label="What-if flight">
+      <div className="what-if-figures">
+        <Figure
+          name={<Sign text={run.quantity || 'value'} />}
+          value={answer?.cost ?? null}
+          text={fixed(answer?.cost, decimalsFor([answer?.cost, run.threshold, run.nominal_cost]))}
+          unit={run.unit}
+          testId="what-if-cost"
+        />
+        <Figure
+          name="Margin"
+          value={answer?.margin ?? null}
+          text={signed(answer?.margin, decimalsFor([answer?.cost, run.threshold, run.nominal_cost]))}
+          unit={run.unit}
+          bad={typeof answer?.margin === 'number' && answer.margin <= 0}
+          testId="what-if-margin"
+        />
+      </div>
+      {refused !== null ? (
+        <p className="what-if-why" role="alert">
+          <IconAlertTriangle className="i s" aria-hidden /> {refused}
+        </p>
+      ) : answer && answer.status !== 'ok' ? (
+        <p className="what-if-why">
+          <IconAlertTriangle className="i s" aria-hidden /> {stateOf(answer)}
+        </p>
+      ) : (
+        <p className="small sec">{wordsOf(answer, whatIf)}</p>
+      )}
+      {answer && answer.criteria.length > 1 && (
+        <dl className="what-if-more">
+          {answer.criteria.slice(1).map((one) => (
+            <Further key={one.name} one={one} />
+          ))}
+        </dl>
+      )}
+    </div>
+  )
+}
+
+interface FigureProps {
+  name: React.ReactNode
+  value: number | null
+  text: string
+  unit: string
+  bad?: boolean
+  testId: string
+}
+
+function Figure({ name, value, text, unit, bad, testId }: FigureProps) {
+  return (
+    <div className="what-if-figure">
+      <span className="k">{name}</span>
+      <span className={bad ? 'n num bad-t' : 'n num'}>
+        <span data-testid={testId}>{text}</span>
+        {value !== null && <small>{unit}</small>}
+      </span>
+    </div>
+  )
+}
+
+function Further({ one: { title, value, unit, worse } }: { one: FlightValue }) {
+  return (
+    <div>
+      <dt title={worse === 'high' ? 'more is worse' : 'less is worse'}>{title}</dt>
+      <dd className="num">
+        {fixed(value, decimalsFor([value]))} {value !== null && <span className="mut">{unitText(unit)}</span>}
+      </dd>
+    </div>
+  )
+}
+
+const stateOf = ({ status, reason }: FlightAnswer): string => {
+  const word = { failed: 'Failed', excluded: 'Excluded', timeout: 'Timed out', ok: '' }[status]
+  return reason ? `${word}: ${reason}` : word
+}
+
+/** The limit, the time of the closest approach, and the noise where there is any. */
+function wordsOf(answer: FlightAnswer | null, whatIf: WhatIf | null): string {
+  if (!answer) return 'Simulating …'
+  const { trace, threshold, unit } = answer
+  const near = trace.closest ? [`closest at ${fixed(trace.closest.time, 2)}${NARROW}s`] : []
+  const seeds = trace.realisation
+  const noise = !seeds ? [] : [`noise seed ${seeds.seed}${seeds.seeds > 1 ? `, the lowest of ${seeds.seeds}` : ''}`]
+  const own = whatIf?.seed != null ? ['of the evaluation chosen in the parameter space'] : []
+  return [`criterion ${plain(threshold)}${NARROW}${unit}`, ...near, [...noise, ...own].join(' ')].filter(Boolean).join(', ')
+}
+
+interface RowProps {
+  parameter: UncertainParameter
+  value: number
+  base: number
+  /** Of the finding that the page shows. */
+  worst: number | null
+  changed: boolean
+  onChange: (value: number) => void
+}
+
+function Row({ parameter, value, base, worst, changed, onChange }: RowProps) {
+  const { path, symbol, unit, text, low, high, nominal } = parameter
+  const label = `${text || path}${unit ? `, ${unitText(unit)}` : ''}`
+  const at = (of: number) => (high > low ? (of - low) / (high - low) : 0)
+  return (
+    <div className="what-if-row">
+      <span className={changed ? 'b' : ''} title={`${path}: ${text}`}>
+        <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
+      </span>
+      <span className="scrub">
+        <input
+          type="range"
+          aria-label={label}
+          aria-valuetext={`${fixed(value, decimalsFor([low, high, nominal]))} ${unit}`.trim()}
+          min={0}
+          max={STEPS}
+          step="any"
+          value={STEPS * at(value)}
+          style={{ '--done': `${100 * at(value)}%` } as CSSProperties}
+          onKeyDown={(event) => moved(event, parameter, value, onChange)}
+          onDoubleClick={() => onChange(base)}
+          onChange={(event) => {
+            const share = Number(event.target.value) / STEPS
+            onChange(share >= 1 ? high : low + share * (high - low))
+          }}
+        />
+        <i title={`Nominal ${plain(nominal)}`} style={{ '--at': at(nominal), background: 'var(--c-nom)' } as CSSProperties} />
+        {worst !== null && <i title="The finding shown" style={{ '--at': at(worst), background: 'var(--c-worst)' } as CSSProperties} />}
+      </span>
+      <Field parameter={parameter} label={`${label}, value`} value={value} onChange={onChange} />
+    </div>
+  )
+}
+
+const KEYS: Readonly<Record<string, number>> = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -20, PageUp: 20 }
+
+/** Arrows step through the range; at both ends the value is exactly the bound. */
+function moved(event: KeyboardEvent, parameter: UncertainParameter, value: number, onChange: (value: number) => void): void {
+  const { low, high } = parameter
+  const steps = KEYS[event.key]
+  if (steps === undefined && event.key !== 'Home' && event.key !== 'End') return
+  event.preventDefault()
+  event.stopPropagation() // in the card arrows move the time
+  onChange(steps === undefined ? (event.key === 'Home' ? low : high) : stepped(parameter, value, steps))
+}
+
+interface FieldProps {
+  parameter: UncertainParameter
+  label: string
+  value: number
+  onChange: (value: number) => void
+}
+
+/** The value as text: rounded while it is only read, with every digit while it is typed. */
+function Field({ parameter, label, value, onChange }: FieldProps) {
+  const { low, high, nominal } = parameter
+  const [typed, setTyped] = useState<string | null>(null)
+  const meant = typed === null ? value : parse(typed)
+  const wrong = meant === null || !within(parameter, meant)
+  const said = `${plain(low)} to ${plain(high)} ${unitText(parameter.unit)}`.trim()
+  const take = () => {
+    if (typed !== null && meant !== null && !wrong && meant !== value) onChange(meant)
+    setTyped(null)
+  }
+  return (
+    <input
+      className="cell num"
+      inputMode="decimal"
+      autoComplete="off"
+      spellCheck={false}
+      aria-label={label}
+      aria-invalid={wrong}
+      title={wrong ? `Give a number from ${said}` : said}
+      value={typed ?? (Number.isFinite(value) ? fixed(value, decimalsFor([low, high, nominal])) : NONE)}
+      onFocus={({ currentTarget }) => {
+        // At once, then selected: a text that changes under the caret would be added to, not replaced.
+        flushSync(() => setTyped(field(value)))
+        currentTarget.select()
+      }}
+      onBlur={take}
+      onChange={(event) => {
+        setTyped(event.target.value)
+        const next = parse(event.target.value)
+        if (next !== null && within(parameter, next)) onChange(next)
+      }}
+      onKeyDown={(event) => {
+        if (event.key === 'Enter') take()
+        if (event.key === 'Escape') setTyped(null)
+      }}
+    />
+  )
+}

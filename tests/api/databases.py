@@ -1,0 +1,52 @@
+"""On which databases a test of the service runs. SQLite where nothing is said. Start reading at `BOTH`."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from backend.db.engine import connect, migrate
+from tests.faults import postgres
+
+Fresh = Callable[[Path], str]
+"""Makes the empty database of a service; its URL."""
+
+KINDS = ("sqlite", "postgresql")
+
+BOTH = pytest.mark.parametrize("database", KINDS, indirect=True)
+"""What is claimed of one database is claimed of both; without a PostgreSQL server that half is skipped."""
+
+POSTGRESQL = pytest.mark.parametrize("database", KINDS[1:], indirect=True)
+
+
+@contextmanager
+def on_postgresql() -> Iterator[Fresh]:
+    """Copies a database that was migrated once, and drops those that nobody uses any more: each has 8 MB."""
+    with postgres.server() as server:
+        engine = connect(server.url).execution_options(isolation_level="AUTOCOMMIT")
+        numbers = itertools.count(1)
+        unused = (
+            "select d.datname from pg_database d left join pg_stat_activity a on a.datid = d.oid "
+            "where d.datname like 'service_%' and a.pid is null"
+        )
+
+        def create(name: str, more: str = "") -> str:
+            with engine.connect() as connection:
+                for over in connection.scalars(sa.text(unused)).all():
+                    connection.execute(sa.text(f"drop database {over}"))
+                connection.execute(sa.text(f"create database {name}{more}"))
+            return sa.make_url(server.url).set(database=name).render_as_string(hide_password=False)
+
+        migrate(create("migrated"))
+
+        def made(data: Path) -> str:
+            data.mkdir()
+            return create(f"service_{next(numbers)}", " template migrated")
+
+        yield made
+        engine.dispose()

@@ -1,0 +1,46 @@
+"""The OpenAPI document, its operations, and whether an answer conforms. Start reading at `conforms`."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from backend import openapi
+
+DOCUMENT = json.loads(openapi.text())
+
+OPERATIONS = [
+    (path, method, operation) for path, methods in DOCUMENT["paths"].items() for method, operation in methods.items()
+]
+
+
+def conforms(value: Any, schema: dict[str, Any], where: str = "") -> None:
+    """Hold a value against the few words of JSON Schema that decide the generated types."""
+    if "$ref" in schema:
+        schema = DOCUMENT["components"]["schemas"][schema["$ref"].rsplit("/", 1)[-1]]
+    for choice in ("anyOf", "oneOf"):
+        if choice in schema:
+            for option in schema[choice]:
+                try:
+                    return conforms(value, option, where)
+                except AssertionError:
+                    continue
+            raise AssertionError(f"{where}: {value!r} fits none")
+    kinds = {"object": dict, "array": list, "string": str, "integer": int, "number": (int, float), "boolean": bool}
+    if schema.get("type") == "null":
+        assert value is None, where
+    elif "type" in schema:
+        assert isinstance(value, kinds[schema["type"]]), f"{where}: {value!r} is no {schema['type']}"
+    if "enum" in schema:
+        assert value in schema["enum"], where
+    if isinstance(value, dict):
+        assert set(schema.get("required", [])) <= value.keys(), where
+        for key, inner in value.items():
+            rule = schema.get("properties", {}).get(key, schema.get("additionalProperties", True))
+            assert rule is not False, f"{where}.{key} is not described"
+            if isinstance(rule, dict):
+                conforms(inner, rule, f"{where}.{key}")
+    if isinstance(value, list) and isinstance(schema.get("items"), dict):
+        for i, inner in enumerate(value):
+            conforms(inner, schema["items"], f"{where}.{i}")
+    return None

@@ -1,0 +1,63 @@
+"""What another version stored, in a shape that this one does not read: said to be so, never a fault of the service."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import httpx
+import pytest
+import sqlalchemy as sa
+
+from backend.db.tables import Campaign as CampaignRow
+from backend.db.tables import Finding, Run, Stage, Trace
+from tests.api.answers import problem
+from tests.api.finished import finish
+from tests.api.server import Service
+from tests.api.submitting import submit
+
+ODD = {"version": 99}
+STORED = {
+    "campaign": sa.update(CampaignRow).values(document=ODD),
+    "summary": sa.update(Run).values(summary={"verdict": "cleared"} | ODD),
+    "result": sa.update(Stage).values(result={"stage": "search"} | ODD),
+    "validation": sa.update(Finding).values(validation=ODD),
+    "slices": sa.update(Finding).values(slices=ODD),
+    "boundary": sa.update(Finding).values(boundary=ODD),
+    "closest": sa.update(Finding).values(closest=ODD),
+    "found": sa.update(Finding).values(found=[ODD]),
+    "head": sa.update(Trace).values(meta=ODD | {"obstacles": 7}),
+    "columns": sa.update(Trace).values(columns=[ODD] * 10),
+}
+SAID = {
+    "campaign": "",
+    "summary": "",
+    "result": "stages",
+    "validation": "findings",
+    "head": "traces/F1",
+    "columns": "traces/F1",
+}
+"""What answers with it, and so has to say that it cannot."""
+
+
+def of_a_run(client: httpx.Client) -> list[str]:
+    document = client.get("/api/v1/openapi.json").json()
+    paths = [path for path, methods in document["paths"].items() if "/runs/{run}" in path and "get" in methods]
+    return [path for path in paths if not path.endswith(("events", "report.pdf"))]
+
+
+@pytest.mark.parametrize("what", STORED)
+def test_it_is_said_to_be_of_another_version(what: str, service: Service, client: httpx.Client) -> None:
+    run = submit(client)
+    finish(service)
+    with service.engine.begin() as connection:
+        connection.execute(STORED[what])
+    answers: dict[str, Any] = {}
+    for path in of_a_run(client):
+        answer = client.get(re.sub(r"\{\w+\}", "F1", path.replace("{run}", run)), follow_redirects=False)
+        answers[path] = answer
+        assert answer.status_code < 500, (path, answer.text)
+    if what in SAID:
+        address = f"/api/v1/runs/{run}/{SAID[what]}".rstrip("/")
+        assert "another version" in str(problem(client.get(address), 409)["detail"])
+    assert client.get("/api/v1/runs").status_code == 200

@@ -1,0 +1,54 @@
+"""What every component is held to in flight: alone or among others, compiled or plain. Start at `unbreakable`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+from campaigns.catalogue import ParameterEntry
+from campaigns.results.base import EXCLUDED, FAILED, OK
+from tests.contract.scenes import STEP, drawn, near
+from tests.problems import Problem
+
+Entries = Mapping[str, ParameterEntry]
+
+
+def unbreakable(flown: Problem, of: Entries, count: int) -> None:
+    """Within the limits of these parameters nothing crashes, nothing is hidden, and the order does not matter."""
+    vectors = drawn(flown, of, count)
+    batch, reasons = flown.system.fly_vectors(vectors)
+    ok = batch.status == OK
+    assert np.isfinite(batch.costs[ok]).all()
+    assert np.isnan(batch.costs[~ok]).all()
+    assert batch.costs.shape == (len(vectors), len(flown.results))
+    assert set(np.unique(batch.status)) <= {OK, FAILED, EXCLUDED}
+    assert sorted(reasons) == np.flatnonzero(~ok).tolist()
+    assert all(reason.startswith("the flight ") for reason in reasons.values())
+    again, _ = flown.system.fly_vectors(vectors[::-1])
+    assert again.costs[::-1].tobytes() == batch.costs.tobytes()
+
+
+def no_number_shows(flown: Problem, of: Entries) -> None:
+    """A value that is no number fails the flight or changes nothing: NaN never comes out as a cost that looks like one.
+
+    A parameter that this flight does not use may be anything.
+    """
+    vectors = np.repeat(flown.system.nominal[None, :], len(of) + 1, axis=0)
+    for row, path in enumerate(of, 1):
+        vectors[row, flown.paths[path]] = np.nan
+    batch, _ = flown.system.fly_vectors(vectors)
+    for row, path in enumerate(of, 1):
+        assert batch.status[row] != OK or np.array_equal(batch.costs[row], batch.costs[0]), path
+
+
+def as_in_plain_python(compiled: Problem, plain: Problem, of: Entries) -> None:
+    """Both forms give the same status, costs and trace."""
+    vectors, steps = near(compiled, of, 16), 24
+    one, other = (p.system.loop.fly(vectors, STEP, steps, traced=1) for p in (compiled, plain))
+    assert one.status.tolist() == other.status.tolist()
+    ok = one.status == 0.0
+    assert ok.any()
+    assert one.costs[ok] == pytest.approx(other.costs[ok], rel=1e-12, abs=1e-12)
+    assert one.trace == pytest.approx(other.trace, rel=1e-9, abs=1e-9, nan_ok=True)

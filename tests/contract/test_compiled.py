@@ -1,0 +1,78 @@
+"""Every component compiled: unbreakable within its limits, and flying as in plain Python.
+
+Several share a closed loop, so that fewer are compiled; `make nightly` compiles one each. Start reading at `SCENES`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from campaigns import check
+from campaigns.asked.load import load_document
+from campaigns.results.base import OK
+from tests.contract.flights import as_in_plain_python, no_number_shows, unbreakable
+from tests.contract.scenes import own, problem, scene, together
+from worker.catalogue.installed import catalogue, components
+from worker.kernels.component import Component
+
+Components = tuple[Component, ...]
+
+SCENES = together()
+
+
+def name(component: Component) -> str:
+    return f"{component.role}-{component.name}"
+
+
+def number(k: int, component: Component) -> str:
+    """The tests of one scene stay on one core, others take the other scenes; tests/conftest.py reads the number."""
+    return f"{k}-{name(component)}"
+
+
+EACH_SCENE = pytest.mark.parametrize("among", [pytest.param(s, id=number(k, s[0])) for k, s in enumerate(SCENES)])
+
+FIRST = {name(c): k for k, s in reversed(list(enumerate(SCENES))) for c in s}
+"""The first scene that a component is in: a vehicle is in several."""
+
+EACH = pytest.mark.parametrize(
+    ("among", "component"),
+    [pytest.param(s, c, id=number(k, c)) for k, s in enumerate(SCENES) for c in s if FIRST[name(c)] == k],
+)
+ALONE = pytest.mark.parametrize("component", components().values(), ids=name)
+
+
+def test_every_component_is_in_a_scene() -> None:
+    assert {name(c) for s in SCENES for c in s} == set(map(name, components().values()))
+
+
+@EACH_SCENE
+def test_they_fly_together(among: Components) -> None:
+    assert check(load_document(scene(*among).document), catalogue()) == []
+    batch, reasons = problem(*among).fly(np.array([[0.0], [0.5], [1.0]]))
+    assert batch.status.tolist() == [OK] * 3, reasons
+
+
+@EACH
+def test_within_its_limits_nothing_crashes_and_nothing_is_hidden(among: Components, component: Component) -> None:
+    unbreakable(problem(*among), own(component, among), 384)
+
+
+@EACH
+def test_a_value_that_is_no_number_fails_the_flight_or_changes_nothing(among: Components, component: Component) -> None:
+    no_number_shows(problem(*among), own(component, among))
+
+
+@EACH
+def test_it_flies_as_in_plain_python(among: Components, component: Component) -> None:
+    as_in_plain_python(problem(*among), problem(*among, compiled=False), own(component, among))
+
+
+@pytest.mark.nightly
+@ALONE
+def test_alone_it_is_unbreakable_and_flies_as_in_plain_python(component: Component) -> None:
+    batch, reasons = problem(component).fly(np.array([[0.0], [0.5], [1.0]]))
+    assert batch.status.tolist() == [OK] * 3, reasons
+    unbreakable(problem(component), own(component), 384)
+    no_number_shows(problem(component), own(component))
+    as_in_plain_python(problem(component), problem(component, compiled=False), own(component))

@@ -1,0 +1,36 @@
+"""The page of a run that evaluates a simulator: no 3D view, no words of flights, no errors."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from tests.e2e.browser import visiting
+from tests.faults.serving import serving
+from tests.simulators import package
+
+pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+
+
+def test_a_run_without_a_trace(tmp_path: Path, browser: Browser) -> None:
+    folder = package.install(tmp_path / "package")
+    with (
+        serving(tmp_path, PYTHONPATH=package.path(folder)) as service,
+        visiting(browser, service.link().partition("/login")[0]) as visit,
+    ):
+        page = visit.page
+        page.goto(service.link())
+        body = {"campaign": package.campaign(), "name": "Basins"}
+        given = page.request.post(f"{visit.address}/api/v1/runs", data=body, headers={"Origin": visit.address})
+        assert given.status == 201, given.text()
+        visit.go("/runs/R-0001")
+        expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Violated"), timeout=40_000)
+        page.reload()
+        expect(page.get_by_text("This system provides no trace")).to_be_visible()
+        expect(page.get_by_text("two_basins").first).to_be_visible()
+        expect(page.get_by_role("columnheader", name="Integration")).to_have_count(0)
+        expect(page.locator("iframe")).to_have_count(0)
+        visit.shot("simulator")

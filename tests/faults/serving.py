@@ -1,0 +1,50 @@
+"""`clearance serve` as a process, and a client of it. Start reading at `serving`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+
+from tests.faults.processes import CLEARANCE, Started, command_of, started, until
+
+
+class Service(Started):
+    """A running `clearance serve`."""
+
+    data: Path
+
+    def link(self) -> str:
+        found = re.search(r"http://\S+/login\?code=\S+", self.text())
+        assert found, self.text()
+        return found[0]
+
+    def healthy(self) -> bool:
+        return get(self.link().partition("/login")[0] + "/api/v1/health") == 200
+
+    def part(self, words: str) -> int:
+        """The process of that command line; 0 while there is none."""
+        return next((pid for pid in self.family() if words in command_of(pid)), 0)
+
+
+@contextmanager
+def serving(folder: Path, **environment: str) -> Iterator[Service]:
+    data = folder / "data"
+    with started([*CLEARANCE, "serve", "--data", str(data), "--port", "0"], folder, "serve", **environment) as running:
+        running.__class__ = Service
+        assert isinstance(running, Service)
+        running.data = data
+        until(lambda: "Clearance is ready" in running.text() or running.process.poll() is not None, "ready", 120)
+        assert running.process.poll() is None, running.text()
+        yield running
+
+
+def get(url: str) -> int:
+    """The status of the answer; 0 when there is none."""
+    try:
+        return httpx.get(url, timeout=10, trust_env=False).status_code
+    except httpx.TransportError:
+        return 0

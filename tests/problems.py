@@ -1,0 +1,24 @@
+"""The problem of a campaign whose closed loop a test reaches into. Start reading at `Problem`."""
+
+from __future__ import annotations
+
+from campaigns import Campaign
+from worker.opening.opened import closed_loop
+from worker.problem import problem
+from worker.systems.closed_loop.assemble import LANES
+from worker.systems.closed_loop.system import ClosedLoop
+
+
+class Problem(problem.Problem):
+    """A problem over the closed loop of its campaign; compiled flights unless `compiled` is False."""
+
+    system: ClosedLoop
+
+    def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> None:
+        super().__init__(campaign, closed_loop(campaign, compiled, lanes))
+
+    def under(self, seed: int | None) -> Problem:
+        """The same problem under one realisation; itself for None."""
+        one = Problem.__new__(Problem)
+        problem.Problem.__init__(one, self.campaign, self.system.under(seed))
+        return one

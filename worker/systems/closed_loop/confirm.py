@@ -1,0 +1,116 @@
+"""Flights confirmed by other means: at half the step, and with the reference integrator.
+
+Start reading at `confirmed`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from campaigns.results.base import OK
+from worker.systems.base import Comparison, Confirmed, Floats
+from worker.systems.closed_loop.flights import Flights
+
+
+class ReferenceFlight(Protocol):
+    """A flight with the reference integrator."""
+
+    @property
+    def cost(self) -> float | None:
+        """The criterion's value; None where there is none."""
+
+    @property
+    def reason(self) -> str:
+        """Why there is none, or at what coarse tolerance it was found."""
+
+
+class Integrator(Protocol):
+    """The reference integrator over one closed loop. It is handed in: it is built on top of the closed loop."""
+
+    name: str
+
+    def fly_all(
+        self, vectors: Floats, cancelled: Callable[[], bool], counts: Sequence[int | None] | None
+    ) -> Sequence[ReferenceFlight]:
+        """Fly vectors (m, size); counts: by vector the seed that counts, where it is known. Once cancelled, fewer."""
+
+
+Integrating = Callable[[Flights], Integrator]
+
+
+def confirmed(
+    flights: Flights,
+    integrating: Integrating,
+    vectors: Floats,
+    seeds: Sequence[int | None],
+    cancelled: Callable[[], bool],
+) -> list[Confirmed]:
+    """Every vector at the campaign's step, at half of it and with the reference integrator; none once cancelled.
+
+    What has no cost at the campaign's step is not integrated otherwise: it may be beyond any explicit integrator.
+    """
+    step = flights.step
+    (full, counts), (half, _) = (_costs(flights, vectors, seeds, s) for s in (step, step / 2))
+    known = [i for i, cost in enumerate(full) if cost is not None]
+    found = compared(flights, integrating, vectors[known], [seeds[i] for i in known], cancelled, counts, known)
+    if len(found) < len(known):
+        return []
+    name = integrating(flights).name
+    others = dict(zip(known, found, strict=True))
+    lost = Comparison("integrator", name, None, "the evaluation failed")
+    return [
+        Confirmed(cost, (Comparison("half_step", "half the step", half[i], step=step / 2), others.get(i, lost)), step)
+        for i, cost in enumerate(full)
+    ]
+
+
+def compared(
+    flights: Flights,
+    integrating: Integrating,
+    vectors: Floats,
+    seeds: Sequence[int | None],
+    cancelled: Callable[[], bool],
+    counts: Sequence[int | None] | None = None,
+    rows: Sequence[int] | None = None,
+) -> list[Comparison]:
+    """Every vector with the reference integrator; none once cancelled.
+
+    counts: the seeds that count, as in `Integrator.fly_all`, in the rows of these vectors.
+    """
+    counting = [None] * len(vectors) if counts is None or rows is None else [counts[i] for i in rows]
+    by_seed: dict[int | None, list[int]] = {}
+    for i, seed in enumerate(seeds):
+        by_seed.setdefault(seed, []).append(i)
+    found: dict[int, Comparison] = {}
+    for seed, places in by_seed.items():
+        integrator = integrating(flights.under(seed))
+        flown = integrator.fly_all(vectors[places], cancelled, [counting[i] for i in places])
+        if len(flown) < len(places):
+            return []
+        for i, flight in zip(places, flown, strict=True):
+            found[i] = Comparison("integrator", integrator.name, flight.cost, flight.reason)
+    return [found[i] for i in range(len(vectors))]
+
+
+def _costs(
+    flights: Flights, vectors: Floats, seeds: Sequence[int | None], step: float
+) -> tuple[list[float | None], list[int | None]]:
+    """The cost of every vector at this step [s], None where it has none; and the seed that counts, None for a mean."""
+    found: list[float | None] = [None] * len(vectors)
+    counts = list(seeds)
+    for own in (False, True):
+        rows = [i for i, seed in enumerate(seeds) if (seed is not None) == own]
+        if rows:
+            if own:
+                drawn = np.array([seeds[i] for i in rows], dtype=np.int64)
+                batch, _ = flights.fly_vectors(vectors[rows], step, drawn)
+            else:
+                batch, _, worst = flights.fly_realised(vectors[rows], step)
+                for i, seed in zip(rows, worst or (), strict=worst is not None):
+                    counts[i] = seed
+            for i, cost, status in zip(rows, batch.costs[:, 0], batch.status, strict=True):
+                found[i] = float(cost) if status == OK else None
+    return found, counts

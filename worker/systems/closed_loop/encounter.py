@@ -1,0 +1,62 @@
+"""What shows that the nominal flight was an encounter: its closest approach, its path, the flight without avoidance.
+
+Start reading at `shown`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from backend.db.records import Trace
+from campaigns import Campaign
+from campaigns.asked.spec import FaultPart
+from campaigns.results.finding import ClosestApproach
+from campaigns.results.validate import Unseen
+from worker.systems.base import Condition, Shown
+from worker.systems.closed_loop.flights import Flights
+from worker.systems.closed_loop.trace import trace
+
+UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
+"""Nothing is ever seen: the avoider steers to the goal as if there were no obstacle."""
+
+
+def conditions(flights: Flights) -> tuple[Condition, ...]:
+    """What can be shown: only a criterion of the obstacles has a closest approach."""
+    near: tuple[Condition, ...] = ("closest approach",) if flights.parts.criterion.of == "obstacles" else ()
+    return (*near, "motion", "avoidance")
+
+
+def shown(flights: Flights, nominal: Trace) -> Shown:
+    """Of the nominal flight with this trace; one more flight is simulated, in plain Python."""
+    return Shown(
+        ClosestApproach.of(nominal.meta.closest, len(nominal.data)), _moved(nominal), _unseen(flights.campaign, nominal)
+    )
+
+
+def _moved(flight: Trace) -> float | None:
+    """The length of the path [m]; None for a flight without rows."""
+    path = flight.data[:, 1:4]
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) if len(path) else None
+
+
+def _unseen(campaign: Campaign, nominal: Trace) -> Unseen:
+    """The nominal case with an avoider that sees nothing, one simulation in plain Python: its cost, and the largest
+    distance between the two paths at one instant [m]."""
+    realisation = nominal.meta.realisation
+    blind = Flights(unseen(campaign), compiled=False, lanes=1)
+    # Of several realisations the one that the nominal trace shows: the worst, whose cost is the evaluation's.
+    flight = trace(blind.under(None if realisation is None else realisation.seed), "unseen", {})
+    rows = min(len(flight.data), len(nominal.data))
+    apart = np.linalg.norm(flight.data[:rows, 1:4] - nominal.data[:rows, 1:4], axis=1)
+    return Unseen(
+        cost=flight.meta.cost,
+        status=flight.meta.status,
+        reason=flight.meta.reason,
+        deviation=float(apart.max()) if rows else None,
+    )
+
+
+def unseen(campaign: Campaign) -> Campaign:
+    """The campaign with nothing to be seen."""
+    scenario = campaign.given_scenario
+    return campaign.model_copy(update={"scenario": scenario.model_copy(update={"faults": [*scenario.faults, UNSEEN]})})

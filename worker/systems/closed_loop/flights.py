@@ -1,0 +1,112 @@
+"""Flights of a campaign's closed loop: flat parameter vectors in, costs, status and reasons out.
+
+Start reading at `Flights.fly_vectors`; the loop itself is `worker.kernels.loop`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from campaigns import Campaign
+from campaigns.asked.check import flyable
+from campaigns.results.base import EXCLUDED, FAILED, OK
+from worker.catalogue.installed import catalogue
+from worker.kernels import loop as closed_loop
+from worker.search.base import Batch
+from worker.systems.base import CampaignUnusable, Floats, Reasons, Result, Seeds
+from worker.systems.closed_loop.assemble import LANES, Loop
+from worker.systems.closed_loop.parts import nominal_of, parts_of, results_of
+from worker.systems.closed_loop.realisations import Realisations
+
+
+class Flights:
+    """The closed loop of one campaign, ready to fly; compiled flights unless `compiled` is False."""
+
+    def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> None:
+        problems = flyable(campaign, catalogue())
+        if problems:
+            raise CampaignUnusable(problems)
+        self.campaign = campaign
+        self.parts = parts_of(campaign)
+        self.loop = Loop(self.parts, lanes=lanes, compiled=compiled)
+        self.realisations = Realisations.of(campaign.given_scenario.realisations, self.loop.sections)
+        self.threshold = campaign.criterion.threshold
+        self.nominal = nominal_of(campaign, self.parts, self.loop.sections)
+        self.results: tuple[Result, ...] = results_of(self.parts)
+
+    @property
+    def step(self) -> float:
+        """[s]"""
+        return self.campaign.given_scenario.step
+
+    def vector(self, values: Mapping[str, float]) -> Floats:
+        """One flat parameter vector (size,) from values of any parameters by path; KeyError for an unknown one."""
+        vector = self.nominal.copy()
+        for path, value in values.items():
+            vector[self.paths[path]] = value
+        return vector
+
+    @cached_property
+    def paths(self) -> dict[str, int]:
+        """Every parameter of the scenario: its place in the flat vector by path."""
+        return {f"{s.prefix}.{p.name}": s.first + k for s in self.loop.sections for k, p in enumerate(s.parameters)}
+
+    def under(self, seed: int | None) -> Self:
+        """The same under one realisation; itself for None, the realisations that the campaign states."""
+        if seed is None:
+            return self
+        one = copy(self)
+        one.realisations = self.realisations.only(seed)
+        return one
+
+    def fly_vectors(
+        self, vectors: Floats, step: float | None = None, seeds: Seeds | None = None
+    ) -> tuple[Batch, Reasons]:
+        """Fly flat parameter vectors (m, size), by default at the campaign's step [s]; under the realisations that
+        the campaign states, or each vector under the one of its own: seeds (m,)."""
+        if seeds is not None:
+            step = self.step if step is None else step
+            flown = self.loop.fly(self.realisations.flight(vectors, seeds), step, *self.counts(step))
+            status, reasons = self.judge(flown.status, flown.when)
+            return Batch(flown.costs, status), {i: f"with seed {seeds[i]}: {why}" for i, why in reasons.items()}
+        return self.fly_realised(vectors, step)[:2]
+
+    def fly_realised(self, vectors: Floats, step: float | None = None) -> tuple[Batch, Reasons, list[int] | None]:
+        """As `fly_vectors`, and by row the seed of the realisation that counts; None where the mean of several does."""
+        step, realised = self.step if step is None else step, self.realisations
+        flown = self.loop.fly(realised.flights(vectors), step, *self.counts(step))
+        status, reasons = self.judge(flown.status, flown.when)
+        seeds = realised.counting(flown.costs, status) if realised.combine == "worst" or not realised.several else None
+        return *realised.combined(flown.costs, status, reasons), seeds
+
+    def counts(self, step: float) -> tuple[int, int]:
+        """Steps in the horizon, and steps per guidance sample."""
+        scenario = self.campaign.given_scenario
+        return round(scenario.horizon / step), max(1, round(scenario.guidance.period / step))
+
+    def judge(self, codes: Floats, when: Floats) -> tuple[NDArray[np.uint8], dict[int, str]]:
+        """The loop's codes as evaluation status, with the reason of each that is not ok."""
+        status = np.full(len(codes), FAILED, dtype=np.uint8)
+        status[codes == closed_loop.OK] = OK
+        status[codes == closed_loop.EXCLUDED] = EXCLUDED
+        reasons = {int(i): self._reason(float(codes[i]), float(when[i])) for i in np.flatnonzero(status != OK)}
+        return status, reasons
+
+    def _reason(self, code: float, when: float) -> str:
+        if code == closed_loop.EXCLUDED:
+            return (
+                f"the flight starts with {self.parts.criterion.quantity} at or below the threshold of "
+                f"{self.threshold:g} {self.parts.criterion.unit}: nothing can be shown of it"
+            )
+        if code == closed_loop.NOT_FINITE:
+            return (
+                f"the flight diverged: the state was non-finite or above {closed_loop.LARGEST:.0e} at t = {when:.6g} s"
+            )
+        limit = self.parts.vehicle.limits[int(code - closed_loop.OUTSIDE)]
+        return f"the flight left the model's envelope at t = {when:.6g} s: {limit.text}"

@@ -1,0 +1,76 @@
+"""The components that a campaign names, and the nominal values of everything they take. Start reading at `parts_of`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from campaigns import Campaign
+from campaigns.asked.criteria import named
+from campaigns.asked.load import Problem as Wrong
+from campaigns.asked.spec import Part
+from campaigns.catalogue import Role
+from worker.catalogue.installed import components
+from worker.kernels.component import NoTrim
+from worker.kernels.layout import Parts, Placed, Section
+from worker.systems.base import CampaignUnusable, Floats, Result
+
+
+def parts_of(campaign: Campaign) -> Parts:
+    """The components that a checked campaign names."""
+    scenario, known = campaign.given_scenario, components()
+    vehicle: Any = known["vehicle", scenario.vehicle.component]
+    inputs = [s.name for s in vehicle.inputs]
+
+    def several(role: Role, parts: Sequence[Part]) -> tuple[Any, ...]:
+        return tuple(known[role, part.component] for part in parts)
+
+    return Parts(
+        vehicle,
+        several("controller", [scenario.controller])[0],
+        several("avoider", [scenario.avoider])[0],
+        several("obstacle", scenario.obstacles),
+        known["criterion", campaign.criterion.component],  # type: ignore[arg-type]
+        several("environment", scenario.environment),
+        tuple(
+            Placed(fault, inputs.index(part.on) if part.on else 0)
+            for fault, part in zip(several("fault", scenario.faults), scenario.faults, strict=True)
+        ),
+        sampled=scenario.guidance.period > 0,
+        objectives=several("criterion", campaign.objectives),
+    )
+
+
+def results_of(parts: Parts) -> tuple[Result, ...]:
+    """The criteria, the one that decides first, each name once."""
+    criteria = tuple(parts.criteria.values())
+    names = named(criterion.name for criterion in criteria)
+    return tuple(Result(n, c.title, c.quantity, c.unit, c.worse) for n, c in zip(names, criteria, strict=True))
+
+
+def nominal_of(campaign: Campaign, parts: Parts, sections: Sequence[Section]) -> Floats:
+    """The flat vector of nominal values, the vehicle's trim behind them; raises `CampaignUnusable` without a trim."""
+    scenario, given = campaign.given_scenario, {}
+    given["vehicle"] = scenario.vehicle.parameters
+    given["controller"] = scenario.controller.parameters
+    given["avoider"] = scenario.avoider.parameters
+    given["start"], given["goal"] = scenario.start, scenario.goal
+    given["criterion"] = {**campaign.criterion.parameters, "threshold": campaign.criterion.threshold}
+    # A further criterion has no threshold; where its component knows one, it is not looked at.
+    for i, objective in enumerate(campaign.objectives):
+        given[f"objectives.{i}"] = {"threshold": 0.0, **objective.parameters}
+    for name in ("obstacles", "environment", "faults"):
+        given |= {f"{name}.{i}": part.parameters for i, part in enumerate(getattr(scenario, name))}
+    values = {f"{s.prefix}.{p.name}": _nominal(p, given[s.prefix]) for s in sections for p in s.parameters}
+    try:
+        return np.array([*values.values(), *(parts.vehicle.trim.solve(values) if parts.vehicle.trim else ())])
+    except NoTrim as error:
+        raise CampaignUnusable([Wrong("scenario.vehicle", parts.vehicle.name, str(error))]) from None
+
+
+def _nominal(parameter: Any, given: Mapping[str, float]) -> float:
+    value = given.get(parameter.name, parameter.default)
+    assert value is not None, f"{parameter.name} is required; check() says so"
+    return float(value)

@@ -1,0 +1,89 @@
+"""The closed loop of components as a system, behind the seam `worker.systems.base`. Start reading at `ClosedLoop`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from backend.db.records import Trace
+from campaigns import Campaign
+from campaigns.claims.codes import CheckCode
+from campaigns.claims.spans import Said
+from worker.search.base import Batch
+from worker.systems.base import (
+    Comparison,
+    Confirmed,
+    Floats,
+    Parameter,
+    Reasons,
+    Scope,
+    Seeds,
+    Settings,
+    Shown,
+    System,
+    Words,
+)
+from worker.systems.closed_loop import confirm, distances, encounter, wording
+from worker.systems.closed_loop.assemble import LANES
+from worker.systems.closed_loop.flights import Flights
+from worker.systems.closed_loop.realisations import Realisations
+from worker.systems.closed_loop.trace import trace
+
+
+class ClosedLoop(Flights, System):
+    """The closed loop of one campaign's scenario. It repeats bit by bit on machines of one kind."""
+
+    realisations: Realisations
+
+    def __init__(
+        self, campaign: Campaign, integrating: confirm.Integrating, compiled: bool = True, lanes: int = LANES
+    ) -> None:
+        """integrating: the reference integrator, which is built on top of the closed loop."""
+        super().__init__(campaign, compiled, lanes)
+        self._integrating = integrating
+        declared = [(f"{s.prefix}.{p.name}", p) for s in self.loop.sections for p in s.parameters]
+        self.parameters = tuple(
+            Parameter(path, p.unit, float(self.nominal[k]), p.low, p.high, p.text, p.symbol)
+            for k, (path, p) in enumerate(declared)
+        )
+        self.block = lanes
+        self.shows = encounter.conditions(self)
+        self.settings = Settings(lanes=lanes, step=self.step, integrator="RK4")
+
+    @property
+    def digest(self) -> str:
+        """Of the compiled loop, by value."""
+        return self.loop.digest
+
+    @property
+    def scope(self) -> Scope:
+        return wording.scope(self)
+
+    @property
+    def words(self) -> Words:
+        return wording.words(self._integrating(self).name)
+
+    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+        return self.fly_vectors(vectors, seeds=seeds)
+
+    def confirm(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Confirmed]:
+        return confirm.confirmed(self, self._integrating, vectors, seeds, cancelled)
+
+    def compare(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Comparison]:
+        return confirm.compared(self, self._integrating, vectors, seeds, cancelled)
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace:
+        return trace(self.under(seed), name, values)
+
+    def encounter(self, nominal: Trace | None) -> Shown | None:
+        return None if nominal is None else encounter.shown(self, nominal)
+
+    def warm(self) -> None:
+        self.loop.warm()
+
+    def bars(self) -> list[tuple[str, Said]]:
+        said = distances.overlooked(self)
+        return [(CheckCode.DISTANCES, said)] if said else []

@@ -1,0 +1,58 @@
+"""How a verdict speaks of a closed loop: its components and conditions, its settings, its flights."""
+
+from __future__ import annotations
+
+from campaigns.claims.say import count, listed, number, say
+from campaigns.claims.spans import Said
+from worker.catalogue.installed import catalogue
+from worker.systems.base import Scope, Words
+from worker.systems.closed_loop import distances
+from worker.systems.closed_loop.flights import Flights
+
+
+def words(integrator: str) -> Words:
+    """integrator: the name of the reference integrator."""
+    return Words(
+        one="flight",
+        many="flights",
+        evaluated="flew",
+        done="flown",
+        agree=f"half the step and {integrator} agree",
+        disagrees=f"half the step or {integrator} disagrees",
+        every="all integrations",
+        again="simulated again at half the step and with the reference integrator",
+        reference="the reference integrator",
+    )
+
+
+def scope(flights: Flights) -> Scope:
+    """Components, conditions, horizon and step."""
+    parts, scenario = flights.parts, flights.campaign.given_scenario
+    obstacles = len(parts.obstacles)
+    titles = f"{parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}"
+    return Scope(
+        what=say(f"{titles}, {obstacles} {'obstacle' if obstacles == 1 else 'obstacles'}", _conditions(flights)),
+        settings=say(
+            *("horizon ", number(scenario.horizon, "s"), ", step ", number(scenario.step, "s")), _measured(flights)
+        ),
+        version=f"components of clearance {catalogue().version}",
+    )
+
+
+def _measured(flights: Flights) -> Said:
+    clause = distances.clause(flights)
+    return say("; ", clause) if clause else ()
+
+
+def _conditions(flights: Flights) -> Said:
+    """The environment and the faults in the loop, and which realisations of them the searches simulated."""
+    parts, realised = flights.parts, flights.realisations
+    titles = [e.title for e in parts.environment] + [f.fault.title for f in parts.faults]
+    said = say(", with ", listed(titles)) if titles else ()
+    if not realised.random:
+        return said
+    seeds = listed([str(seed) for seed in realised.seeds])
+    if realised.several:
+        many = count(len(realised.seeds))
+        return say(said, f", {realised.combine} of ", many, " realisations (noise seeds ", seeds, ")")
+    return say(said, ", noise seed ", seeds)

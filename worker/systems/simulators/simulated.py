@@ -1,0 +1,107 @@
+"""What every simulator shares as a system: parameters and results as declared, words, confirmation by repeating.
+
+A package derives its simulator from `Simulated` and gives `evaluate` and `digest`. Start reading there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from campaigns.catalogue import SimulatorEntry
+from campaigns.claims.say import say
+from campaigns.results.base import OK
+from worker.catalogue.simulator import Opening
+from worker.systems.base import Comparison, Confirmed, Floats, Parameter, Reasons, Result, Scope, System, Words
+
+FRESH = "a fresh evaluation"
+
+
+class Simulated(System):
+    """A simulator over its own parameters; it has neither noise nor a trace, and shows no encounter.
+
+    Costs have one column, the result that the campaign asks for. It is confirmed by evaluating again, each case by
+    itself, with what `fresh` returns: that shows that the simulator repeats, and nothing of what it models.
+    """
+
+    def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
+        self.entry = entry
+        self.opening = opening
+        self.parameters = tuple(
+            Parameter(
+                f"simulator.{p.name}", p.unit, opening.nominal[f"simulator.{p.name}"], p.low, p.high, p.text, p.symbol
+            )
+            for p in entry.parameters
+        )
+        self.nominal = np.array([p.nominal for p in self.parameters])
+        asked = next(r for r in entry.results if r.name == opening.result)
+        self.results = (Result(asked.name, asked.title, asked.quantity, asked.unit, asked.worse),)
+
+    def fresh(self) -> System:
+        """The same simulator, with nothing left of earlier evaluations."""
+        return type(self)(self.entry, self.opening)
+
+    @property
+    def scope(self) -> Scope:
+        return Scope(
+            what=say(f"{self.entry.title}, simulator {self.entry.name}"),
+            settings=(),
+            version=f"simulator digest {self.digest[:12]}",
+        )
+
+    @property
+    def words(self) -> Words:
+        return Words(
+            one="case",
+            many="cases",
+            evaluated="evaluated",
+            done="evaluated",
+            agree=f"{FRESH} agrees",
+            disagrees=f"{FRESH} disagrees",
+            every="both evaluations",
+            again=f"evaluated again, each in {FRESH}",
+            reference=FRESH,
+            check="repetition",
+        )
+
+    @property
+    def caveat(self) -> str:
+        return (
+            "Cases were evaluated again by the same simulator and by no other means. Whether an encounter takes place "
+            "in it was not checked."
+        )
+
+    def confirm(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Confirmed]:
+        batch, _ = self.evaluate(vectors)
+        first = [float(c) if s == OK else None for c, s in zip(batch.costs[:, 0], batch.status, strict=True)]
+        again = self.compare(vectors, seeds, cancelled)
+        return [Confirmed(cost, (other,)) for cost, other in zip(first, again, strict=False)]
+
+    def compare(
+        self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
+    ) -> list[Comparison]:
+        found: list[Comparison] = []
+        fresh = self.fresh()
+        try:
+            for vector in vectors:
+                if cancelled():
+                    break
+                found.append(_again(fresh, vector))
+        finally:
+            fresh.close()
+        return found
+
+
+def _again(fresh: System, vector: Floats) -> Comparison:
+    """One vector (n,) by itself."""
+    batch, reasons = fresh.evaluate(vector[None, :])
+    if batch.status[0] != OK:
+        return Comparison("again", FRESH, None, _reason(reasons))
+    return Comparison("again", FRESH, float(batch.costs[0, 0]))
+
+
+def _reason(reasons: Reasons) -> str:
+    return reasons.get(0, "the evaluation failed")

@@ -4,10 +4,10 @@
 the other, `load` reads YAML or JSON. Start reading at `spec.Campaign`.
 """
 
-from campaigns.asked.check import check
 from campaigns.asked.load import CampaignError, Problem, library, load_file, load_text
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.checked.check import check
 
 __all__ = [
     "Campaign",

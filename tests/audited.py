@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from backend.db.engine import read
 from backend.db.store import plain
 from campaigns import Campaign
-from campaigns.asked.snapshot import snapshot
+from campaigns.checked.snapshot import snapshot
 from campaigns.results import Verdict
 from worker.audit.judge import Item, audit, closing
 from worker.audit.record import Record, of_database, of_folder

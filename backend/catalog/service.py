@@ -14,9 +14,9 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import CatalogueDocument, Run, Stage
 from backend.http.errors import RefusedError, not_found
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check, library, load_file
-from campaigns.asked.check import parameters
-from campaigns.asked.plan import plan
 from campaigns.asked.text import to_yaml
+from campaigns.checked.check import parameters
+from campaigns.stages.plan import plan
 
 NO_CATALOGUE = (
     "no worker has published its components yet, so campaigns cannot be checked: start a worker with `clearance worker`"

@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.asked.plan import StageKind
 from campaigns.results import StageResult, TraceHead
 from campaigns.results.trace import TraceColumn
 from campaigns.runs import StageState
+from campaigns.stages.found import StageKind
 
 Floats = NDArray[np.float64]
 

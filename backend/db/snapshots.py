@@ -9,9 +9,9 @@ import sqlalchemy as sa
 
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueSnapshot, Run
-from campaigns.asked.snapshot import digest_of, snapshot
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.checked.snapshot import digest_of, snapshot
 from campaigns.documents import JsonObject
 
 

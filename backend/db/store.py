@@ -22,14 +22,15 @@ from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
-from campaigns.asked.snapshot import values_changed
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue
+from campaigns.checked.snapshot import values_changed
 from campaigns.documents import JsonObject
 from campaigns.flown import Code, Flown, other_code
-from campaigns.results import Finding, NominalResult, StageResult, Verdict, stage_result
+from campaigns.results import Finding, NominalResult, StageResult, Verdict
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.runs import run_name
+from campaigns.stages.found import stage_result
 
 PATIENCE = 120.0
 """How long a write is tried again while the database cannot be reached or stays locked [s]."""

@@ -26,7 +26,7 @@ class CatalogueSnapshot(Base):
     __tablename__ = "catalogue_snapshots"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
     document: orm.Mapped[JsonObject]
-    """A catalogue with the used entries alone; see `campaigns.asked.snapshot`."""
+    """A catalogue with the used entries alone; see `campaigns.checked.snapshot`."""
     created: orm.Mapped[float]
 
 

@@ -21,7 +21,7 @@ from backend.db.store import as_columns
 from backend.db.tables import EvaluationChunk, Stage
 from backend.results.evaluations import Bounds, in_units
 from campaigns import Campaign
-from campaigns.asked.check import parameters
+from campaigns.checked.check import parameters
 from campaigns.results.base import OK, STATUS
 
 BLOCK = 16

@@ -19,8 +19,8 @@ from backend.scenes.base.flight import ROWS
 from backend.scenes.base.noise import Noise, seeds
 from backend.scenes.live.live import FlightRefusedError, Live, LiveError
 from campaigns import Campaign, Catalogue, Problem, thin
-from campaigns.asked import said
-from campaigns.asked.check import parameters, parts
+from campaigns.checked import said
+from campaigns.checked.check import parameters, parts
 from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 

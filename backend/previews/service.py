@@ -20,8 +20,8 @@ from backend.http.errors import RefusedError
 from backend.previews.schemas import Preview, PreviewClosest, PreviewIntruder, PreviewRealisation
 from backend.scenes.live.live import FlightRefusedError, Live, LiveError
 from campaigns import Campaign, CampaignError, check
-from campaigns.asked import effort
 from campaigns.catalogue import ComponentEntry
+from campaigns.checked import effort
 from campaigns.documents import JsonObject
 
 ROWS = 240

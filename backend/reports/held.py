@@ -21,8 +21,8 @@ from backend.runs.schemas import RunDetail, RunVerdict, StageDetail
 from backend.signoffs import service as signoffs
 from backend.signoffs.schemas import Signoffs
 from campaigns import Campaign, Catalogue
-from campaigns.asked.check import parameters
 from campaigns.catalogue import ParameterEntry
+from campaigns.checked.check import parameters
 from campaigns.results import StageResult, TraceHead
 from campaigns.symbols import labels
 

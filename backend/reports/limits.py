@@ -8,7 +8,7 @@ from __future__ import annotations
 from backend.reports import words
 from backend.reports.charts import sample
 from backend.reports.held import Held
-from campaigns.asked.check import SEED, parts
+from campaigns.checked.check import SEED, parts
 from campaigns.claims import numbers
 
 _ENDS = {

@@ -13,11 +13,11 @@ from markupsafe import Markup
 from backend.reports import figures, words
 from backend.reports.held import Held
 from backend.signoffs.schemas import Signoff
-from campaigns.asked.check import parts
 from campaigns.asked.distributions import Uncertain
-from campaigns.asked.simulated import PREFIX
 from campaigns.asked.spec import Part, Simulator
 from campaigns.catalogue import ParameterEntry
+from campaigns.checked.check import parts
+from campaigns.checked.simulated import PREFIX
 from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import say
@@ -181,7 +181,7 @@ def stages(held: Held) -> list[Row]:
     titles = _titles(held)
     rows = [
         {
-            "name": stage.kind.capitalize() + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
+            "name": stage.title + (f", {titles.get(stage.method, stage.method)}" if stage.method else ""),
             "state": stage.state,
             "evaluations": numbers.count(stage.evaluations),
             "failed": numbers.count(stage.failed),

@@ -10,7 +10,7 @@ from backend.db.tables import Run
 from backend.runs import service
 from backend.runs.schemas import RunComponents
 from campaigns import Catalogue
-from campaigns.asked.snapshot import changes, snapshot
+from campaigns.checked.snapshot import changes, snapshot
 from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 

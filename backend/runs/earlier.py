@@ -11,7 +11,7 @@ from backend.catalog.service import described
 from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from campaigns import Campaign
-from campaigns.asked.check import parameters
+from campaigns.checked.check import parameters
 from campaigns.claims import earlier
 from campaigns.symbols import labels
 

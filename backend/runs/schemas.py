@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar
 
-from pydantic import Field
+from pydantic import Field, computed_field
 
 from backend.catalog.schemas import CriterionOut
 from backend.http.schema import Given, Schema
 from campaigns import Catalogue
 from campaigns.asked.load import LARGEST_FILE
-from campaigns.asked.plan import StageKind
 from campaigns.asked.values import Notes
 from campaigns.documents import JsonObject
 from campaigns.flown import Flown
-from campaigns.results import StageResult, Verdict
+from campaigns.results import Verdict
 from campaigns.results.verdict import VerdictWord
 from campaigns.results.verdicts import DescribedCheck
 from campaigns.runs import RunState, StageState
+from campaigns.stages.found import AnyResult, StageKind, declared
 
 Tags = Annotated[list[Annotated[str, Field(pattern=r"^[\w.+-]{1,40}$")]], Field(max_length=20)]
 Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
@@ -98,6 +98,15 @@ class RunFacets(Schema):
     """Which found the worst cases."""
 
 
+class StageSummary(Schema):
+    """A kind of stage that a run goes through."""
+
+    kind: StageKind
+    title: str
+    description: str
+    """What its stages do, in a few words."""
+
+
 class StageProgress(Schema):
     """A stage as it stands; `result` is there once it is done."""
 
@@ -115,11 +124,17 @@ class StageProgress(Schema):
     started: float | None
     finished: float | None
 
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def title(self) -> str:
+        """The name of its kind."""
+        return declared()[self.kind].title
+
 
 class StageDetail(StageProgress):
     """A stage with its result."""
 
-    result: StageResult | None
+    result: AnyResult | None
 
 
 class RunSummary(Schema):
@@ -189,7 +204,10 @@ class RunDetail(RunSummary):
     """Of what its components meant when it was submitted (`/runs/{run}/components`); None where it was not kept."""
     flown: Flown | None
     """What flew when the first stage began: code, packages, machine; None before that, and where it was not stored."""
+    plan: list[StageSummary]
+    """The kinds of stages in the order of the run."""
     stages: list[StageProgress]
+    """Empty until a worker has started the run."""
     summary: RunVerdict | None
     """The verdict with everything behind it; null while there is none."""
     rate: float | None

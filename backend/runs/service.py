@@ -18,17 +18,18 @@ from backend.http import bodies
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace
 from backend.runs.earlier import Terms, speaking
-from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress
+from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress, StageSummary
 from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
 from campaigns import Campaign, CampaignError, Catalogue, Problem, check
 from campaigns.asked.load import load_document, load_text
-from campaigns.asked.plan import plan
 from campaigns.claims import earlier
 from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results import Verdict, verdicts
 from campaigns.runs import run_name, run_number
+from campaigns.stages.found import declared
+from campaigns.stages.plan import plan
 
 
 @dataclass(frozen=True)
@@ -143,21 +144,30 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         .where(Run.id == run_id)
     ).one()
     with readable(f"the campaign of {run_name(run_id)}"):
-        Campaign.model_validate(document)
+        campaign = Campaign.model_validate(document)
     stages = progress(reader, run_id)
     rate, remaining = pace.estimate(stages) if base.state == "running" else (None, None)
     return RunDetail(
-        **base.model_dump(),
+        **dict(base),
         notes=notes,
         campaign=document,
         criteria=criteria(document, described(reader, run_id)),
         components_digest=snapshot,
         flown=None if flown is None else Flown.of(flown),
+        plan=_plan(campaign),
         stages=stages,
         summary=_described(parts, base.failed_evaluations, speaking(reader, run_id)),
         rate=rate,
         remaining=remaining,
     )
+
+
+def _plan(campaign: Campaign) -> list[StageSummary]:
+    return [
+        StageSummary(kind=stage.kind, title=stage.title, description=stage.description(campaign))
+        for stage in declared().values()
+        if stage.planned(campaign)
+    ]
 
 
 def _described(parts: JsonObject | None, failed: int, terms: Terms) -> RunVerdict | None:

@@ -1,7 +1,7 @@
 """The campaign: what is evaluated, uncertain parameters, criterion, stages, seed; immutable and known by its digest.
 
 Only what holds without knowing the components is checked here (types, sizes, intervals); units and a component's own
-limits are held by `campaigns.asked.check` against the catalogue. Start reading at `Campaign`.
+limits are held by `campaigns.checked.check` against the catalogue. Start reading at `Campaign`.
 """
 
 # ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model

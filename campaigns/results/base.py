@@ -46,6 +46,13 @@ class Result(BaseModel):
     )
 
 
+class StageResult(Result):
+    """What all results of stages have in common; which types there are is in `campaigns.stages.found`."""
+
+    stage: str
+    """The kind of the stage."""
+
+
 class Told(Result):
     """A result that a sentence goes with."""
 

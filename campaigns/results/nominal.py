@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Result, Status, Values
+from campaigns.results.base import StageResult, Status, Values
 
 
-class NominalResult(Result):
+class NominalResult(StageResult):
     """The evaluation at the nominal values."""
 
     stage: Literal["nominal"] = "nominal"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Result, Stop, Told, Values
+from campaigns.results.base import Result, StageResult, Stop, Told, Values
 
 Noise = Literal["none", "drawn", "stated"]
 
@@ -90,7 +90,7 @@ class GridResult(Told):
     excluded: int
 
 
-class CertifyResult(Told):
+class CertifyResult(StageResult, Told):
     """The sample that a probability is claimed from, and the grid where asked for."""
 
     stage: Literal["certify"] = "certify"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import MethodKind, Result, Stop, Told, Values, Worse
+from campaigns.results.base import MethodKind, Result, StageResult, Stop, Told, Values, Worse
 from campaigns.results.sample import Sample
 
 
@@ -69,7 +69,7 @@ class Member(Result):
     """How often it lowered the best of all."""
 
 
-class SearchResult(Result):
+class SearchResult(StageResult):
     """What one method found within its budget."""
 
     stage: Literal["search"] = "search"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import Result, Status, Told, Values
+from campaigns.results.base import Result, StageResult, Status, Told, Values
 
 
 class Curve(Result):
@@ -70,7 +70,7 @@ class SobolStudy(IndexStudy):
     """Null where they were not computed."""
 
 
-class SensitivityResult(Result):
+class SensitivityResult(StageResult):
     """One parameter at a time through the nominal point, and the indices where asked for."""
 
     stage: Literal["sensitivity"] = "sensitivity"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from campaigns.results.base import MethodKind, Result, Status, Stop, Told, Values
+from campaigns.results.base import MethodKind, Result, StageResult, Status, Stop, Told, Values
 from campaigns.results.finding import ClosestApproach, Validation
 
 
@@ -120,7 +120,7 @@ class Encounter(Result):
     """By path: the largest change along any slice."""
 
 
-class ValidateResult(Told):
+class ValidateResult(StageResult, Told):
     """What validation says of the run. The findings carry their own evidence."""
 
     stage: Literal["validate"] = "validate"

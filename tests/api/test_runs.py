@@ -16,7 +16,7 @@ from backend.db.tables import Campaign as CampaignRow
 from backend.db.tables import Run
 from campaigns import Campaign
 from campaigns.asked.load import load_text
-from campaigns.asked.plan import plan
+from campaigns.stages.plan import plan
 from tests import results
 from tests.api.answers import problem
 from tests.api.catalogue import campaign

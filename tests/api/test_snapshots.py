@@ -15,7 +15,7 @@ from backend.db.queue import Queue
 from backend.db.store import OtherComponents, RunStore
 from backend.db.tables import CatalogueDocument, CatalogueSnapshot, Run
 from campaigns import Campaign, Catalogue
-from campaigns.asked.snapshot import changes, digest_of, snapshot, values_changed
+from campaigns.checked.snapshot import changes, digest_of, snapshot, values_changed
 from tests.api.catalogue import CATALOGUE, campaign
 from tests.api.databases import BOTH
 from tests.api.finished import search

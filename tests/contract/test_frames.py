@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from campaigns import Catalogue, check
-from campaigns.asked.check import flyable
 from campaigns.asked.load import load_document
+from campaigns.checked.check import flyable
 from tests.contract.scenes import around, entry, own
 from worker.catalogue.installed import catalogue, components
 from worker.kernels.component import Component, Controller, Parameter, Signal, Vehicle

@@ -1,40 +1,114 @@
-"""What every stage is held to: a plan can name it, and its result is one of those that a run may store."""
+"""What every stage is held to: it is declared, a plan names it, and its result is one that a run may store."""
 
 from __future__ import annotations
 
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any, get_args
 
 import pytest
+from pydantic import ValidationError
 
-from campaigns.asked.plan import StageKind, plan
-from campaigns.results import StageResult
+from campaigns.stages.declared import Declared
+from campaigns.stages.found import declared, stage_result
+from campaigns.stages.plan import plan
+from tests.faults.processes import REPOSITORY
+from tests.simulators import package
 from tests.unit.cases import campaign
 from worker.stages.found import stages
-from worker.stages.parts.outcome import Stage
 
-MEMBERS = get_args(get_args(StageResult)[0])
-EACH = pytest.mark.parametrize("stage", stages().values(), ids=lambda s: s.kind)
-
-
-@EACH
-def test_a_plan_can_name_it(stage: Stage) -> None:
-    asked: dict[str, Any] = {
-        "sensitivity": {"points": 3},
-        "search": [{"method": "direct", "evaluations": 1}],
-        "certify": {"samples": 1},
-    }
-    assert stage.kind in {planned.kind for planned in plan(campaign(stages=asked))}
+ASKED: dict[str, Any] = {
+    "sensitivity": {"points": 3},
+    "search": [{"method": "direct", "evaluations": 1}],
+    "certify": {"samples": 1},
+}
+EACH = pytest.mark.parametrize("stage", declared().values(), ids=lambda s: s.kind)
 
 
 @EACH
-def test_its_result_is_one_that_a_run_may_store_and_says_of_which_stage_it_is(stage: Stage) -> None:
-    assert stage.result in MEMBERS
+def test_a_plan_can_name_it(stage: Declared) -> None:
+    assert stage.kind in {planned.kind for planned in plan(campaign(stages=ASKED))}
+
+
+@EACH
+def test_it_has_a_title_and_describes_itself_in_a_few_words(stage: Declared) -> None:
+    assert stage.title
+    assert 0 < len(stage.description(campaign(stages=ASKED))) < 60
+
+
+@EACH
+def test_its_result_says_of_which_stage_it_is(stage: Declared) -> None:
     field = stage.result.model_fields["stage"]
     assert get_args(field.annotation) == (stage.kind,)
     assert field.default == stage.kind, "the worker need not give it"
 
 
-def test_every_kind_that_a_plan_names_and_every_result_has_its_stage() -> None:
-    assert stages().keys() == set(get_args(StageKind))
-    assert {stage.result for stage in stages().values()} == set(MEMBERS)
-    assert len(MEMBERS) == len(stages())
+@EACH
+def test_its_result_is_read_as_its_own_type(stage: Declared) -> None:
+    with pytest.raises(ValidationError) as refused:
+        stage_result({"stage": stage.kind})
+    assert {error["loc"][0] for error in refused.value.errors()} == {stage.kind}, "only its own fields are missing"
+
+
+def test_every_stage_that_is_declared_can_be_run_and_no_other() -> None:
+    assert list(declared()) == [planned.kind for planned in dict.fromkeys(plan(campaign(stages=ASKED)))]
+    assert stages().keys() == declared().keys()
+
+
+DECLARED = '''
+from typing import Literal
+from campaigns.results.base import StageResult
+from campaigns.stages.declared import Declared
+
+class CornerResult(StageResult):
+    """The lowest corner of the ranges."""
+    stage: Literal["corners"] = "corners"
+    lowest: float | None
+
+stage = Declared("corners", 1.5, "Corners", CornerResult,
+                 lambda campaign: [(None, 2 ** len(campaign.uncertain))], lambda campaign: "every corner of the ranges")
+'''
+RUN = """
+import itertools
+import numpy as np
+from campaigns.stages.corners import CornerResult
+from worker.stages.parts.base import drive, once
+from worker.stages.parts.outcome import Outcome, Stage
+
+def run(context, position):
+    corners = np.array(list(itertools.product((0.0, 1.0), repeat=context.problem.dimension)))
+    driven = drive(context, position, once(corners, "every corner"), len(corners) + 1)
+    return Outcome(CornerResult(lowest=driven.tally.best))
+
+stage = Stage("corners", run)
+"""
+
+
+def test_a_stage_in_two_files_is_planned_run_stored_and_described_by_the_api(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    for folder in ("backend", "campaigns", "worker"):
+        shutil.copytree(REPOSITORY / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    (source / "campaigns" / "stages" / "corners.py").write_text(DECLARED, encoding="utf-8")
+    (source / "worker" / "stages" / "corners.py").write_text(RUN, encoding="utf-8")
+    file, out = tmp_path / "basins.json", tmp_path / "out"
+    file.write_text(json.dumps(package.campaign()), encoding="utf-8")
+    installed = package.install(tmp_path / "package")
+    environment = {**os.environ, "PYTHONPATH": f"{source}{os.pathsep}{installed}"}
+
+    def python(*arguments: str) -> str:
+        command = [sys.executable, *arguments]
+        done = subprocess.run(command, cwd=source, env=environment, capture_output=True, text=True, check=False)
+        assert done.stderr == ""
+        return done.stdout
+
+    python("-m", "worker.cli", "run", str(file), "--out", str(out))
+    stages = json.loads((out / "result.json").read_text(encoding="utf-8"))["stages"]
+    assert [stage["kind"] for stage in stages[:4]] == ["nominal", "sensitivity", "corners", "search"]
+    assert (stages[2]["evaluations"], stages[2]["best"]) == (4, pytest.approx(7.8, abs=0.1))
+    audited = python("-m", "worker.cli", "audit", str(out))
+    assert "agrees" in audited
+    assert "CornerResult" in json.loads(python("-m", "backend.openapi"))["components"]["schemas"]

@@ -10,7 +10,7 @@ import pytest
 
 from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.load import CampaignError, load_document
-from campaigns.asked.snapshot import changes, snapshot
+from campaigns.checked.snapshot import changes, snapshot
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
 from tests.simulators import package, two_basins

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from campaigns import Campaign, check, library, load_file
-from campaigns.asked import effort
+from campaigns.checked import effort
 from tests.problems import Problem
 from tests.unit.cases import campaign
 from worker.catalogue.installed import catalogue

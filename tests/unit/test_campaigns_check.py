@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from campaigns import Catalogue, check
-from campaigns.asked.check import parameters
 from campaigns.catalogue import MethodEntry
+from campaigns.checked.check import parameters
 from tests.problems import Problem
 from tests.unit.cases import campaign, searching
 from worker.catalogue.installed import catalogue

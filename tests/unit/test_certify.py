@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError, check
-from campaigns.asked.plan import plan
 from campaigns.results import CertifyResult
 from campaigns.results.sample import QuantileBound
 from campaigns.results.sample import Sample as Statement
+from campaigns.stages.plan import plan
 from tests.problems import Problem
 from tests.unit.cases import campaign
 from tests.unit.sampled import PROBABILITY, THRESHOLD, asked, context, costs, evaluate, quantile

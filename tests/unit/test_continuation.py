@@ -17,7 +17,7 @@ from backend.db.queue import LostLease, Queue, submit
 from backend.db.store import RunStore
 from backend.db.tables import Run
 from campaigns import Campaign
-from campaigns.asked.plan import plan
+from campaigns.stages.plan import plan
 from tests.audited import audited
 from tests.unit.cases import searching
 from worker.catalogue.installed import catalogue

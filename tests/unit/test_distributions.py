@@ -10,7 +10,7 @@ from scipy import stats
 
 from campaigns import CampaignError, check
 from campaigns.asked.distributions import Beta, Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.asked.uncertainty import matrix, positive_definite
+from campaigns.checked.uncertainty import matrix, positive_definite
 from tests.problems import Problem
 from tests.unit.cases import campaign
 from worker.catalogue.installed import catalogue

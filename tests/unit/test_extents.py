@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from campaigns import Catalogue, check, library, load_file
-from campaigns.asked.check import flyable
 from campaigns.asked.load import load_document
 from campaigns.asked.text import to_yaml
+from campaigns.checked.check import flyable
 from campaigns.claims.spans import words
 from tests.problems import Problem
 from tests.unit.cases import campaign, document

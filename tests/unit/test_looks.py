@@ -27,7 +27,7 @@ from backend.scenes.drawing.bodies import body_of
 from backend.scenes.drawing.drawn import MESHES
 from backend.scenes.panel.convergence_tab import ConvergenceTab
 from campaigns import Catalogue
-from campaigns.asked.snapshot import changes
+from campaigns.checked.snapshot import changes
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 from tests.unit.packages import package
 from worker.catalogue.installed import catalogue

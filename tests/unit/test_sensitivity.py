@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from campaigns import CampaignError
-from campaigns.asked.plan import plan
 from campaigns.results import SensitivityResult
 from campaigns.results.base import OK
 from campaigns.results.sensitivity import MorrisStudy, SobolStudy
+from campaigns.stages.plan import plan
 from tests.problems import Problem
 from tests.unit.sampled import asked, context, evaluate
 from worker.runs.store import MemoryStore

@@ -54,7 +54,11 @@ def test_code_is_what_can_change_a_number(edit: tuple[bytes, bytes], same: bool)
 def test_ours_and_the_packages_of_entry_points_are_covered(added: Path) -> None:
     noted = sources.note()
     assert noted.files.keys() >= {"added_here", "added_here.post", "added_here.inner.helper"}
-    assert noted.files.keys() >= {"worker.components.vehicles.unicycle", "worker.stages.search", "campaigns.asked.plan"}
+    assert noted.files.keys() >= {
+        "worker.components.vehicles.unicycle",
+        "worker.stages.search",
+        "campaigns.stages.plan",
+    }
     assert noted.packages["added-here"] == "1.5"
     assert noted.packages["numpy"] == importlib.import_module("numpy").__version__
     before = sources.note().digest

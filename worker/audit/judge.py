@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import TypeAdapter
 
-from campaigns.asked import extents
-from campaigns.asked.check import parameters, seeded
 from campaigns.catalogue import ComponentEntry
+from campaigns.checked import extents
+from campaigns.checked.check import parameters, seeded
 from campaigns.claims import earlier
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from campaigns.asked.check import parameters, seeded
-from campaigns.asked.plan import plan
+from campaigns.checked.check import parameters, seeded
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.stages.plan import plan
 from worker.audit.record import MISSING, Record
 
 Tree = JsonObject

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 
 from campaigns import Campaign, Catalogue, load_file
 from campaigns.asked.load import load_document
-from campaigns.asked.snapshot import digest_of
+from campaigns.checked.snapshot import digest_of
 from campaigns.documents import JsonObject
 from campaigns.results import earlier
 from campaigns.runs import run_name

@@ -22,12 +22,12 @@ from backend.db.queue import LEASE, Claim, LostLease, Queue
 from backend.db.store import PATIENCE, RunStore
 from campaigns import Campaign, CampaignError
 from campaigns.asked.load import load_document
-from campaigns.asked.plan import plan
-from campaigns.asked.snapshot import values_changed
+from campaigns.checked.snapshot import values_changed
 from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results import Verdict
 from campaigns.runs import ENDED, run_name
+from campaigns.stages.plan import plan
 from worker.catalogue.installed import catalogue
 from worker.cli import WrongInputError
 from worker.cli._results import flown_of, read_folder

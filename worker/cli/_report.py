@@ -14,7 +14,6 @@ from rich.table import Table
 from rich.text import Text
 
 from campaigns import Campaign
-from campaigns.asked.plan import plan
 from campaigns.claims.numbers import count, number, signed
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
@@ -22,6 +21,7 @@ from campaigns.documents import JsonObject
 from campaigns.results import CertifyResult, NominalResult, SearchResult, StageResult, ValidateResult, Verdict, verdicts
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
 from campaigns.results.verdict import Counts, NominalCost
+from campaigns.stages.plan import plan
 from worker.catalogue.installed import methods
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Tally

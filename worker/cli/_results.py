@@ -15,11 +15,11 @@ import numpy as np
 
 from backend.db.store import plain
 from campaigns import Campaign, load_file
-from campaigns.asked.plan import plan
-from campaigns.asked.snapshot import snapshot
+from campaigns.checked.snapshot import snapshot
 from campaigns.documents import JsonObject
 from campaigns.flown import Flown
 from campaigns.results.base import OK, STATUS
+from campaigns.stages.plan import plan
 from worker.catalogue.installed import catalogue
 from worker.opening import opened
 from worker.problem.criteria import criteria

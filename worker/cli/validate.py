@@ -19,7 +19,7 @@ def validate(
     import json
 
     from campaigns import Campaign, CampaignError, check
-    from campaigns.asked.plan import plan
+    from campaigns.stages.plan import plan
     from worker.catalogue.installed import catalogue
     from worker.cli._campaign import read_campaign
 

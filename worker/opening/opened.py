@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from campaigns import Campaign
-from campaigns.asked.check import flyable, parameters
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Simulator
+from campaigns.checked.check import flyable, parameters
 from worker.catalogue.installed import catalogue, simulators
 from worker.catalogue.simulator import Opening
 from worker.problem.problem import Problem

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from campaigns.asked.distributions import Correlation, Distribution, Normal, Triangular, TruncatedNormal, Uniform
-from campaigns.asked.uncertainty import matrix
+from campaigns.checked.uncertainty import matrix
 
 Floats = NDArray[np.float64]
 

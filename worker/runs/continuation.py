@@ -14,12 +14,12 @@ from pydantic import TypeAdapter
 
 from campaigns import Campaign, check
 from campaigns.asked.load import load_document
-from campaigns.asked.plan import plan
 from campaigns.asked.spec import MAX_EVALUATIONS, Search
 from campaigns.claims.numbers import count
 from campaigns.claims.say import listed
 from campaigns.claims.spans import words
 from campaigns.flown import Flown, differences, differing, other_code
+from campaigns.stages.plan import plan
 from worker.catalogue.installed import catalogue, methods
 from worker.opening import opened
 from worker.runs import sources

@@ -1,6 +1,6 @@
 """Runs a campaign stage by stage into a store, and resumes what a store holds already.
 
-Start reading at `execute`. The order of stages is `campaigns.asked.plan`; what each does is in `worker.stages`.
+Start reading at `execute`. The order of stages is `campaigns.stages.plan`; what each does is in `worker.stages`.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import TypeVar
 import numpy as np
 
 from campaigns import Campaign
-from campaigns.asked.plan import plan
 from campaigns.results import CertifyResult, NominalResult, SearchResult, ValidateResult, Verdict
 from campaigns.results.base import EXCLUDED, OK
+from campaigns.stages.plan import plan
 from worker.opening import opened
 from worker.problem.evaluate import InProcess
 from worker.runs.provenance import begin, flown

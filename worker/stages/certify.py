@@ -130,4 +130,4 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
     )
 
 
-stage = Stage("certify", run, CertifyResult)
+stage = Stage("certify", run)

@@ -25,4 +25,4 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
     return Outcome(result, traces=() if shown is None else (shown,))
 
 
-stage = Stage("nominal", run, NominalResult)
+stage = Stage("nominal", run)

@@ -126,4 +126,4 @@ def _best(context: Context, driven: Driven) -> Best | None:
     )
 
 
-stage = Stage("search", run, SearchResult)
+stage = Stage("search", run)

@@ -41,4 +41,4 @@ def _search(context: Context, asked: Sensitivity, found: list[SensitivityResult]
     return "flew every curve"
 
 
-stage = Stage("sensitivity", run, SensitivityResult)
+stage = Stage("sensitivity", run)

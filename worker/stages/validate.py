@@ -195,4 +195,4 @@ def _cases(names: Sequence[str]) -> Said:
     return listed([case(name) for name in names])
 
 
-stage = Stage("validate", run, ValidateResult)
+stage = Stage("validate", run)

@@ -22,8 +22,8 @@ from backend.scenes.base.axes import Axes, axes_of
 from backend.scenes.base.flight import Flight, from_stored
 from backend.scenes.base.noise import seeds
 from campaigns import Campaign, Catalogue
-from campaigns.asked.check import parameters
 from campaigns.catalogue import ComponentEntry, ParameterEntry
+from campaigns.checked.check import parameters
 from campaigns.documents import JsonObject
 from campaigns.looks import ObstacleLook
 from campaigns.runs import ENDED, run_name

@@ -23,7 +23,7 @@ export const flight = (more: Partial<TraceData> = {}): TraceData => ({
 })
 
 export const progress = (more: Partial<StageProgress> = {}): StageProgress => ({
-  position: 0, kind: 'search', method: null, state: 'done', planned: 1, evaluations: 1, failed: 0, excluded: 0, best: null,
+  position: 0, kind: 'search', title: 'Search', method: null, state: 'done', planned: 1, evaluations: 1, failed: 0, excluded: 0, best: null,
   best_index: null, seconds: 1, started: 0, finished: 1, ...more,
 })
 
@@ -89,5 +89,5 @@ export const run = (more: Partial<RunDetail> = {}): RunDetail => ({
     },
     agreement: 0.05, target_probability: null, confidence: 0.95, seed: 1, published: [],
   },
-  criteria: [], components_digest: null, flown: null, stages: [], summary: null, rate: null, remaining: null, ...more,
+  criteria: [], components_digest: null, flown: null, plan: [], stages: [], summary: null, rate: null, remaining: null, ...more,
 })

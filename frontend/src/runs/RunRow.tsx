@@ -60,14 +60,6 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
   )
 })
 
-const STAGE: Record<string, string> = {
-  nominal: 'Nominal',
-  sensitivity: 'Sensitivity',
-  search: 'Search',
-  certify: 'Certify',
-  validate: 'Validate',
-}
-
 /** A run without a verdict: how far it is, or why it ended. */
 function Standing({ run, now, span }: { run: RunSummary; now: number; span: number }) {
   if (run.state === 'queued')
@@ -96,7 +88,7 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
 function Working({ run, now }: { run: RunSummary; now: number }) {
   const { stage } = run
   const share = stage && stage.planned > 0 ? Math.min(1, stage.evaluations / stage.planned) : 0
-  const name = stage ? (STAGE[stage.kind] ?? stage.kind) : 'Starting'
+  const name = stage ? stage.title : 'Starting'
   const best = run.worst_cost
   return (
     <span className="standing">

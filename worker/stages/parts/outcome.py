@@ -24,8 +24,7 @@ class Outcome(Generic[R]):
 
 @dataclass(frozen=True)
 class Stage:
-    """A kind of stage: its name in a plan, what carries it out at a position, and the type of its result."""
+    """A kind of stage, as `campaigns.stages` declares it, and what runs it at a position."""
 
     kind: str
     run: Callable[[Context, int], Outcome[StageResult]]
-    result: type[StageResult]

@@ -5,8 +5,8 @@ Start reading at `clause`.
 
 from __future__ import annotations
 
-from campaigns.asked import extents
-from campaigns.asked.check import parameters
+from campaigns.checked import extents
+from campaigns.checked.check import parameters
 from campaigns.claims.say import listed, number, say, symbol
 from campaigns.claims.spans import Said
 from campaigns.symbols import labels

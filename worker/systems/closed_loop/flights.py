@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from campaigns import Campaign
-from campaigns.asked.check import flyable
+from campaigns.checked.check import flyable
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.catalogue.installed import catalogue
 from worker.kernels import loop as closed_loop

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from campaigns.asked.check import SEED
 from campaigns.asked.spec import MAX_SEED
 from campaigns.asked.spec import Realisations as Asked
+from campaigns.checked.check import SEED
 from campaigns.results.base import EXCLUDED, FAILED, OK
 from worker.kernels.layout import Section
 from worker.search.base import Batch

@@ -1,8 +1,7 @@
-// The stages of a run in a row: nominal, sensitivity, the searches together, validation, verdict.
+// The stages of a run in a row, those of one kind together, and the verdict.
 import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoader } from '@tabler/icons-react'
-import { asCampaign } from '../../api/campaign'
 import { isLive } from '../../api/queries'
-import type { RunDetail, StageProgress } from '../../client'
+import type { RunDetail, StageProgress, StageSummary } from '../../client'
 import { lossesOf } from '../../format/counts'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
@@ -18,14 +17,6 @@ interface Step {
   losses: string
   text: string
   share: number
-}
-
-const NAME: Record<StageProgress['kind'], string> = {
-  nominal: 'Nominal',
-  sensitivity: 'Sensitivity',
-  search: 'Search',
-  certify: 'Certify',
-  validate: 'Validate',
 }
 
 export function StageStrip({ run }: { run: RunDetail }) {
@@ -72,12 +63,11 @@ function StepIcon({ state, cancelled }: { state: State; cancelled: boolean }) {
 }
 
 function stepsOf(run: RunDetail): Step[] {
-  const kinds = run.stages.length > 0 ? [...new Set(run.stages.map((stage) => stage.kind))] : asked(run)
-  const steps = kinds.map((kind) =>
+  const steps = run.plan.map((kind) =>
     step(
       run,
       kind,
-      run.stages.filter((stage) => stage.kind === kind),
+      run.stages.filter((stage) => stage.kind === kind.kind),
     ),
   )
   const verdict = run.verdict !== null
@@ -92,16 +82,7 @@ function stepsOf(run: RunDetail): Step[] {
   return steps
 }
 
-/** What the campaign asks for, in its order: no worker has planned the run yet. */
-function asked(run: RunDetail): StageProgress['kind'][] {
-  const { sensitivity, certify } = asCampaign(run.campaign).stages
-  const left = new Set<StageProgress['kind']>()
-  if (sensitivity === null) left.add('sensitivity')
-  if (!certify) left.add('certify')
-  return (Object.keys(NAME) as StageProgress['kind'][]).filter((kind) => !left.has(kind))
-}
-
-function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): Step {
+function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step {
   const flown = stages.reduce((sum, stage) => sum + stage.evaluations, 0)
   const planned = stages.reduce((sum, stage) => sum + stage.planned, 0)
   const ended = stages.length > 0 && stages.every((stage) => stage.state === 'done')
@@ -109,7 +90,7 @@ function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress
   const state: State = ended ? 'done' : begun ? (isLive(run) ? 'act' : 'fail') : 'todo'
   const share = ended ? 1 : stages.reduce((sum, stage) => sum + shareOf(stage), 0) / Math.max(1, stages.length)
   return {
-    name: NAME[kind],
+    name: kind.title,
     state,
     figures: ended
       ? `${count(flown)} done`
@@ -128,27 +109,19 @@ function step(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress
 const shareOf = (stage: StageProgress): number =>
   stage.state === 'done' ? 1 : Math.min(1, stage.evaluations / Math.max(1, stage.planned))
 
-function textOf(run: RunDetail, kind: StageProgress['kind'], stages: StageProgress[]): string {
-  const working = stages.find((stage) => stage.state === 'running')
-  if (kind === 'nominal') return nominalText(run)
-  if (kind === 'sensitivity') {
-    const number = Object.keys(asCampaign(run.campaign).uncertain).length
-    return `${number} ${number === 1 ? 'parameter' : 'parameters'}, one at a time`
+function textOf(run: RunDetail, kind: StageSummary, stages: StageProgress[]): string {
+  const running = stages.find((stage) => stage.state === 'running')
+  if (running?.method) {
+    const { title } = methodLook(running.method)
+    return stages.length > 1 ? `${title}, ${stages.indexOf(running) + 1} of ${kind.description}` : title
   }
-  if (kind === 'search') {
-    const number = stages.length || asCampaign(run.campaign).stages.search.length
-    const methods = `${number} ${number === 1 ? 'method' : 'methods'}`
-    if (!working?.method) return methods
-    const { title } = methodLook(working.method)
-    return number > 1 ? `${title}, ${stages.indexOf(working) + 1} of ${methods}` : title
-  }
-  if (kind === 'certify') return 'independent sample'
-  if (kind === 'validate') return 'half step, reference integrator'
-  return ''
+  const [only] = stages
+  // A stage of a single evaluation shows its cost.
+  if (stages.length === 1 && only?.state === 'done' && only.planned === 1 && only.best !== null) return costText(run, only.best)
+  return kind.description
 }
 
-function nominalText({ nominal_cost: cost, threshold, unit }: RunDetail): string {
-  if (cost === null) return 'every parameter nominal'
+function costText({ threshold, unit }: RunDetail, cost: number): string {
   const value = `${fixed(cost, decimalsFor([cost]))} ${unit}`
   return threshold === null ? value : `${value}, ${cost > threshold ? 'clear of' : 'not above'} ${plain(threshold)} ${unit}`
 }

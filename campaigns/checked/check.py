@@ -11,12 +11,12 @@ import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from campaigns.asked import effort, extents, frames, limits, said, simulated, uncertainty
 from campaigns.asked.criteria import criteria
 from campaigns.asked.problem import MOST, Problem
 from campaigns.asked.spec import Campaign, Part
 from campaigns.asked.values import MAX_EVALUATIONS
 from campaigns.catalogue import Catalogue, ComponentEntry, ParameterEntry, Role
+from campaigns.checked import effort, extents, frames, limits, said, simulated, uncertainty
 
 LEAST_CONFIDENCE = 0.9
 SEED = "seed"

@@ -9,9 +9,9 @@ import math
 from collections.abc import Iterator, Mapping
 
 from campaigns.asked.problem import Problem
-from campaigns.asked.said import given
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ParameterEntry, ReachEntry
+from campaigns.checked.said import given
 
 Known = Mapping[str, tuple[ParameterEntry, float]]
 

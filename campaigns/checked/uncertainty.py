@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from campaigns.asked import said
 from campaigns.asked.distributions import Correlation, Normal, Triangular, TruncatedNormal, Uncertain
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import ParameterEntry
+from campaigns.checked import said
 
 LEAST_PIVOT = 1e-9
 

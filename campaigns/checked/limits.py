@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from campaigns.asked import said
 from campaigns.asked.problem import Problem
 from campaigns.catalogue import ParameterEntry
+from campaigns.checked import said
 
 
 def refused(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from campaigns.asked import limits, said
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign, Simulator
 from campaigns.catalogue import Catalogue, ParameterEntry, SimulatorEntry
+from campaigns.checked import limits, said
 
 PREFIX = "simulator"
 """Of the paths of its parameters: simulator.x."""

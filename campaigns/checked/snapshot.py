@@ -11,9 +11,9 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from campaigns.asked.check import parameters, parts
 from campaigns.asked.spec import Campaign
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, SimulatorEntry
+from campaigns.checked.check import parameters, parts
 from campaigns.documents import JsonObject
 
 _WORDS = {

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from campaigns.asked.plan import plan
 from campaigns.asked.problem import Problem
 from campaigns.asked.spec import Campaign, Scenario
+from campaigns.stages.plan import plan
 
 MOST_STEPS = 10**13
 """Steps of simulation of a whole run; of 20 ns each (a vehicle in a plane) they take two days on one core. The largest

@@ -131,6 +131,21 @@ def test_a_browser_is_sent_on_once_it_has_come(
         assert eye - first[0] == pytest.approx(np.array([0.4 * 5, 0, 0]), abs=1e-6), "to the newest time at once"
 
 
+def test_a_browser_that_leaves_while_its_camera_is_moved_is_no_matter(
+    service: Service, client: httpx.Client, run: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with viewing(service, client, f"/view/{run}/t/2/key/{KEY}") as connection:
+        Panel(connection, last="Show its flight").told()
+        (shown,) = service.app.state.viewers.steered.values()
+        server, camera = shown._server, shown._following
+        clients = server.get_clients()
+    until(lambda: all(c._websock_connection.get_message_buffer().done for c in clients.values()))
+    monkeypatch.setattr(server, "get_clients", lambda: clients)  # as it was asked a moment before
+    camera.place((np.zeros(3), np.ones(3)))
+    camera.work(time.monotonic())
+    assert len(clients) == 1
+
+
 @pytest.mark.parametrize("camera", ["chase", "intruder", "encounter"])
 def test_a_camera_of_the_address_is_there_from_the_first(
     service: Service, client: httpx.Client, run: str, camera: str

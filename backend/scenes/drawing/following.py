@@ -121,7 +121,9 @@ class Following(Part):
             clients = self._server.get_clients()
             self._sent.update(clients)
         for client in clients.values():
-            with client.atomic():
+            connection: Any = client._websock_connection
+            # A browser may leave at any moment: viser drops what is sent to it then, and need not warn.
+            with connection.get_message_buffer().sanctioned_dead_writes(), client.atomic():
                 client.camera.position = eye
                 client.camera.look_at = target
 

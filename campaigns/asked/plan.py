@@ -1,6 +1,6 @@
-"""The stages a run of a campaign goes through, and how many evaluations each may fly.
+"""The stages of a run, and the number of evaluations planned for each.
 
-The runner plans with it and the service announces with it, so that both count alike. Start reading at `plan`.
+Used by the runner and by the service, so that both agree.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ StageKind = Literal["nominal", "sensitivity", "search", "certify", "validate"]
 
 
 class Planned(NamedTuple):
-    """One stage to come; `planned` evaluations are its budget. Of validate they are an estimate: nobody knows before
-    how many worst cases there are to tell apart.
+    """One stage to come; `planned` evaluations are its budget. For validate they are an estimate, because the
+    number of worst cases is not known in advance.
 
-    Of certify it is what is flown where nothing is excluded: excluded draws come on top.
-    Flights at half the step and with the other integrator are checks of an evaluation, not evaluations.
+    For certify it is the number without exclusions; excluded draws are additional.
+    The step-halving check and the reference integrator check an evaluation and do not count as evaluations.
     """
 
     kind: StageKind
@@ -41,13 +41,13 @@ def plan(campaign: Campaign) -> list[Planned]:
 
 
 def _studied(asked: Sensitivity, dimension: int) -> int:
-    """Curves, Morris' trajectories of dimension + 1 flights, Saltelli's design without second orders."""
+    """Curves, Morris' trajectories of dimension + 1 evaluations, Saltelli's design without second orders."""
     morris = 0 if asked.morris is None else asked.morris.trajectories * (dimension + 1)
     sobol = 0 if asked.sobol is None else asked.sobol.samples * (dimension + 2)
     return asked.points * dimension + morris + sobol
 
 
 def _validating(campaign: Campaign) -> int:
-    """What telling the worst cases apart usually takes (measured on the library), and the neighbours of one."""
+    """The usual evaluations for distinguishing the worst cases (measured on the library), and the neighbours of one."""
     usual = 400 * (len(campaign.uncertain) + 1)
     return min(campaign.stages.findings.evaluations, usual) + campaign.stages.validate_.neighbours

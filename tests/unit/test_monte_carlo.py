@@ -65,9 +65,9 @@ def test_how_a_sample_goes_on() -> None:
     for sampling in ("plain", "sobol"):
         options = monte_carlo.Options(sampling=sampling)  # type: ignore[arg-type]
         assert monte_carlo.extend(options, 500) == replace(options, continued=True)
-    with pytest.raises(ValueError, match="a Latin hypercube is laid out for its number of samples and cannot go on"):
+    with pytest.raises(ValueError, match="a Latin hypercube is designed for its number of samples and cannot be"):
         monte_carlo.extend(monte_carlo.Options(sampling="latin_hypercube"), 500)
-    with pytest.raises(ValueError, match="run it anew with a narrower interval"):
+    with pytest.raises(ValueError, match="start it again with a narrower interval"):
         monte_carlo.extend(monte_carlo.Options(interval=0.01), 500)
 
 

@@ -79,7 +79,7 @@ def test_budgets() -> None:
     assert Budget.read("20000").after(1000) == 20_000
     assert Budget.read("20000").after(30_000) == 30_000
     for wrong in ("", "+", "-5", "0", "+0", "1e4", "many"):
-        with pytest.raises(CannotContinue, match="invalid budget .*: give"):
+        with pytest.raises(CannotContinue, match=r"invalid budget .*: give"):
             Budget.read(wrong)
 
 

@@ -1,4 +1,4 @@
-"""`python -m backend`: migrates the database, prints a login link, serves until told to stop.
+"""`python -m backend`: migrates the database, prints a login link, serves until it is stopped.
 
 The link goes to standard output only, never into a file; `clearance serve`, whose log that would be, prints its own.
 

@@ -48,7 +48,7 @@ API = "/api/v1"
 PACKED = 1
 """Level of compression: a run's evaluations, 1.7 MB, shrink to less than half in the time that they take to be read."""
 UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-data")
-"""What is packed already, and what streams."""
+"""Responses that are compressed already, and streams."""
 
 
 def create(settings: Settings) -> FastAPI:

@@ -127,7 +127,7 @@ def _declare(operation: JsonObject, method: str, is_open: bool) -> None:
 
 
 def text() -> str:
-    """The document as it is kept beside the front end."""
+    """The document as stored with the front end."""
     from backend.app import create
     from backend.settings import Settings
 

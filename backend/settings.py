@@ -16,7 +16,7 @@ PREFIX = "CLEARANCE_"
 
 
 class Settings(BaseModel):
-    """Where the service listens and keeps its data; the environment variable is the name in capitals."""
+    """Where the service listens and stores its data; the environment variable is the name in capitals."""
 
     model_config = ConfigDict(extra="ignore", frozen=True)
 

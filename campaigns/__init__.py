@@ -1,6 +1,6 @@
-"""The vocabulary: what may be asked of Clearance.
+"""The vocabulary of Clearance: campaigns, catalogue, results.
 
-`spec` is the campaign itself, `catalogue` the components and methods it may name, `check` holds one against
+`spec` is the campaign itself, `catalogue` the components and methods it may name, `check` validates one against
 the other, `load` reads YAML or JSON. Start reading at `spec.Campaign`.
 """
 

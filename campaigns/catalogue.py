@@ -25,7 +25,7 @@ def _no_default(schema: JsonObject) -> None:
 
 
 _LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
-"""Left out where it is not declared: stored snapshots that were made before keep their digests."""
+"""Omitted if not declared, so that older snapshots keep their digests."""
 
 
 class Entry(BaseModel):
@@ -41,12 +41,12 @@ class ParameterEntry(Entry):
     low: float
     high: float
     default: float | None
-    """None: the campaign must give it."""
+    """None: required in the campaign."""
     text: str
 
 
 class ReachEntry(Entry):
-    """How far an obstacle's surface is from its centre at most.
+    """The largest distance of an obstacle's surface from its centre.
 
     `times` the root of the sum of squares of the parameters that it is `of`.
     """
@@ -65,41 +65,41 @@ class ComponentEntry(Entry):
     name: str
     title: str
     dimension: int | None
-    """2 or 3 where the component lives in a plane or in space; None where it fits both."""
+    """2 or 3 for a component in the plane or in space; None if it fits both."""
     frame: Literal["enu", "ned"] = "enu"
     """The axes of a vehicle's world: x east, y north, z up, or x north, y east, z down."""
     written_in: Literal["", "enu", "ned"] = ""
-    """The axes that any other component takes for granted; empty where it is the same in all. A vehicle has `frame`."""
+    """The axes assumed by any other component; empty if it is independent of them. A vehicle has `frame`."""
     moving: bool = False
     """Whether an obstacle moves by itself."""
     parameters: list[ParameterEntry]
     starts: list[ParameterEntry] = []
     goals: list[ParameterEntry] = []
-    """What the goal of an avoider is given by."""
+    """The parameters that define the goal of an avoider."""
     fits: list[str] = []
-    """The vehicles a controller flies; empty for everything else."""
+    """The vehicles that a controller supports; empty for everything else."""
     demand: str = ""
-    """What an avoider asks for: force or velocity."""
+    """The demand of an avoider: force or velocity."""
     demands: list[str] = []
     """The kinds of demand that a controller follows."""
     inputs: list[str] = []
-    """The inputs of a vehicle, which actuator faults are on."""
+    """The inputs of a vehicle, to which actuator faults apply."""
     path: str = ""
-    """The path of the loop that a fault is in: perception, timing, navigation, actuator."""
+    """The part of the loop that a fault affects: perception, timing, navigation, actuator."""
     unit: str = ""
     """The unit of a criterion's value."""
     quantity: str = ""
     """The short name of a criterion's value, such as d_min."""
     worse: Literal["", "low", "high"] = ""
-    """Which end of a criterion is sought; what is worse when low may decide."""
+    """Which end of a criterion is sought; one that is worse when low may decide."""
     of: Literal["", "obstacles", "goal", "flight"] = ""
-    """What a criterion reads; one of the goal needs a goal that is a place."""
+    """What a criterion measures; one of the goal needs a goal with a position."""
     measured_to: Literal["", "centre", "surface"] = ""
-    """The point of an obstacle that a criterion's distances end at; empty where it reads none."""
+    """The point of an obstacle to which a criterion measures distances; empty if it measures none."""
     reach: ReachEntry | None = None
-    """How far a point inside an obstacle can be from its centre; None where the obstacle does not declare it."""
+    """The largest distance of a point inside an obstacle from its centre; None if the obstacle does not declare it."""
     look: Annotated[ObstacleLook | VehicleLook | None, _LEFT_OUT] = None
-    """How an obstacle or a vehicle is drawn; left out where it does not declare it."""
+    """How an obstacle or a vehicle is drawn; omitted if not declared."""
     text: str
     """Equations, symbols and source, as the component's own file states them."""
 
@@ -110,8 +110,8 @@ class MethodEntry(Entry):
     name: str
     title: str
     kind: Literal["global", "local", "random", "multi"]
-    """Global methods must agree before anything is cleared; random ones draw from the distributions; multi ones look
-    for the front of several criteria."""
+    """Global methods must agree before anything is cleared; random ones draw from the distributions; multi ones search
+    for the Pareto front of several criteria."""
     text: str
     how: str
     """A few words for a table: how it searches."""
@@ -119,10 +119,10 @@ class MethodEntry(Entry):
     evaluations: int
     """The usual budget."""
     starts: bool = False
-    """Whether it starts from points that the campaign gives."""
+    """Whether it starts from points given in the campaign."""
     options: JsonObject
     look: Annotated[MethodLook | None, _LEFT_OUT] = None
-    """Its colour and marker; left out where it does not declare them."""
+    """Its colour and marker; omitted if not declared."""
 
 
 class ResultEntry(Entry):
@@ -160,7 +160,7 @@ class Catalogue(Entry):
     simulators: Annotated[
         list[SimulatorEntry], Field(exclude_if=lambda given: not given, json_schema_extra=_no_default)
     ] = []
-    """Left out where there is none: stored snapshots that were made before keep their digests."""
+    """Omitted if there is none, so that older snapshots keep their digests."""
 
     def component(self, role: Role, name: str) -> ComponentEntry | None:
         """The component of that role and name, or None."""

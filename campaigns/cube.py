@@ -1,6 +1,6 @@
-"""Between the unit cube and the parameters' units, bit by bit the same wherever a point is read.
+"""Converts between the unit cube and the parameters' units, bit-identical everywhere.
 
-Shares are those of a parameter's range, 0 at its low bound. Start reading at `natural`.
+Fractions are of a parameter's range, 0 at its low bound.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 
 
 def natural(shares: Floats, nominal: ArrayLike, low: ArrayLike, high: ArrayLike) -> Floats:
-    """Shares in the parameters' units: the bounds and the nominal value exactly, between them by the share."""
+    """Fractions in the parameters' units: exact at the bounds and the nominal value, linear between them."""
     low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     nominal = np.asarray(nominal, dtype=np.float64)
     values = np.where(shares == share(nominal, low, high), nominal, low + shares * (high - low))
@@ -20,5 +20,5 @@ def natural(shares: Floats, nominal: ArrayLike, low: ArrayLike, high: ArrayLike)
 
 
 def share(values: Floats, low: Floats, high: Floats) -> Floats:
-    """Values in the parameters' units as shares of their ranges."""
+    """Values in the parameters' units as fractions of their ranges."""
     return np.asarray((values - low) / (high - low))

@@ -1,8 +1,8 @@
-"""What is read, stored or sent as JSON and has no type of its own. Start reading at `JsonObject`."""
+"""The type of JSON data without a type of its own."""
 
 from __future__ import annotations
 
 from typing import Any
 
 JsonObject = dict[str, Any]
-"""A JSON object at an edge: a document as given, a column, a message, a part of an OpenAPI description."""
+"""A JSON object at a boundary: an input document, a column, a message, a part of an OpenAPI description."""

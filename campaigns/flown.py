@@ -1,7 +1,7 @@
-"""What flew a run: the code, the compiled loop, the packages, the machine; and what differs between two of them.
+"""The versions behind a run: code, compiled loop, packages, machine; and the differences between two of them.
 
-Everything that can change a number and is not in the campaign. Stored when the first stage of a run begins; nothing
-else resumes or continues that run. Start reading at `differences`.
+Everything that can change a number and is not in the campaign. Stored when the first stage of a run begins; other
+versions neither resume nor extend that run. Start reading at `differences`.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 SHORT = 12
-"""Digits of a digest that a sentence gives."""
+"""Digits of a digest in a message."""
 
 MOST = 3
-"""Modules that a sentence names."""
+"""Modules named in a message."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Code:
 
 
 class Processor(BaseModel):
-    """The processor, and what the compiler used of it."""
+    """The processor, and the features of it that the compiler used."""
 
     model_config = ConfigDict(frozen=True)
     model: str = ""
@@ -38,7 +38,8 @@ class Processor(BaseModel):
 
 
 class Flown(BaseModel):
-    """What flew a run, as it was loaded when its first stage began; None or empty: not stored (by earlier versions)."""
+    """The versions behind a run, as loaded when its first stage began; None or empty: not stored by earlier
+    versions."""
 
     model_config = ConfigDict(frozen=True)
     code: str | None = None
@@ -52,7 +53,7 @@ class Flown(BaseModel):
     system: str | None = None
     cpu: Processor | None = None
     lanes: int | None = None
-    """Simulations that one call of the loop flies at once."""
+    """Simulations that one call of the loop runs in lockstep."""
     simulator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
     """Digest of the simulator, in place of the loop's: everything of it that could change a number."""
     step: float | None = None
@@ -61,17 +62,17 @@ class Flown(BaseModel):
 
     @staticmethod
     def of(document: Any) -> Flown:
-        """From a stored document; of earlier versions' provenance, what it has of it."""
+        """From a stored document; fields missing in earlier versions stay empty."""
         known = document if isinstance(document, dict) else {}
         cpu = known.get("cpu")
         return Flown.model_validate({**known, "cpu": cpu if isinstance(cpu, dict) else None})
 
 
 def differences(then: Flown, now: Flown, modules: list[str] | None = None) -> list[str]:
-    """What flies otherwise now and may change a number, as clauses; what either did not store is not compared.
+    """The differences that may change a number, as clauses; fields that either did not store are not compared.
 
-    `modules` are those that differ, where that is known. The processor is left out: a run may move between machines,
-    and every replayed evaluation is compared to the bit.
+    `modules` are those that differ, if known. The processor is not compared: a run may move between machines, and
+    every replayed evaluation is compared to the bit.
     """
     found = []
     if then.code and now.code and then.code != now.code:
@@ -89,7 +90,7 @@ def differences(then: Flown, now: Flown, modules: list[str] | None = None) -> li
 
 
 def other_code(run: str, clauses: list[str]) -> str:
-    """The sentence that refuses to go on with a run."""
+    """The message that refuses to resume a run."""
     return (
         f"{run} was begun by other code: {'; '.join(clauses)}. One run must not mix the results of two: "
         "start the campaign again as a new run"

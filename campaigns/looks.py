@@ -1,7 +1,7 @@
 """How components and methods are drawn: colour tokens, markers, shapes, and which parameters give their sizes.
 
-A component or method declares its look, the catalogue carries it, and pages, scenes and reports draw by it, whatever
-its name is. Start reading at `MethodLook`.
+A component or method declares its look, the catalogue contains it, and pages, scenes and reports use it, independent of
+its name. Start reading at `MethodLook`.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ class Look(BaseModel):
 
 
 class MethodLook(Look):
-    """How a search method is drawn: no two methods should have the same pair of colour and marker."""
+    """How a search method is drawn; each method should have its own pair of colour and marker."""
 
     colour: Colour
     """The token of its colour in both themes."""
     marker: Marker
-    """The outline of its mark; the ring is that of stages that do not search."""
+    """The shape of its marker; the ring is for stages that do not search."""
     short: str = ""
     """Its name in narrow tables; empty: its title."""
 

@@ -1,4 +1,4 @@
-"""What the service and the worker both say of a run: its name, its states and those of its stages."""
+"""The name of a run, its states and those of its stages, for the service and the worker."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class RunState(StrEnum):
-    """What becomes of a run."""
+    """The state of a run."""
 
     QUEUED = "queued"
     RUNNING = "running"
@@ -18,7 +18,7 @@ class RunState(StrEnum):
 
 
 class StageState(StrEnum):
-    """How far a stage of a run is."""
+    """The state of a stage of a run."""
 
     WAITING = "waiting"
     RUNNING = "running"
@@ -28,9 +28,9 @@ class StageState(StrEnum):
 HELD = (RunState.RUNNING, RunState.CANCELLING)
 """A worker holds the run."""
 ACTIVE = (RunState.QUEUED, *HELD)
-"""The run goes on changing."""
+"""States in which the run still changes."""
 ENDED = (RunState.DONE, RunState.FAILED, RunState.CANCELLED)
-"""The run does not change any more."""
+"""States in which the run no longer changes."""
 
 _NAME = re.compile(r"R-([0-9]{1,15})")
 
@@ -41,6 +41,6 @@ def run_name(run_id: int) -> str:
 
 
 def run_number(name: str) -> int | None:
-    """1 of R-0001; None for what is no run's name."""
+    """1 of R-0001; None if this is not the name of a run."""
     match = _NAME.fullmatch(name)
     return None if match is None else int(match[1])

@@ -1,4 +1,4 @@
-"""What a parameter is called in print: its symbol where no other parameter of the campaign has it, else its path.
+"""The printed label of a parameter: its symbol if no other parameter of the campaign has it, otherwise its path.
 
 Two obstacles have the same symbols; a number must be traceable to one of them. Start reading at `labels`.
 """

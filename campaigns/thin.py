@@ -1,4 +1,4 @@
-"""Which rows of a long series a chart or a stored flight needs. Start reading at `even`."""
+"""Selects the rows of a long series that a chart or a stored trace needs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def even(count: int, most: int) -> Indices:
 
 
 def improvements(costs: Floats, best: float = np.inf) -> Indices:
-    """Where a series is lower than `best` and everything before; NaN is no cost."""
+    """Where a series is lower than `best` and all earlier values; NaN is not a cost."""
     filled = np.where(np.isnan(costs), np.inf, costs)
     before = np.minimum.accumulate(np.concatenate([[best], filled]))[:-1]
     return np.flatnonzero(filled < before)

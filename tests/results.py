@@ -22,7 +22,7 @@ def said(text: str) -> Said:
     return earlier.said(text, TERMS)
 
 
-ENDED = Stop(kind="rule", text="did the 100 iterations asked for")
+ENDED = Stop(kind="rule", text="completed the 100 iterations")
 
 
 def columns(*described: tuple[str, str, Any]) -> list[TraceColumn]:

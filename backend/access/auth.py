@@ -27,7 +27,7 @@ SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class Guard:
-    """Lets known visitors through, as `request.state.visitor`; refuses everyone else."""
+    """Accepts authenticated clients, as `request.state.visitor`; refuses all others."""
 
     def __init__(self, app: ASGIApp, door: Door, most: int) -> None:
         """most: requests and sockets that one session or token may have open at a time."""

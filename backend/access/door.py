@@ -42,7 +42,7 @@ class Door:
         self._tasks: set[asyncio.Task[None]] = set()
 
     async def visitor(self, connection: HTTPConnection) -> Visitor | None:
-        """Who sent this, or None. A header `Authorization` counts alone, even beside a good cookie."""
+        """The authenticated sender, or None. A header `Authorization` takes precedence over a cookie."""
         scheme, _, token = connection.headers.get("authorization", "").partition(" ")
         if scheme:
             return await self._by_token(token.strip()) if scheme.lower() == "bearer" else None

@@ -53,7 +53,7 @@ async def stream_events(
 ) -> EventStream:
     """Changes as they happen, at most four times a second; comments every 15 s keep the stream alive.
 
-    Every event has an `id`; with it as `Last-Event-ID` a stream goes on: what is active is told again, and every run
+    Every event has an `id`; with it as `Last-Event-ID` a stream resumes: active runs are reported again, and every run
     that ended meanwhile (the newest 500). An id that this service cannot have given counts as none.
 
     `event: run` carries a RunSummary. With `run=` there are also `event: stages` with StageProgress[] and

@@ -20,7 +20,7 @@ HEARTBEAT = 15.0
 """A silent stream carries a comment this often, so that both ends notice when the other is gone [s]."""
 
 BACKLOG = 256
-"""A listener this many events behind is dropped; it connects again and is told everything anew."""
+"""A listener this many events behind is dropped; it reconnects and receives everything again."""
 
 RETRY = "retry: 2000\n\n"
 COMMENT = ": still here\n\n"
@@ -46,7 +46,7 @@ class _Listener:
         self._put("".join(told) or f"{identified(self.mark)}\n")
 
     def tell(self, events: list[Event], at: float = 0.0) -> None:
-        """Tell what of the events this listener asked for."""
+        """Send the events to which this listener subscribed."""
         wanted = [e for e in events if (e.name == "run" if self.run_id is None else e.run_id == self.run_id)]
         for event in wanted[:-1]:
             self._put(event.text(self.mark))
@@ -67,7 +67,7 @@ class _Listener:
 
 
 class Hub:
-    """Hands every change to those who listen; polls only while somebody does."""
+    """Sends every change to the listeners; polls only while there are any."""
 
     def __init__(self, engine: sa.Engine) -> None:
         self._engine = engine

@@ -1,4 +1,4 @@
-"""What the stream of events carries beside run summaries and stages. Start reading at `NewImprovements`."""
+"""The content of the event stream besides run summaries and stages. Start reading at `NewImprovements`."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class NewImprovements(Schema):
     seconds: list[float]
     cost: list[float]
     evaluations: int
-    """How many evaluations the stage has flown in all."""
+    """The total number of evaluations of the stage."""
     elapsed: float
     """Working time of the stage at the last of them [s]."""
     parameters: dict[str, float]
-    """Where the last of these improvements is, {path: value} in the parameters' units; empty where there is none."""
+    """The parameters of the last of these improvements, {path: value} in their units; empty if there is none."""

@@ -1,4 +1,4 @@
-"""What changed in the database since the last look: runs, and the stages and improvements of watched runs.
+"""Detects changes in the database since the last poll: runs, and the stages and improvements of watched runs.
 
 SQLite says by `PRAGMA data_version` that nothing was committed elsewhere (sqlite.org/pragma.html), and then nothing is
 read. Not for use by two threads at once. Start reading at `Watch.look`.
@@ -75,7 +75,7 @@ class _Watched:
 
 
 class Watch:
-    """Remembers what it saw last."""
+    """Stores the state of the last poll."""
 
     def __init__(self, engine: sa.Engine) -> None:
         self._engine = engine
@@ -94,7 +94,7 @@ class Watch:
             self._raw = None
 
     def look(self, runs: Iterable[int]) -> list[Event]:
-        """What changed since the last look: summaries of all runs, stages and improvements of the given ones."""
+        """Changes since the last poll: summaries of all runs, stages and improvements of the given ones."""
         wanted = set(runs)
         new = wanted - self._watched.keys()
         if not self._committed() and not new and wanted == self._watched.keys():
@@ -128,7 +128,7 @@ class Watch:
         return [_event(service.number(s.id), "run", s.model_dump_json()) for s in found]
 
     def _committed(self) -> bool:
-        """Whether anything may have been committed since the last time this was asked."""
+        """Whether anything may have been committed since the last call."""
         if not is_sqlite(self._engine):
             return True
         if self._raw is None:
@@ -158,7 +158,7 @@ class Watch:
 def _watched(reader: sa.Connection, run_id: int) -> _Watched:
     try:
         asked = service.campaign(reader, run_id)
-    except RefusedError:  # its progress is told all the same
+    except RefusedError:  # its progress is reported nevertheless
         return _Watched([], {})
     return _Watched(list(asked.uncertain), bounds(asked, described(reader, run_id)))
 

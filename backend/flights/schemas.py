@@ -1,4 +1,4 @@
-"""What the API says of a flight that is simulated on request. Start reading at `FlightRequest` and `FlightAnswer`."""
+"""The schemas of a simulation on request. Start reading at `FlightRequest` and `FlightAnswer`."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class FlightRequest(Given):
 
 
 class FlightValue(CriterionOut):
-    """A criterion, and the flight's value of it in its own sign and unit; null where the flight has none."""
+    """A criterion, and its value in this simulation in its own sign and unit; null if there is none."""
 
     value: float | None
 
@@ -62,10 +62,10 @@ class FlightAnswer(Schema):
     parameters: dict[str, float]
     """Of the uncertain parameters, and of those that were given, as they were simulated."""
     seed: int | None
-    """The noise realisation that was asked for, or that of the finding; null for those of the campaign."""
+    """The requested noise realisation, or that of the finding; null for those of the campaign."""
     drawn: str | None
     """The key of the 3D view that shows the flight, as far as it moved; null where none is open."""
     trace: TraceHead
     columns: list[TraceColumn]
     data: dict[str, list[float | None]]
-    """The time series by column; empty unless `rows` were asked for."""
+    """The time series by column; empty unless `rows` were requested."""

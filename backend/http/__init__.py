@@ -1,1 +1,1 @@
-"""What all endpoints share: how requests are read, what they are given, how answers, errors and pages are written."""
+"""Shared by all endpoints: reading requests, dependencies, and writing responses, errors and pages."""

@@ -36,7 +36,8 @@ class Capacity:
     async def run(self, work: Callable[[], Result], gone: Gone | None = None) -> Result:
         """The result of the work, done in a thread when it is its turn. Raises `RefusedError` (503).
 
-        gone: whether the client has gone away; asked when the turn comes, so that nothing is done for nobody.
+        gone: whether the client has gone away; checked when the job's turn comes, so that no work is done for a closed
+        connection.
         """
         async with self.turn():
             if gone is not None and await gone():
@@ -80,7 +81,7 @@ class BoundedStream(StreamingResponse):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         async with self._capacity.turn():
-            parts = await self._capacity.thread(self._parts)  # what is refused is refused before the answer begins
+            parts = await self._capacity.thread(self._parts)  # refuse before the response begins
             self.body_iterator = self._each(parts)
             try:
                 await super().__call__(scope, receive, send)

@@ -1,6 +1,6 @@
 """The pages: the built single-page application with deep links, and the few plain pages the service writes itself.
 
-Hashed assets are kept by browsers for a year, the page that names them is asked for each time (RFC 9111).
+Hashed assets are cached by browsers for a year; the page that names them is requested each time (RFC 9111).
 Start reading at `serve`.
 """
 

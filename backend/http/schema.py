@@ -25,7 +25,7 @@ Seconds = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class Schema(BaseModel):
-    """Nothing unknown in it; what stands below a field describes it in the OpenAPI document."""
+    """No unknown fields; the docstring of a field is its description in the OpenAPI document."""
 
     model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
 

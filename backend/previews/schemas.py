@@ -45,7 +45,7 @@ class Preview(Schema):
     reason: str
     """Why the status is not ok, a sentence."""
     value: float | None
-    """Of the criterion that decides; None where the flight has none."""
+    """Of the criterion that decides; None if there is none."""
     margin: float | None
     """The value less the threshold: above 0 is clear."""
     threshold: float

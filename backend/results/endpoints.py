@@ -23,7 +23,7 @@ def get_evaluations(
     max_points: Annotated[int, Query(ge=2, le=100_000, description="At most so many evaluations of a stage.")] = 2000,
     position: Annotated[int | None, Query(ge=0, le=1000, description="Only the stage at this position.")] = None,
 ) -> Evaluations:
-    """The evaluations of a run, thinned for charts, with every improvement of the best kept."""
+    """The evaluations of a run, thinned for charts, including every improvement of the best."""
     return evaluations.read(reader, number(run), max_points, position)
 
 
@@ -46,5 +46,5 @@ def get_trace(
     reader: Reader,
     max_points: Annotated[int, Query(ge=10, le=100_000, description="At most so many rows.")] = 1000,
 ) -> TraceData:
-    """One flight as columns, thinned, with the rows around the closest approach kept."""
+    """One trace as columns, thinned, including the rows around the closest approach."""
     return service.trace(reader, number(run), name, max_points)

@@ -106,7 +106,8 @@ def _known(values: thin.Floats) -> list[float | None]:
 
 
 def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> dict[str, list[float]]:
-    """Points of the unit cube as {path: values} in the parameters' units, bit by bit those that were flown."""
+    """Points of the unit cube as {path: values} in the parameters' units, bit-identical to those that were
+    simulated."""
     found = {}
     for column, path in enumerate(paths):
         if path in limits and column < points.shape[1]:

@@ -74,7 +74,7 @@ class FindingDetail(Schema):
     found: list[FoundBy]
     """Empty where no search came to it by itself, only polishing did."""
     values: dict[str, float | None]
-    """{name: value} of every criterion in its own sign, as the stored flight tells it; empty where it does not."""
+    """{name: value} of every criterion in its own sign, as stored with the trace; empty if it was not stored."""
     at_bounds: dict[str, Literal["low", "high"]]
     validation: Validation | None
     slices: Slices | None

@@ -1,4 +1,4 @@
-"""What the components of a run meant, and what this installation says otherwise. Start reading at `components`."""
+"""The description of a run's components, and its differences from this installation. Start reading at `components`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from campaigns.flown import Flown
 
 
 def components(reader: sa.Connection, run_id: int) -> RunComponents:
-    """As the run kept them; of a run that kept nothing as they are described now. 404 for no run."""
+    """As stored with the run; if nothing was stored, as described now. 404 if there is no such run."""
     asked = service.campaign(reader, run_id)
     kept = snapshots.of_run(reader, run_id)
     digest, flown = reader.execute(sa.select(Run.snapshot, Run.flown).where(Run.id == run_id)).one()

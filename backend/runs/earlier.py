@@ -1,4 +1,4 @@
-"""What the sentences of a run may speak of, for those that earlier versions stored as words. Start at `speaking`."""
+"""The terms in the sentences of a run, for sentences that earlier versions stored as text."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
 
 
 def _said(values: JsonObject) -> JsonObject:
-    """What the audit trail keeps of an edit: of notes, which can be long, their length and digest."""
+    """What the audit trail stores of an edit: of notes, which can be long, their length and digest."""
     notes = values.get("notes")
     if notes is None:
         return values

@@ -179,7 +179,7 @@ def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> l
     "/runs/{run}", responses=problems("not-found", "notes-changed", "removed", "other-version", "purged", "invalid")
 )
 def edit_run(run: RunName, given: RunEdit, engine: Engine, visitor: CurrentVisitor) -> RunDetail:
-    """Change a run's name, tags, notes or pin; what is left out stays."""
+    """Change a run's name, tags, notes or pin; omitted fields stay unchanged."""
     edits.edit(engine, service.number(run), given, visitor)
     with read(engine) as reader:
         return service.detail(reader, service.number(run))
@@ -187,7 +187,7 @@ def edit_run(run: RunName, given: RunEdit, engine: Engine, visitor: CurrentVisit
 
 @router.get("/runs/{run}", responses=problems("not-found", "other-version", "purged"))
 def get_run(run: RunName, reader: Reader) -> RunDetail:
-    """One run with its campaign, its stages as they stand, and the parts of its verdict."""
+    """One run with its campaign, the state of its stages, and the parts of its verdict."""
     return service.detail(reader, service.number(run))
 
 
@@ -211,7 +211,7 @@ def remove_run(
     run: RunName,
     engine: Engine,
     visitor: CurrentVisitor,
-    reason: Annotated[Reason, Query(description="Why; it is shown wherever the run is asked for.")],
+    reason: Annotated[Reason, Query(description="The reason; it is shown wherever the run is requested.")],
 ) -> RunSummary:
     """Take a run that is over out of every list; its address, its results and its history stay, and it can be restored.
 
@@ -223,7 +223,7 @@ def remove_run(
 
 @router.post("/runs/{run}/restore", responses=problems("not-found", "purged"))
 def restore_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
-    """Put a removed run back into the lists; one that is there stays as it is."""
+    """Put a removed run back into the lists; a run that is not removed stays unchanged."""
     return removal.restore(engine, [service.number(run)], visitor)[0]
 
 
@@ -235,7 +235,7 @@ def list_stages(run: RunName, reader: Reader) -> list[StageDetail]:
 
 @router.get("/runs/{run}/components", responses=problems("not-found", "other-version", "purged"))
 def list_run_components(run: RunName, reader: Reader) -> RunComponents:
-    """What the components and methods of a run meant when it was submitted, and what is said otherwise now."""
+    """The description of a run's components and methods when it was submitted, and its differences from now."""
     return components(reader, service.number(run))
 
 

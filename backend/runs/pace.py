@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from backend.runs.schemas import StageProgress
 
 FEWEST = 8
-"""With fewer evaluations than this no speed is told."""
+"""With fewer evaluations than this no speed is reported."""
 
 
 def estimate(stages: Sequence[StageProgress]) -> tuple[float | None, float | None]:

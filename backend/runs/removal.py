@@ -1,6 +1,6 @@
 """Runs that are taken out of every list, and put back. Nothing is deleted here: that is `clearance purge`.
 
-A removed run keeps its address, its results and its history. Start reading at `remove`.
+A removed run retains its address, its results and its history.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
 
 
 def _standing(writer: sa.Connection, rows: Sequence[Any]) -> list[Problem]:
-    """What keeps runs from being removed."""
+    """The reasons why runs cannot be removed."""
     ids = [row.id for row in rows if row.removed is None]
     of = sa.select(Signoff.run_id, Signoff.name).where(Signoff.run_id.in_(ids), Signoff.withdrawn.is_(None))
     signed = {row.run_id: row.name for row in writer.execute(of.order_by(Signoff.id.desc()))}

@@ -44,7 +44,7 @@ class RunSubmit(Given):
 
 
 class RunEdit(Given):
-    """What people write on a run; what is left out stays."""
+    """The user's annotations of a run; omitted fields stay unchanged."""
 
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
@@ -108,7 +108,7 @@ class StageSummary(Schema):
 
 
 class StageProgress(Schema):
-    """A stage as it stands; `result` is there once it is done."""
+    """The state of a stage; `result` is set once it is done."""
 
     position: int
     kind: StageKind
@@ -201,36 +201,36 @@ class RunDetail(RunSummary):
     criteria: list[CriterionOut]
     """The one that decides first, then the objectives."""
     components_digest: str | None
-    """Of what its components meant when it was submitted (`/runs/{run}/components`); None where it was not kept."""
+    """Of what its components meant when it was submitted (`/runs/{run}/components`); None if it was not stored."""
     flown: Flown | None
-    """What flew when the first stage began: code, packages, machine; None before that, and where it was not stored."""
+    """The versions when the first stage began: code, packages, machine; None before that, or if not stored."""
     plan: list[StageSummary]
     """The kinds of stages in the order of the run."""
     stages: list[StageProgress]
     """Empty until a worker has started the run."""
     summary: RunVerdict | None
-    """The verdict with everything behind it; null while there is none."""
+    """The verdict with everything that supports it; null while there is none."""
     rate: float | None
     """Evaluations per second of the running stage."""
     remaining: float | None
-    """Estimated time left [s]; None while it cannot be told."""
+    """Estimated time left [s]; None while it cannot be estimated."""
 
 
 class RunComponents(Schema):
     """What the components and methods of a run meant: texts, units, limits and default values in force."""
 
     digest: str | None
-    """SHA-256 of what was kept when the run was submitted; None where nothing was, and the installed ones are told."""
+    """SHA-256 of the stored snapshot; None if nothing was stored, in which case the installed ones are reported."""
     catalogue: Catalogue
     """The entries that the run's campaign uses."""
     changes: list[str]
     """What this installation says otherwise now, as sentences; empty where it says the same."""
     code: str | None
-    """Digest of the code that flew the run; None where nothing has flown, or it was not stored."""
+    """Digest of the code that ran the run; None if it has not begun, or the digest was not stored."""
     code_installed: str | None
     """Digest of the code that the newest worker has; None where none has published it."""
     code_changes: list[str]
-    """The modules that differ between the two, where they are known."""
+    """The modules that differ between the two, if known."""
 
 
 class RunPage(Schema):

@@ -75,7 +75,7 @@ def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSummary:
-    """Queue a run, or give the one queued before under the same key; what is refused leaves no row."""
+    """Queue a run, or give the one queued before under the same key; a refused request leaves no row."""
     with read(engine) as reader:
         catalogue = required(reader)
     problems = check(submission.campaign, catalogue)
@@ -180,7 +180,7 @@ def _described(parts: JsonObject | None, failed: int, terms: Terms) -> RunVerdic
 
 
 def progress(reader: sa.Connection, run_id: int) -> list[StageProgress]:
-    """The stages of a run as they stand, without their results."""
+    """The state of a run's stages, without their results."""
     columns = (getattr(Stage, name) for name in StageProgress.model_fields)
     rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
     return [StageProgress.model_validate(dict(row._mapping)) for row in rows]

@@ -1,1 +1,1 @@
-"""What may be asked: the campaign and how it is read. Start reading at `spec`."""
+"""The campaign and how it is read. Start reading at `spec`."""

@@ -1,7 +1,4 @@
-"""A campaign's criteria: their names in results; held against the catalogue, which may decide or need a place as goal.
-
-Start reading at `criteria`.
-"""
+"""A campaign's criteria: their names in results, and their validation against the catalogue."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ from campaigns.catalogue import Catalogue
 
 
 def criteria(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    """One that is worse when low decides; none is given twice."""
+    """The deciding criterion must be worse when low; none may be given twice."""
     decides = catalogue.component("criterion", campaign.criterion.component)
     if decides is not None and decides.worse == "high":
         others = ", ".join(c.name for c in catalogue.components if c.role == "criterion" and c.worse == "low")

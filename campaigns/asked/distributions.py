@@ -1,6 +1,6 @@
-"""What is uncertain: the bounds of a parameter, its distribution within them, and how parameters are correlated.
+"""Uncertain parameters: their bounds, distributions within the bounds, and correlations.
 
-Distributions and correlations shape random samples only; every search sees the bounds. Start reading at `Uncertain`.
+Distributions and correlations apply to random samples only; searches use only the bounds. Start reading at `Uncertain`.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ class Uniform(Strict):
 
 
 class Normal(Strict):
-    """A normal distribution, unbounded: flights are drawn within the bounds, and the probability of lying beyond them
-    is added to every bound on P(violation)."""
+    """A normal distribution, unbounded: samples are drawn within the bounds, and the probability beyond them is added
+    to every bound on P(violation)."""
 
     kind: Literal["normal"] = "normal"
     mean: Number
@@ -98,7 +98,7 @@ class Uncertain(Strict):
 class Correlation(Strict):
     """Two uncertain parameters are correlated: the Gaussian copula that joins them has this coefficient.
 
-    Between two normal distributions it is Pearson's own; otherwise that of the normal numbers behind them.
+    Between two normal distributions it is Pearson's own; otherwise that of the underlying normal variables.
     """
 
     between: Annotated[list[Path], Field(min_length=2, max_length=2), AfterValidator(sorted)]

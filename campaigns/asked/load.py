@@ -29,7 +29,7 @@ def load_file(path: Path) -> Campaign:
 
 
 def read_text(path: Path) -> str:
-    """The text of a campaign's file; raises `CampaignError` for one that cannot be read."""
+    """The text of a campaign's file; raises `CampaignError` if it cannot be read."""
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
@@ -68,7 +68,7 @@ def load_document(document: Any, source: str = "campaign") -> Campaign:
         found = error.errors(include_url=False, include_context=False)
         problems = [_problem(e) for e in found[:MOST]]
         if any(e["loc"] for e in found) and not {"scenario", "simulator"} & document.keys():
-            # Told with the others: that one of the two is given is looked at once everything else can be read.
+            # Reported with the others, although the model checks it only once everything else is valid.
             problems.insert(0, Problem("scenario", "", "this key is required, or simulator"))
         raise CampaignError(source, problems[:MOST], len(found)) from None
 

@@ -1,4 +1,4 @@
-"""What is wrong with a campaign: where it stands, what was given, and what is allowed or to do.
+"""A problem of a campaign: its location, what was given, and what is allowed or to do.
 
 Start reading at `Problem`.
 """

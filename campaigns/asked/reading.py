@@ -35,7 +35,7 @@ _TOO_MANY = f"more than {MOST_VALUES:,} values, keys counted: shorten the campai
 
 
 class UnreadableError(ValueError):
-    """The text is no document; `problem` says where and why."""
+    """The text is not a valid document; `problem` states where and why."""
 
     def __init__(self, where: str, message: str) -> None:
         self.problem = Problem(where, "", message)
@@ -50,7 +50,7 @@ def parse(text: str) -> Any:
             try:
                 return json.loads(text, object_pairs_hook=_distinct)
             except json.JSONDecodeError:
-                pass  # a YAML mapping may begin with a brace too
+                pass  # a YAML mapping may also begin with a brace
         return _yaml(text)
     except UnreadableError:
         raise
@@ -66,7 +66,7 @@ def parse(text: str) -> Any:
 
 
 def _yaml(text: str) -> Any:
-    """YAML by libyaml, ten times as fast; what it refuses is read again for the sentence that PyYAML has for it."""
+    """YAML by libyaml, ten times as fast; what it refuses is read again by PyYAML for its message."""
     try:
         return yaml.load(text, Loader=_Fast)
     except (_RefusedError, RecursionError):
@@ -78,7 +78,7 @@ def _yaml(text: str) -> Any:
 
 
 def repeated(names: Iterable[str]) -> str | None:
-    """The first name that is given a second time, in one pass; None where all are distinct."""
+    """The first name that occurs twice, in one pass; None if all are distinct."""
     seen: set[str] = set()
     for name in names:
         if name in seen:
@@ -88,11 +88,11 @@ def repeated(names: Iterable[str]) -> str | None:
 
 
 Place = tuple[Any, str | int] | None
-"""Where a value stands: the place of what holds it, and its key; spelled out only where something is wrong."""
+"""The location of a value: that of its container, and its key; formatted only for an error."""
 
 
 def field(place: Place) -> str:
-    """A place as text, `scenario.obstacles.0`."""
+    """A location as text, `scenario.obstacles.0`."""
     keys: list[str] = []
     while place is not None:
         keys.append(str(place[1]))
@@ -101,7 +101,7 @@ def field(place: Place) -> str:
 
 
 def misshapen(document: Any) -> Iterator[Problem]:
-    """Where a document is not plain JSON values of a sane depth; whatever passes is safe to walk recursively."""
+    """Where a document is not plain JSON of limited depth; a document that passes is safe for recursion."""
     waiting: list[tuple[Place, Any, int]] = [(None, document, 0)]
     while waiting:
         place, value, depth = waiting.pop()
@@ -147,7 +147,7 @@ def _distinct(pairs: list[tuple[str, Any]]) -> JsonObject:
 
 
 class _RefusedError(yaml.MarkedYAMLError):
-    """Readable YAML that is no plain document."""
+    """Valid YAML that is not a plain document."""
 
     def __init__(self, problem: str, mark: Any) -> None:
         super().__init__(problem=problem, problem_mark=mark)
@@ -212,7 +212,7 @@ class _Fast(_Plain, _Parser):  # type: ignore[misc]
 
 
 class Dumper(yaml.SafeDumper):
-    """Quotes whatever text `parse` would take for something else."""
+    """Quotes text that `parse` would read as another type."""
 
     yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
 

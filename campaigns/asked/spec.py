@@ -1,7 +1,8 @@
-"""The campaign: what is evaluated, uncertain parameters, criterion, stages, seed; immutable and known by its digest.
+"""The campaign: what is evaluated, uncertain parameters, criterion, stages, seed; immutable and identified by its
+digest.
 
-Only what holds without knowing the components is checked here (types, sizes, intervals); units and a component's own
-limits are held by `campaigns.checked.check` against the catalogue. Start reading at `Campaign`.
+Only checks that do not depend on the components are made here (types, sizes, intervals); `campaigns.checked.check`
+validates units and the components' own limits against the catalogue. Start reading at `Campaign`.
 """
 
 # ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
@@ -52,27 +53,27 @@ MAX_SEED = 2**20
 
 
 class Part(Strict):
-    """A component and the values of its parameters; what is left out takes the component's default."""
+    """A component and the values of its parameters; omitted ones take the component's default."""
 
     component: Identifier
     parameters: Values = {}
 
 
 class FaultPart(Part):
-    """A fault; one of an actuator says which of the vehicle's inputs it is on."""
+    """A fault; an actuator fault names the input of the vehicle that it affects."""
 
     on: Annotated[str, Field(max_length=60)] = ""
 
 
 class Guidance(Strict):
-    """How often the avoider is asked: at every stage of the integrator, or at its own period with a hold between."""
+    """How often the avoider is evaluated: continuously, or at its own period with a zero-order hold."""
 
     period: Annotated[float, Field(ge=0), AS_NUMBER] = 0.0
     """[s]; 0 is continuous."""
 
 
 class Realisations(Strict):
-    """Which realisations of noise and gusts every evaluation flies, and which of them counts.
+    """Which realisations of noise and gusts every evaluation simulates, and how they are combined.
 
     The same fixed ones for every evaluation, so that the cost is a function of the parameters. `worst` is the lowest
     value of the criterion among them, `mean` their average.
@@ -90,7 +91,7 @@ class Realisations(Strict):
 
 
 class Scenario(Strict):
-    """What flies: vehicle, controller, avoider; from where to where; past what; for how long at what step."""
+    """The closed loop: vehicle, controller, avoider; start and goal; obstacles; horizon and step."""
 
     vehicle: Part
     controller: Part
@@ -133,23 +134,23 @@ def _absent(given: Any) -> bool:
 
 
 def _no_default(schema: JsonObject) -> None:
-    """What is left out at its default is not filled in by those who read the JSON Schema either."""
+    """Removes the defaults of fields that the canonical form omits from the JSON Schema as well."""
     schema.pop("default", None)
 
 
 _LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
-"""Left out of the canonical form where it is not given: campaigns that do not have it keep their digests."""
+"""Omitted from the canonical form if not given, so campaigns without it keep their digests."""
 
 
 class Simulator(Strict):
-    """A simulator of the installation, by name, and values of its parameters; what is left out is nominal."""
+    """A simulator of the installation, by name, and values of its parameters; omitted ones are nominal."""
 
     name: Identifier
     parameters: Values = {}
 
 
 class Criterion(Strict):
-    """An evaluation is clear when the criterion's value stays above `threshold`.
+    """An evaluation is clear if the criterion's value stays above `threshold`.
 
     The value is that of a component over the scenario, or a result of the simulator.
     """
@@ -161,9 +162,9 @@ class Criterion(Strict):
     """Of a simulator: the name of the result."""
     threshold: Number
     from_centre: Annotated[bool, Field(exclude_if=operator.not_, json_schema_extra=_no_default)] = False
-    """States that distances to the obstacles' centres are meant where the threshold is within an obstacle.
+    """Confirms that distances to the obstacles' centres are intended although the threshold is within an obstacle.
 
-    Left out of the canonical form where it is not stated: campaigns that do not have it keep their digests.
+    Omitted from the canonical form if not stated, so campaigns without it keep their digests.
     """
 
     @model_validator(mode="before")
@@ -178,7 +179,7 @@ class Criterion(Strict):
 
 
 class Encounter(Strict):
-    """What a verdict otherwise asks of the encounter and the author states to be intended, each with the reason.
+    """Conditions of the encounter that the author intentionally does not meet, each with the reason.
 
     closest_approach: inside the horizon, neither at its start nor at its end; motion: the vehicle moves; avoidance: the
     avoider makes a difference; influence: an uncertain parameter does.
@@ -188,14 +189,14 @@ class Encounter(Strict):
 
 
 class Objective(Part):
-    """A further criterion: every evaluation has its value too, and searches for several criteria look for its front.
+    """A further criterion: every evaluation also has its value, and multi-criteria searches include it in their front.
 
-    It decides nothing and has no threshold.
+    It has no threshold and no effect on the verdict.
     """
 
 
 class Published(Strict):
-    """A published value to show beside ours."""
+    """A published value, displayed for comparison."""
 
     label: Name
     value: Number
@@ -204,10 +205,10 @@ class Published(Strict):
 
 
 class Campaign(Strict):
-    """What is asked: one verification campaign.
+    """One verification campaign.
 
-    `digest` identifies it: equal campaigns have equal digests whatever file form, key order or spelling of a default
-    they came from.
+    `digest` identifies it: equal campaigns have equal digests, regardless of file format, key order or spelled-out
+    defaults.
     """
 
     version: Annotated[Literal[1], AS_WHOLE] = 1
@@ -220,7 +221,7 @@ class Campaign(Strict):
     simulator: Annotated[Simulator | None, _LEFT_OUT] = None
     uncertain: Annotated[dict[Path, Uncertain], Field(min_length=1, max_length=64)]
     correlations: Annotated[list[Correlation], Field(max_length=2016)] = []
-    """Of the random samples; pairs that are not given are uncorrelated."""
+    """Of the random samples; pairs that are not listed are uncorrelated."""
     criterion: Criterion
     """It decides the verdict."""
     objectives: Annotated[list[Objective], Field(max_length=8)] = []
@@ -229,11 +230,11 @@ class Campaign(Strict):
     agreement: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 0.05
     """Fraction of nominal minus worst within which the global methods must agree."""
     target_probability: Annotated[float, Field(gt=0, lt=1), AS_NUMBER] | None = None
-    """Where given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
+    """If given, the bound on P(violation) from the certify stage must be at most this; without that stage, the bound
     from the first plain random search."""
     confidence: Annotated[float, Field(gt=0.5, lt=1), AS_NUMBER] = 0.95
     encounter: Annotated[Encounter, Field(exclude_if=lambda given: not given.intended)] = Encounter()
-    """Left out of the canonical form where nothing is stated: campaigns that do not have it keep their digests."""
+    """Omitted from the canonical form if empty, so campaigns without it keep their digests."""
     seed: Annotated[int, Field(ge=0, le=2**53), AS_WHOLE] = 1
     published: Annotated[list[Published], Field(max_length=100)] = []
 

@@ -1,4 +1,4 @@
-"""The stages of a campaign and what each is told: budgets, options, tolerances. Start reading at `Stages`."""
+"""The stages of a campaign with their settings: budgets, options, tolerances."""
 
 # ruff: noqa: RUF012  pydantic copies defaults; ruff cannot see that `Strict` is a model
 from __future__ import annotations
@@ -18,7 +18,7 @@ class Morris(Strict):
 
 
 class SobolIndices(Strict):
-    """Sobol indices (Saltelli 2010): shares of the variance; `samples` times dimension + 2 flights."""
+    """Sobol indices (Saltelli 2010): fractions of the variance; `samples` times (dimension + 2) evaluations."""
 
     samples: Annotated[int, Field(ge=8, le=2**20), AS_WHOLE] = 256
 
@@ -32,7 +32,7 @@ class SobolIndices(Strict):
 
 
 class Sensitivity(Strict):
-    """One parameter at a time over its bounds, the others nominal; Morris and Sobol indices where asked for."""
+    """One parameter at a time over its bounds, the others nominal; Morris and Sobol indices if requested."""
 
     points: Annotated[int, Field(ge=2, le=2001), AS_WHOLE] = 21
     morris: Morris | None = None
@@ -40,25 +40,25 @@ class Sensitivity(Strict):
 
 
 class Search(Strict):
-    """One search stage: a method, its budget of evaluations, its options and, where it uses them, its starts."""
+    """One search stage: a method, its budget of evaluations, its options and, if it uses them, its starts."""
 
     method: Identifier
     evaluations: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS), AS_WHOLE]
     options: Annotated[dict[str, Option], Field(max_length=100)] = {}
     starts: Annotated[list[dict[Path, Number]], Field(max_length=10_000)] = []
-    """Points to start from, by path in the parameters' units; a path left out is nominal."""
+    """Points to start from, by path in the parameters' units; omitted paths are nominal."""
 
 
 class Grid(Strict):
-    """A full grid: so many points on every axis, the bounds among them."""
+    """A full grid: `points` values on every axis, including the bounds."""
 
     points: Annotated[int, Field(ge=2, le=2001), AS_WHOLE] = 21
 
 
 class Certify(Strict):
-    """An independent sample from the distributions, declared before the run: what a probability is claimed from.
+    """An independent sample from the distributions, declared before the run: the basis of claims on probability.
 
-    `samples` flights that are not excluded; `quantile` of the criterion's value that is bounded from below.
+    `samples` evaluations that are not excluded; `quantile` of the criterion's value that is bounded from below.
     """
 
     samples: Annotated[int, Field(ge=1, le=MAX_EVALUATIONS), AS_WHOLE] = 3000
@@ -67,7 +67,7 @@ class Certify(Strict):
 
 
 class Validate(Strict):
-    """How the findings are flown again: tolerance against the other integrator and half the step, and neighbours."""
+    """How the findings are validated: tolerance of the reference integrator and step-halving check, and neighbours."""
 
     tolerance: Annotated[float, Field(gt=0, le=1), AS_NUMBER] = 1e-3
     """Fraction of the criterion's value; a tenth of the margin also applies."""
@@ -77,7 +77,7 @@ class Validate(Strict):
 
 
 class Findings(Strict):
-    """When two worst cases are one, how many are kept, and how many evaluations telling them apart may take."""
+    """When two worst cases count as one, how many are stored, and how many evaluations distinguishing them may take."""
 
     at_most: Annotated[int, Field(ge=1, le=50), AS_WHOLE] = 8
     evaluations: Annotated[int, Field(ge=0, le=MAX_EVALUATIONS), AS_WHOLE] = 20_000
@@ -88,7 +88,7 @@ class Findings(Strict):
 
 
 class Stages(Strict):
-    """What a run does, in this order; nominal is always flown."""
+    """The stages of a run, in this order; nominal always comes first."""
 
     sensitivity: Sensitivity | None = Sensitivity()
     search: Annotated[list[Search], Field(min_length=1, max_length=32)]

@@ -1,4 +1,4 @@
-"""A campaign as YAML for people: what was said, defaults left out. Start reading at `to_yaml`."""
+"""A campaign as readable YAML, without defaults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from campaigns.asked.reading import Dumper
 from campaigns.asked.spec import Campaign
 
 _ALWAYS = frozenset({"version", "component", "kind", "seed"})
-"""Written even where they are the default: the first three say what a mapping is, the seed is part of every answer."""
+"""Written even at their default: the first three identify a mapping, and the seed determines every result."""
 
 
 def to_yaml(campaign: Campaign) -> str:

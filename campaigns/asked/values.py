@@ -1,6 +1,6 @@
-"""The kinds of values a campaign is made of: numbers, names, paths, parameter values, options, shares.
+"""The types of values in a campaign: numbers, names, paths, parameter values, options, fractions.
 
-Start reading at `Number`. Everything is held here that can be said of one value alone.
+Everything that can be validated for one value alone is validated here.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 
 
 class Strict(BaseModel):
-    """A part of a campaign: nothing unknown in it, and it never changes."""
+    """A part of a campaign: immutable and without unknown fields."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
 
 
 def _number(value: Any) -> float:
-    """Numbers, and text that is a decimal number: forms hold what was typed."""
+    """Numbers, and text that is a decimal number, because forms store the original text."""
     if isinstance(value, bool):
         raise ValueError("expected a number, given true or false")
     if isinstance(value, str):
@@ -68,7 +68,7 @@ def _text(text: str) -> str:
 
 AS_NUMBER = BeforeValidator(_number)
 AS_WHOLE = BeforeValidator(_whole)
-"""Stand last, so that the limits before them are those of the number and reach the JSON Schema."""
+"""These come last, so that the limits before them apply to the number and appear in the JSON Schema."""
 
 Number = Annotated[float, AS_NUMBER]
 Name = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_line)]
@@ -79,7 +79,7 @@ Reason = Annotated[str, Field(min_length=1, max_length=300), AfterValidator(_lin
 Unit = Annotated[str, Field(max_length=30), AfterValidator(_text)]
 Identifier = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=60)]
 Path = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)+$", max_length=120)]
-"""Where a parameter stands in the scenario: `vehicle.m`, `obstacles.0.position.x`."""
+"""The path of a parameter in the scenario: `vehicle.m`, `obstacles.0.position.x`."""
 
 
 def _share(value: Any) -> float | str:
@@ -107,7 +107,7 @@ PlusMinus = Annotated[float | str, BeforeValidator(_share)]
 
 
 def around(nominal: float, plus_minus: float | str) -> tuple[float, float]:
-    """Low and high around a nominal value, in its unit; worked out in decimals: 20 % below 0.05 is 0.04."""
+    """Low and high around a nominal value, in its unit; computed in decimals: 20 % below 0.05 is 0.04."""
     middle = Decimal(repr(nominal))
     if isinstance(plus_minus, float):
         amount = Decimal(repr(plus_minus))
@@ -133,7 +133,7 @@ Values = Annotated[dict[str, Number], BeforeValidator(_flatten), Field(max_lengt
 
 
 def _option(value: Any) -> Any:
-    """One setting of a method: a plain value or a list of them. 1.0 is 1: JSON does not tell them apart."""
+    """One setting of a method: a plain value or a list of them. 1.0 is 1, because JSON does not distinguish them."""
     if isinstance(value, list):
         if len(value) > 1000 or any(isinstance(v, list) for v in value):
             raise ValueError("expected a plain value or a list of at most 1000 of them")

@@ -1,6 +1,6 @@
-"""Holds a campaign against the catalogue: known components and methods, units, each component's own limits.
+"""Validates a campaign against the catalogue: known components and methods, units, each component's own limits.
 
-The same for command line and API; the catalogue is data, so nothing of the physics is imported.
+Used by command line and API alike; the catalogue is data, so no physics is imported.
 Start reading at `check`.
 """
 
@@ -20,18 +20,18 @@ from campaigns.checked import effort, extents, frames, limits, said, simulated, 
 
 LEAST_CONFIDENCE = 0.9
 SEED = "seed"
-"""The parameter by which a random component is told which realisation it flies."""
+"""The parameter of a random component that selects its realisation."""
 
 
 def check(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
-    """The problems of the campaign under this catalogue, the first `MOST`; an empty list means it may be asked for."""
+    """The problems of the campaign under this catalogue, the first `MOST`; an empty list means that it is valid."""
     return _first(itertools.chain(_check(campaign, catalogue), _meaning(campaign, catalogue)))
 
 
 def flyable(campaign: Campaign, catalogue: Catalogue) -> list[Problem]:
-    """What keeps a campaign from being simulated with these components; stored runs are shown wherever it can be.
+    """The problems that prevent simulation with these components; stored runs are displayed if there are none.
 
-    What `check` reports besides can be simulated, but its numbers would not mean what they seem to.
+    Other problems reported by `check` do not prevent simulation, but would make the numbers misleading.
     """
     return _first(_check(campaign, catalogue))
 
@@ -64,9 +64,9 @@ def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
 
 
 def parameters(campaign: Campaign, catalogue: Catalogue) -> dict[str, tuple[ParameterEntry, float]]:
-    """Every parameter of the campaign by path, with its entry and nominal value; unknown components are left out.
+    """Every parameter of the campaign by path, with its entry and nominal value; unknown components are omitted.
 
-    A parameter that must be given and is not has the nominal value NaN; `check` reports it.
+    A required parameter that is missing has the nominal value NaN; `check` reports it.
     """
     found: dict[str, tuple[ParameterEntry, float]] = simulated.parameters(campaign, catalogue)
     for prefix, _, role, part in parts(campaign):
@@ -137,7 +137,7 @@ def _meaning(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 
 def _unknown(campaign: Campaign, catalogue: Catalogue) -> tuple[str, ...]:
-    """Beginnings of the paths of unknown components: one problem is enough for each."""
+    """Prefixes of the paths of unknown components, for each of which one problem is enough."""
     if campaign.simulator is not None:
         return () if catalogue.simulator(campaign.simulator.name) else (f"{simulated.PREFIX}.",)
     also = {"vehicle": ("start.",), "avoider": ("goal.",)}
@@ -188,7 +188,7 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 
 def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    """Actuator faults are on one of the vehicle's inputs, all others on none."""
+    """Actuator faults name one of the vehicle's inputs; other faults name none."""
     vehicle = catalogue.component("vehicle", campaign.given_scenario.vehicle.component)
     for i, fault in enumerate(campaign.given_scenario.faults):
         entry = catalogue.component("fault", fault.component)
@@ -205,7 +205,7 @@ def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 
 def _realised(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
-    """Seeds are listed where something is random, and are nothing to search over."""
+    """Seeds are given only if something is random, and are not searched over."""
     random = set(seeded(campaign, catalogue))
     seeds = campaign.given_scenario.realisations.seeds
     if len(seeds) > 1 and not random:
@@ -257,7 +257,7 @@ def _started(
 
 
 def _options(field: str, options: Mapping[str, Any], schema: Mapping[str, Any]) -> Iterator[Problem]:
-    """The few words of JSON Schema that an options dataclass yields: type, enum, minimum, maximum."""
+    """Validates the JSON Schema keywords that an options dataclass yields: type, enum, minimum, maximum."""
     properties = schema.get("properties", {})
     for name, value in options.items():
         if name not in properties:

@@ -1,7 +1,7 @@
-"""What a campaign asks of the machine: steps of simulation, and numbers held in memory; both are bounded.
+"""The computing effort of a campaign: simulation steps, and numbers held in memory; both are limited.
 
-The bounds are far above any campaign that ends, and keep a mistyped one from taking a machine for weeks or all of its
-memory. Start reading at `excessive`.
+The limits are far above any realistic campaign. They prevent a mistyped one from occupying a machine for weeks or using
+all of its memory. Start reading at `excessive`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOST_STORED = 3 * 10**8
 
 PREVIEW_STEPS = 2 * 10**7
 PREVIEW_TRACED = 2 * 10**7
-"""The same of a preview, which somebody waits for: about two seconds, and 0.2 GB."""
+"""The same for a preview, for which a user waits: about two seconds, and 0.2 GB."""
 
 STATES = 40
 """Numbers of one step without obstacles: states, held guidance, pose and commands. With one obstacle the library's
@@ -35,23 +35,23 @@ OBSTACLE = 8
 
 
 def steps(campaign: Campaign) -> int:
-    """Steps of one evaluation, all its realisations together; of a simulator none is known."""
+    """Steps of one evaluation, all its realisations together; unknown (0) for a simulator."""
     return 0 if campaign.scenario is None else traced_steps(campaign) * len(campaign.scenario.realisations.seeds)
 
 
 def traced_steps(campaign: Campaign) -> int:
-    """Steps of one flight."""
+    """Steps of one simulation."""
     return round(campaign.given_scenario.horizon / campaign.given_scenario.step)
 
 
 def traced(campaign: Campaign) -> int:
-    """About how many numbers the trace of one flight has."""
+    """The approximate number of values in the trace of one simulation."""
     channels = OBSTACLE + len(campaign.objectives)
     return traced_steps(campaign) * (STATES + channels * len(campaign.given_scenario.obstacles))
 
 
 def excessive(campaign: Campaign) -> Iterator[Problem]:
-    """What of the campaign is more than can be run, and what to lower."""
+    """Where the campaign exceeds what can be run, and what to lower."""
     evaluations = sum(stage.planned for stage in plan(campaign))
     if campaign.scenario is not None:
         yield from _simulating(campaign, campaign.scenario, evaluations)
@@ -64,7 +64,7 @@ def excessive(campaign: Campaign) -> Iterator[Problem]:
     if campaign.scenario is not None and traced(campaign) > MOST_TRACED:
         given = f"{traced_steps(campaign):,} steps past {len(campaign.scenario.obstacles)} obstacles"
         text = f"the trace of one simulation would take about {traced(campaign) * 8 / 1e9:.1f} GB, at most "
-        text += f"{MOST_TRACED * 8 / 1e9:g} GB: lengthen the step, shorten the horizon, or leave obstacles out"
+        text += f"{MOST_TRACED * 8 / 1e9:g} GB: lengthen the step, shorten the horizon, or remove obstacles"
         yield Problem("scenario.step", given, text)
 
 
@@ -78,7 +78,7 @@ def _simulating(campaign: Campaign, scenario: Scenario, evaluations: int) -> Ite
 
 
 def unpreviewable(campaign: Campaign) -> Iterator[Problem]:
-    """What of the nominal case is more than a preview simulates, though a run may."""
+    """Where the nominal case exceeds the limits of a preview, though not those of a run."""
     if campaign.scenario is None:
         yield Problem("simulator", "", "a simulator has no preview; start the run")
         return

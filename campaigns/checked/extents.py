@@ -1,7 +1,4 @@
-"""The extent of obstacles against the criterion: a distance to a centre says nothing of a vehicle that is inside.
-
-Start reading at `centres`.
-"""
+"""The extent of obstacles against the criterion: a distance to a centre does not show whether a vehicle is inside."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ SLACK = 1e-9
 
 
 def centres(campaign: Campaign, catalogue: Catalogue, known: Known) -> Iterator[Problem]:
-    """Refuses thresholds that let the vehicle be inside an obstacle while the criterion calls the flight clear."""
+    """Refuses thresholds with which a vehicle inside an obstacle would satisfy the criterion."""
     criterion, entry = campaign.criterion, catalogue.component("criterion", campaign.criterion.component)
     measured_to = "" if entry is None else entry.measured_to
     if criterion.from_centre and measured_to != "centre":

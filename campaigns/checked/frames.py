@@ -1,7 +1,4 @@
-"""One frame for a scenario: the vehicle's axes, which every component with a sense of up, right or heading shares.
-
-Start reading at `mismatched`.
-"""
+"""One frame for a scenario: the vehicle's axes, which every component with a sense of up, right or heading shares."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ AXES = {"enu": "x east, y north, z up", "ned": "x north, y east, z down"}
 
 
 def mismatched(campaign: Campaign, catalogue: Catalogue, parts: list[tuple[str, ComponentEntry]]) -> Iterator[Problem]:
-    """Refuses components that are written for other axes than the vehicle flies in; parts: field and entry."""
+    """Refuses components that are written for other axes than the vehicle's; parts: field and entry."""
     vehicle = catalogue.component("vehicle", campaign.given_scenario.vehicle.component)
     if vehicle is None:
         return
@@ -32,5 +29,5 @@ def mismatched(campaign: Campaign, catalogue: Catalogue, parts: list[tuple[str, 
             f"{field}.component",
             entry.name,
             f"it is written for axes {AXES[entry.written_in]}; the vehicle {vehicle.name} has {AXES[vehicle.frame]}: "
-            f"up, right and headings would be taken for others{use}",
+            f"up, right and headings would be misinterpreted{use}",
         )

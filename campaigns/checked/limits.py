@@ -1,4 +1,4 @@
-"""Values that a campaign gives to parameters, against their entries in the catalogue. Start reading at `refused`."""
+"""Validates the values of parameters in a campaign against their entries in the catalogue."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from campaigns.checked import said
 
 
 def refused(field: str, entries: list[ParameterEntry], values: Mapping[str, float]) -> Iterator[Problem]:
-    """Unknown names, values beyond a parameter's own limits, and values that must be given and are not."""
+    """Unknown names, values beyond a parameter's own limits, and missing required values."""
     known = {e.name: e for e in entries}
     for name, value in values.items():
         if name not in known:
@@ -25,6 +25,6 @@ def refused(field: str, entries: list[ParameterEntry], values: Mapping[str, floa
 def valued(
     prefix: str, entries: list[ParameterEntry], given: Mapping[str, float]
 ) -> dict[str, tuple[ParameterEntry, float]]:
-    """Every parameter by path, with its entry and nominal value: NaN where it must be given and is not."""
+    """Every parameter by path, with its entry and nominal value: NaN if it is required but missing."""
     missing = float("nan")
     return {f"{prefix}.{e.name}": (e, given.get(e.name, missing if e.default is None else e.default)) for e in entries}

@@ -1,4 +1,4 @@
-"""How the checks of a campaign write numbers, limits and names, and compare units. Start reading at `known`."""
+"""How the checks of a campaign write numbers, limits and names, and compare units."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from campaigns.catalogue import ParameterEntry
 
 
 def within(value: float, low: float, high: float) -> bool:
-    """Within the bounds but for rounding: 10 % below 0.1 is 0.09000000000000001."""
+    """Within the bounds, except for rounding: 10 % below 0.1 is 0.09000000000000001."""
     slack = 1e-9 * (high - low)
     return low - slack <= value <= high + slack
 

@@ -1,7 +1,4 @@
-"""A campaign that names a simulator, against the catalogue: the simulator, its parameters and the deciding result.
-
-Start reading at `simulated`.
-"""
+"""Validates a campaign that names a simulator: the simulator, its parameters and the deciding result."""
 
 from __future__ import annotations
 
@@ -13,11 +10,11 @@ from campaigns.catalogue import Catalogue, ParameterEntry, SimulatorEntry
 from campaigns.checked import limits, said
 
 PREFIX = "simulator"
-"""Of the paths of its parameters: simulator.x."""
+"""The prefix of its parameters' paths: simulator.x."""
 
 
 def simulated(campaign: Campaign, asked: Simulator, catalogue: Catalogue) -> Iterator[Problem]:
-    """The problems with the simulator that a campaign names, and with what only a scenario has."""
+    """The problems with the simulator that a campaign names, and with fields that only a scenario has."""
     entry = catalogue.simulator(asked.name)
     if entry is None:
         names = [s.name for s in catalogue.simulators]

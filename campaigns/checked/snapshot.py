@@ -1,7 +1,7 @@
-"""The part of a catalogue that a campaign uses, kept with its runs: what its components and methods meant then.
+"""The part of a catalogue that a campaign uses, stored with its runs: the meaning of its components and methods.
 
-A snapshot is a catalogue itself, of the used entries alone, and is known by its own digest, so that runs share it.
-Start reading at `snapshot`; what is otherwise now is told by `changes`.
+A snapshot is a catalogue of the used entries only, identified by its own digest, so that runs share it. Start reading
+at `snapshot`; `changes` reports the differences from the present catalogue.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
 
 
 def snapshot(campaign: Campaign, catalogue: Catalogue) -> Catalogue:
-    """The entries that the campaign uses, in the catalogue's order; what the catalogue does not know is left out."""
+    """The entries that the campaign uses, in the catalogue's order; entries missing from the catalogue are omitted."""
     used = {(role, part.component) for _, _, role, part in parts(campaign)}
     asked = {search.method for search in campaign.stages.search}
     return Catalogue(
@@ -61,7 +61,7 @@ def digest_of(document: Mapping[str, Any]) -> str:
 
 
 def changes(then: Catalogue, now: Catalogue) -> list[str]:
-    """What another catalogue says otherwise of a snapshot's entries, as clauses; the version is left to the reader."""
+    """The differences between another catalogue and a snapshot's entries, as clauses; the version is not compared."""
     found: list[str] = []
     for component in then.components:
         called = f"the {component.role} {component.name}"
@@ -74,7 +74,8 @@ def changes(then: Catalogue, now: Catalogue) -> list[str]:
 
 
 def values_changed(campaign: Campaign, then: Catalogue, now: Catalogue) -> list[str]:
-    """What makes other flights of the campaign, as clauses: values in force, units, components that are gone."""
+    """The differences that change the campaign's simulations, as clauses: effective values, units, missing
+    components."""
     gone = [f"the {c.role} {c.name}" for c in then.components if now.component(c.role, c.name) is None]
     gone += [f"the simulator {s.name}" for s in then.simulators if now.simulator(s.name) is None]
     if gone:
@@ -108,7 +109,7 @@ def _component(called: str, then: ComponentEntry, now: ComponentEntry | None) ->
 def _defaults(
     called: str, then: ComponentEntry | SimulatorEntry, now: ComponentEntry | SimulatorEntry, group: str
 ) -> Iterator[str]:
-    """The values that a campaign gets without giving them, and parameters that are no longer there."""
+    """Changed default values that the campaign relies on, and parameters that no longer exist."""
     after, of = _by_name(now, group), _GROUPS[group]
     for name, before in _by_name(then, group).items():
         if name not in after:
@@ -163,10 +164,10 @@ def _simulator(called: str, then: SimulatorEntry, now: SimulatorEntry | None) ->
 def _fields(
     called: str, then: ComponentEntry | MethodEntry, now: ComponentEntry | MethodEntry, but: tuple[str, ...]
 ) -> Iterator[str]:
-    """Plain fields; of the long text only that it is another one. A look means nothing for a flight."""
+    """Plain fields; of the long text only that it has changed. A look does not affect a simulation."""
     for field in type(then).model_fields:
         was, is_ = getattr(then, field), getattr(now, field)
-        # What the catalogue of then did not record yet says nothing of a change.
+        # A field that the older catalogue did not record yet shows no change.
         if field in but or was == is_ or field not in then.model_fields_set:
             continue
         if field == "text":

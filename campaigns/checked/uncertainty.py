@@ -1,7 +1,4 @@
-"""Holds what is uncertain against the catalogue: paths, units, bounds, distributions, correlations.
-
-Start reading at `bounded`.
-"""
+"""Validates uncertain parameters against the catalogue: paths, units, bounds, distributions, correlations."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ LEAST_PIVOT = 1e-9
 
 
 def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[ParameterEntry, float]]) -> Iterator[Problem]:
-    """Whether the parameter is there, in its unit, and its bounds lie within its own limits."""
+    """Whether the parameter exists, has this unit, and its bounds are within its own limits."""
     field = f"uncertain.{path}"
     if path not in known:
         yield Problem(field, path, f"the scenario has no such parameter; {said.known(path, known)}")
@@ -26,7 +23,7 @@ def bounded(path: str, uncertain: Uncertain, known: Mapping[str, tuple[Parameter
     entry, nominal = known[path]
     if uncertain.unit is not None and said.unit(uncertain.unit) != said.unit(entry.unit):
         yield Problem(f"{field}.unit", uncertain.unit, f"the unit of {path} is {entry.unit or '1 (no unit)'}")
-    if nominal != nominal:  # a required value is missing, which is said elsewhere
+    if nominal != nominal:  # a required value is missing, which is reported elsewhere
         return
     low, high = uncertain.interval(nominal)
     if not low < high:
@@ -60,7 +57,7 @@ def _distributed(field: str, uncertain: Uncertain, low: float, high: float) -> I
 
 
 def correlated(campaign: Campaign) -> Iterator[Problem]:
-    """Whether the correlations are of uncertain parameters, each pair once, and can hold all at the same time."""
+    """Whether the correlations are of uncertain parameters, each pair once, and are consistent with each other."""
     seen: dict[frozenset[str], int] = {}
     found = False
     for i, correlation in enumerate(campaign.correlations):

@@ -1,6 +1,6 @@
 """The codes of claims: what a check is about, by which rule a search stopped.
 
-They list ours. A method or a check of another package brings its own code, a string that is in no list here.
+A method or check of another package has its own code, a string that is not listed here.
 """
 
 from __future__ import annotations
@@ -31,37 +31,37 @@ class CheckCode(StrEnum):
 
 
 class StopCode(StrEnum):
-    """Why a search or a stage asked for no more evaluations."""
+    """Why a search or a stage requested no more evaluations."""
 
     BUDGET = "budget"
     """Its evaluations are used up."""
     SHARE = "share"
-    """So are those of a part of it, or of one of its members."""
+    """The evaluations of a part of it, or of one of its members, are used up."""
     ITERATIONS = "iterations"
-    """It did as many iterations, generations, restarts, or descents as its settings ask for."""
+    """It completed the iterations, generations, restarts or descents that its settings allow."""
     CONVERGED = "converged"
     """The cost, the step, or the population no longer changes."""
     OPTIMAL = "optimal"
     """The optimality conditions hold, or the cost cannot be lower."""
     RESOLUTION = "resolution"
-    """What it divides is as small as it may be."""
+    """Its boxes have reached the smallest size allowed."""
     EXHAUSTED = "exhausted"
     """It finds nothing new: no new minimum, no new point."""
     FOUND = "found"
-    """It has as many minima as its settings ask for."""
+    """It has found as many minima as its settings request."""
     NO_VALUE = "no value"
-    """No evaluation that it needed has a value."""
+    """None of the evaluations that it needed has a value."""
     ROUNDING = "rounding"
-    """Rounding stopped it."""
+    """Rounding prevents further progress."""
     LIBRARY = "library"
-    """The library stopped it by a rule of its own or with an error."""
+    """The library stopped it by its own rule or with an error."""
     UNSUITED = "unsuited"
     """The method cannot search this campaign."""
     DRAWN = "drawn"
     """All samples are drawn."""
     PRECISE = "precise"
-    """The probability is known as precisely as asked for."""
+    """The probability is known to the requested precision."""
     MEMBERS = "members"
     """Every member of a portfolio, or every part of a method, has ended."""
     OTHER = "other"
-    """A sentence without a code, as methods of other packages and earlier versions give it."""
+    """A sentence without a code, from a method of another package or an earlier version."""

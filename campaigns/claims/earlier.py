@@ -1,7 +1,7 @@
-"""Sentences of versions that stored words alone, as spans: symbols, and numbers with their units, found in the words.
+"""Sentences of versions that stored plain text, as spans: symbols, and numbers with their units, found in the text.
 
-The words stay as they are: what is found is written exactly as it stood, or left as text. Only for what earlier
-versions stored; new sentences are built by `campaigns.claims.say`. Start reading at `spoken`.
+The text does not change: a span is created only where it prints exactly the original text. This is only for data of
+earlier versions; new sentences are built by `campaigns.claims.say`. Start reading at `spoken`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from campaigns.claims.say import Part, say, symbol
 from campaigns.claims.spans import Quantity, Said, words
 
 SENTENCES = {"text": "said", "sentence": "said", "scope": "holds_for"}
-"""Where the spans of each kind of sentence are."""
+"""The field with the spans of each kind of sentence."""
 SCOPE = "Scope: "
 _NUMBER = rf"[-+\u2212]?\d(?:[\d{NARROW}]*\d)?(?:\.\d+)?(?:e[-+\u2212]\d+)?"
 
@@ -31,20 +31,20 @@ _VERDICT = {
     "samples": (r"\d of ", " flights drawn"),
     "upper_bound": (r"P\(violation\) is at most ", ""),
 }
-"""What is before and after the numbers of a verdict."""
+"""The text before and after each named number of a verdict, as earlier versions wrote it."""
 
 
 class Terms(NamedTuple):
-    """What the sentences of a run may speak of."""
+    """The terms that may occur in the sentences of a run."""
 
     symbols: Mapping[str, str]
-    """The symbol of what is written: d_min of d_min, m of vehicle.m."""
+    """The symbol by its written name: d_min for d_min, m for vehicle.m."""
     units: Collection[str]
-    """Those that numbers may have."""
+    """The units that numbers may have."""
 
 
 def spoken(stored: Any, terms: Callable[[], Terms]) -> Any:
-    """A stored result in which every sentence without spans has them; `terms` is asked only where one has none."""
+    """A stored result with spans for every sentence that has none; `terms` is called only if needed."""
     if isinstance(stored, list):
         return [spoken(item, terms) if isinstance(item, dict | list) else item for item in stored]
     if not isinstance(stored, dict):
@@ -58,12 +58,12 @@ def spoken(stored: Any, terms: Callable[[], Terms]) -> Any:
 
 
 def verdict(reason: str) -> Said:
-    """The sentence of a verdict, its numbers named as they are today."""
+    """The sentence of a verdict, with its numbers named as in this version."""
     return said(reason, Terms({}, ()), _VERDICT)
 
 
 def said(text: str, terms: Terms, named: Mapping[str, tuple[str, str]] = {}) -> Said:
-    """The words as spans; `named`: what comes before and after each number that has a name."""
+    """The text as spans; `named`: the text before and after each named number."""
     names = sorted((name for name in terms.symbols if terms.symbols[name] != name or "_" in name), key=len)
     any_name = "|".join(map(re.escape, reversed(names))) or "(?!)"
     units = "|".join(map(re.escape, sorted({*terms.units, "%"} - {""}, key=len, reverse=True)))
@@ -95,7 +95,7 @@ def _part(match: re.Match[str], terms: Terms, name: str) -> Part:
         form = Format.COUNT
     if form is Format.PERCENT:
         value, unit = value / 100, ""
-    for digits in (3 if form is Format.PERCENT else 6, own):  # those that the sentences had, else as many as it shows
+    for digits in (3 if form is Format.PERCENT else 6, own):  # the digits of earlier versions, else as many as shown
         made = Quantity(value=value, unit=unit, format=form, digits=digits, name=name)
         if words((made,)) == match[0]:
             return made

@@ -1,8 +1,8 @@
-"""How numbers and units are written: in plain words, and as in print. Each format exists once.
+"""How numbers and units are written: as plain text, and in print. Each format exists once.
 
-In words: significant digits, a full space before the unit, as on the command line. In print: true minus sign, narrow
-space before the unit, units with dots and raised powers, as in reports and on the pages (`frontend/src/format` writes
-the same digits). Start reading at `written`.
+Plain: significant digits, a full space before the unit, as on the command line. In print: true minus sign, narrow space
+before the unit, units with dots and superscripts, as in reports and on the pages (`frontend/src/format` writes the same
+digits). Start reading at `written`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Format(StrEnum):
 
 
 def written(value: float, unit: str = "", form: Format = Format.PLAIN, digits: int = 6) -> str:
-    """A number with its unit in plain words."""
+    """A number with its unit as plain text."""
     value += 0.0  # no negative zero
     if form is Format.PERCENT:
         return f"{100 * value:.{digits}g} %"
@@ -62,17 +62,17 @@ def signed(value: float) -> str:
 
 
 def count(value: float | None) -> str:
-    """A whole number, grouped; a dash for what is not known."""
+    """A whole number, grouped; a dash if unknown."""
     return written(value, form=Format.COUNT) if value is not None and known(value) else NONE
 
 
 def known(value: object) -> bool:
-    """Whether this is a number that can be printed."""
+    """Whether this is a finite number."""
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def fixed(value: float | None, decimals: int = 2) -> str:
-    """A number in print with so many decimals; a dash for what is not known."""
+    """A number in print with `decimals` decimals; a dash if unknown."""
     if value is None or not known(value):
         return NONE
     text = f"{abs(value):,.{min(max(decimals, 0), 20)}f}".replace(",", NARROW)
@@ -87,7 +87,7 @@ def difference(value: float | None, decimals: int = 2) -> str:
 
 
 def decimals_for(values: Iterable[float | None], digits: int = 4) -> int:
-    """Decimals that show the largest of some numbers with so many significant digits."""
+    """The decimals at which the largest of these numbers has `digits` significant digits."""
     largest = max((abs(v) for v in values if v is not None and known(v)), default=0.0)
     if largest == 0:
         return max(0, digits - 1)
@@ -95,7 +95,7 @@ def decimals_for(values: Iterable[float | None], digits: int = 4) -> int:
 
 
 def decimals_apart(values: Iterable[float | None], digits: int = 4, most: int = 7) -> int:
-    """Decimals that show some numbers and still distinguish the nearest two."""
+    """The decimals that show these numbers and still distinguish the nearest two."""
     ordered = sorted(v for v in values if v is not None and known(v))
     scale = max((abs(v) for v in ordered), default=0.0)
     gaps = [b - a for a, b in itertools.pairwise(ordered) if b - a > 1e-9 * scale]

@@ -1,4 +1,4 @@
-"""Sentences are built here: `say("a margin of ", signed(margin, "m"), " is kept")`. Start reading at `say`."""
+"""Builds sentences from spans: `say("a margin of ", signed(margin, "m"))`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def say(*parts: Part) -> Said:
 
 
 def number(value: float, unit: str = "", name: str = "", digits: int = 6) -> Span:
-    """A number with so many significant digits."""
+    """A number with `digits` significant digits."""
     return _quantity(value, unit, Format.PLAIN, digits, name)
 
 
@@ -45,7 +45,7 @@ def percent(fraction: float, digits: int = 3, name: str = "") -> Span:
 
 
 def symbol(name: str, label: str = "") -> Span:
-    """What a criterion measures, or a parameter by its path, with the symbol that it has in print."""
+    """A criterion's quantity, or a parameter by its path, with its printed symbol."""
     label = label or name
     return Symbol(name=name, symbol=label) if label != name or "_" in name or "." in name else Text(text=name)
 
@@ -66,13 +66,13 @@ def method(name: str, title: str) -> Span:
 
 
 def joined(separator: str, parts: Iterable[Part]) -> Said:
-    """These one after the other, with words between."""
+    """These parts in order, with a separator between them."""
     found = list(parts)
     return say(*[piece for i, part in enumerate(found) for piece in ((separator, part) if i else (part,))])
 
 
 def listed(parts: Sequence[Part]) -> Said:
-    """A, B and C; every one once."""
+    """A, B and C, without duplicates."""
     said = list(dict.fromkeys(say(part) for part in parts))
     if len(said) < 2:
         return said[0] if said else say("nothing")
@@ -80,18 +80,18 @@ def listed(parts: Sequence[Part]) -> Said:
 
 
 def capital(said: Said) -> Said:
-    """With a capital, where it begins with a word."""
+    """With a capital letter, if it begins with text."""
     first = said[0] if said else None
     return say(first.text[:1].upper() + first.text[1:], said[1:]) if isinstance(first, Text) else said
 
 
 def unnamed(said: Said) -> Said:
-    """The same where its numbers are beside the point: those of another claim are no values of this one."""
+    """The same sentence with unnamed numbers: those quoted from another claim are not values of this one."""
     return tuple(s.model_copy(update={"name": ""}) if isinstance(s, Quantity) else s for s in said)
 
 
 def sentence(said: Said) -> Said:
-    """A clause as a sentence: with a capital and a full stop."""
+    """A clause as a sentence: with a capital letter and a full stop."""
     return say(capital(said), "") if not said or ends(said) else say(capital(said), ".")
 
 

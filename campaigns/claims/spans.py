@@ -1,7 +1,6 @@
 """A sentence as data: spans of text, symbols, quantities with their unit, and references to parts of the run.
 
-Pages, reports and the command line draw the same spans; `words` is the one rendering to plain words. Start reading at
-`Said`.
+Pages, reports and the command line render the same spans; `words` renders them as plain text.
 """
 
 from __future__ import annotations
@@ -29,13 +28,13 @@ class Text(_Span):
 
 
 class Symbol(_Span):
-    """A criterion's value or a parameter."""
+    """The symbol of a criterion's quantity or of a parameter."""
 
     kind: Literal["symbol"] = "symbol"
     name: str
     """As it is written: d_min, or the path of a parameter."""
     symbol: str
-    """As it is set in print; the path where another parameter of the campaign has the same symbol."""
+    """As printed; the path if another parameter of the campaign has the same symbol."""
 
 
 class Quantity(_Span):
@@ -47,13 +46,13 @@ class Quantity(_Span):
     unit: str = ""
     format: Format = Format.PLAIN
     digits: int = Field(6, ge=1, le=17)
-    """Significant digits; those of a count are all written."""
+    """Significant digits; a count is written with all its digits."""
     name: str = ""
-    """What the number is in its claim, such as `margin`; empty where nothing is decided from it."""
+    """The role of the number in its claim, such as `margin`; empty if nothing is decided from it."""
 
 
 class Target(StrEnum):
-    """What a reference leads to."""
+    """The kind of thing that a reference points to."""
 
     FINDING = "finding"
     STAGE = "stage"
@@ -78,7 +77,7 @@ Said = tuple[Span, ...]
 
 
 def words(said: Said) -> str:
-    """The sentence in plain words."""
+    """The sentence as plain text."""
     return "".join(map(_written, said))
 
 

@@ -1,6 +1,6 @@
-"""What quantities look like in print, as a table that the pages' own writing of them is tested against.
+"""A table of quantities with their printed form, against which the formatting in the pages is tested.
 
-Written by `python -m campaigns.claims.table frontend/src/format/quantities.json`. Start reading at `table`.
+Written by `python -m campaigns.claims.table frontend/src/format/quantities.json`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ VALUES = [
     *(2.5, 3.5, 0.125, 1.0000005, 123456.5, 123457.5, 40314.0, 1e6, 1e9, 1e15, 1e16, 1e21, 1e100, -1e-300, 5e-324),
     *(1e-4, 9.99999e-5, 9.9999949e-5, 0.00012345678, 3e-7, -3e-7, 1.7976931348623157e308, 0.05, 0.0009980790119965865),
 ]
-"""Rounding to even, both ends of the powers of ten, the largest and the smallest number."""
+"""Rounding to even, the ends of the powers of ten, the largest and the smallest number."""
 FORMS = [
     *((Format.PLAIN, "m", 6), (Format.PLAIN, "", 3), (Format.PLAIN, "kg m2", 9), (Format.SIGNED, "1/rad", 6)),
     *((Format.PERCENT, "", 3), (Format.PERCENT, "", 6)),

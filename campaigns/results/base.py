@@ -1,6 +1,6 @@
-"""What all results have in common: frozen, described by the lines below their fields, read from what was stored.
+"""The base of all results: frozen, documented by the lines below their fields, read from stored JSON.
 
-A field that an earlier version did not store has a default that says so. Start reading at `Result`.
+A field that an earlier version did not store has a default that shows this.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Status(StrEnum):
 
 
 STATUS = tuple(Status)
-"""Its number, as evaluations store it, is the index."""
+"""Evaluations store a status as its index here."""
 OK, FAILED, TIMEOUT, EXCLUDED = range(4)
 MethodKind = Literal["global", "local", "random", "multi"]
 """How a search method searches."""
@@ -54,7 +54,7 @@ class StageResult(Result):
 
 
 class Told(Result):
-    """A result that a sentence goes with."""
+    """A result with a sentence."""
 
     said: Said = ()
     """The sentence."""
@@ -62,13 +62,13 @@ class Told(Result):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def text(self) -> str:
-        """The sentence in plain words."""
+        """The sentence as plain text."""
         return spans.words(self.said)
 
     @model_validator(mode="before")
     @classmethod
     def _worded(cls, given: Any) -> Any:
-        """Results of earlier versions have the words alone; `campaigns.results.earlier` finds the symbols in them."""
+        """Results of earlier versions have only text; `campaigns.claims.earlier` finds the symbols in it."""
         return with_spans(given, "text", "said")
 
 
@@ -90,7 +90,7 @@ class Claim(Told):
 
 
 class Stop(Claim):
-    """How a search ended: by its own rule or by its budget, by which rule, and in words."""
+    """How a search ended: by its own rule or its budget, which rule, and a sentence."""
 
     kind: Literal["rule", "budget"]
     code: StopCode | str = Field(StopCode.OTHER, union_mode="left_to_right")

@@ -1,8 +1,8 @@
-"""Results as versions before 0.2 stored them, brought to today's shape: plain JSON in, plain JSON out.
+"""Converts results stored by versions before 0.2 to the present format: plain JSON in, plain JSON out.
 
-Then the evidence of a finding was spread over five places that its label joined: the findings' own rows, and `cases`,
-`after`, `encounter.closest` and `comparison` of the validate stage. Used by the migration of databases and by the
-audit of older folders; new code has no business here. Start reading at `upgraded`.
+In those versions the evidence of a finding was spread over five locations, joined by its label: the rows of the
+findings, and `cases`, `after`, `encounter.closest` and `comparison` of the validate stage. Used only by the migration
+of databases and by the audit of older folders. Start reading at `upgraded`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Document = JsonObject
 
 
 def upgraded(kind: str, result: Mapping[str, Any]) -> Document:
-    """A stage's result by the stage's kind; one that has today's shape already stays as it is."""
+    """A stage's result by the stage's kind; one in the present format is returned unchanged."""
     if result.get("stage") == kind:
         return dict(result)
     found: Document = {**result, "stage": kind}
@@ -44,7 +44,7 @@ def brought_up(kinds: Sequence[str], results: list[Any], findings: list[Document
 
 
 def of_finding(label: str, validate: Mapping[str, Any]) -> Document:
-    """What a validate result of then says of one finding: slices, boundary, closest approach, and its validation."""
+    """The evidence for one finding in an old validate result: slices, boundary, closest approach, validation."""
     after = (validate.get("after") or {}).get(label) or {}
     closest = (validate.get("encounter") or {}).get("closest") or []
     cases = validate.get("cases") or []
@@ -57,7 +57,7 @@ def of_finding(label: str, validate: Mapping[str, Any]) -> Document:
 
 
 def head(meta: Mapping[str, Any]) -> Document:
-    """The head of a flight: before the free disc about an obstacle was stored, it was that of the threshold."""
+    """The header of a trace: before the clearance disc of an obstacle was stored, its radius was the threshold."""
     closest, obstacles = meta.get("closest"), meta.get("obstacles") or []
     if closest and (closest.get("value") is None or not closest.get("obstacle_position")):
         closest = None
@@ -70,7 +70,7 @@ def head(meta: Mapping[str, Any]) -> Document:
 
 
 def verdict(summary: Mapping[str, Any]) -> Document | None:
-    """The verdict's parts; None where there were none."""
+    """The parts of the verdict; None if there were none."""
     if not summary.get("verdict"):
         return None
     found = dict(summary)

@@ -48,7 +48,7 @@ class Neighbours(Result):
     failed: int
     lowest: float | None
     lower_by: float | None
-    """How far the lowest was below the finding before it took its place."""
+    """How far the lowest neighbour was below the finding before it replaced it."""
 
 
 class Validation(Result):
@@ -63,7 +63,7 @@ class Validation(Result):
     integrator: ReferenceCost | None = None
     """Null for a system that has no reference integrator."""
     again: Annotated[Repeated | None, Field(exclude_if=lambda given: given is None)] = None
-    """The same evaluation made again; left out where it is compared with other means instead."""
+    """The same evaluation repeated; omitted if it is compared with other means instead."""
     allowed: float | None
     """The tolerance, in the criterion's unit."""
     ok: bool
@@ -71,9 +71,9 @@ class Validation(Result):
     agrees: bool | None = None
     """Both differences are within tolerance, and all values on the same side of the threshold."""
     violates: bool | None = None
-    """Every integration violates, however far they are apart."""
+    """Every integration violates, however much they differ."""
     realisation: int | None = None
-    """The noise seed that it drew with its evaluation; null where it simulated those of the campaign."""
+    """The noise seed drawn for its evaluation; null if it simulated those of the campaign."""
     neighbours: Neighbours | None = None
 
 
@@ -87,7 +87,7 @@ class Ray(Result):
     way: float | None = None
     """The fraction of the line."""
     share: float | None = None
-    """The fraction of the widest range that is crossed."""
+    """The largest fraction of a range that is crossed."""
     cost: float | None = None
     value: float | None = None
     distance: float | None = None
@@ -113,7 +113,7 @@ class ClosestApproach(Result):
 
     @staticmethod
     def of(closest: Closest | None, rows: int) -> ClosestApproach:
-        """From the closest approach of a trace with so many rows."""
+        """From the closest approach of a trace with `rows` rows."""
         if closest is None:
             return ClosestApproach()
         at: Literal["start", "end", "inside"] = "inside"
@@ -123,7 +123,7 @@ class ClosestApproach(Result):
 
 
 class FoundBy(Result):
-    """A search stage that came to a finding by itself."""
+    """A search stage that found this case by itself."""
 
     position: int
     method: str
@@ -142,12 +142,12 @@ class Finding(Result):
     point: list[float]
     """On the unit cube."""
     methods: list[str]
-    """Search methods that came to it by themselves; empty where only polishing did."""
+    """Search methods that found it by themselves; empty if only polishing did."""
     found: list[FoundBy] = []
     at_bounds: dict[str, Literal["low", "high"]] = {}
     validation: Validation | None
     slices: Slices | None = None
-    """Through the finding; null where validation ended before, or an earlier version stored none."""
+    """Through the finding; null if validation ended before, or in results of earlier versions."""
     boundary: Boundary | None = None
     """Of a violation."""
     closest: ClosestApproach | None = None
@@ -159,5 +159,5 @@ class Finding(Result):
 
     @property
     def realisation(self) -> int | None:
-        """The noise seed that it drew with its evaluation."""
+        """The noise seed drawn for its evaluation."""
         return None if self.validation is None else self.validation.realisation

@@ -1,4 +1,4 @@
-"""What an independent random sample states, and the result of the certify stage. Start reading at `Sample`."""
+"""The statement of an independent random sample, and the result of the certify stage."""
 
 from __future__ import annotations
 
@@ -47,22 +47,22 @@ class Sample(Told):
     failed: int = 0
     """Counted among the violations."""
     excluded: int = 0
-    """Draws that start at or below the threshold; they are drawn again."""
+    """Draws that start at or below the threshold and are drawn again."""
     outside: float = 0.0
-    """The probability beyond the bounds, or an upper bound of it; part of the bound."""
+    """The probability beyond the bounds, or an upper bound on it; included in the bound."""
     confidence: float
     upper_bound: float | None
-    """On P(violation); null for points that are no independent sample."""
+    """On P(violation); null for points that are not an independent sample."""
     excluded_fraction: float = 0.0
     """Of all draws."""
     noise: Noise = "stated"
-    """Whether the evaluations simulated the noise realisations that the campaign states, or drew one each."""
+    """Whether the evaluations simulated the noise realisations stated in the campaign, or drew one each."""
     lowest: float | None = None
     mean: float | None = None
     deviation: float | None = None
     histogram: Histogram | None = None
     looks: int | None = None
-    """Interim analyses of a sample that may stop by what it shows; each spends a part of the error."""
+    """The number of interim analyses of a sample that may stop early; each spends a part of the error."""
     quantile: QuantileBound | None = None
     """Of the certify stage."""
     distribution: Distribution | None = None
@@ -78,7 +78,7 @@ class GridPoint(Result):
 
 
 class GridResult(Told):
-    """A full grid; nothing is claimed of what is between its points."""
+    """A full grid; nothing is claimed between its points."""
 
     points: int
     """On every axis."""
@@ -91,13 +91,13 @@ class GridResult(Told):
 
 
 class CertifyResult(StageResult, Told):
-    """The sample that a probability is claimed from, and the grid where asked for."""
+    """The sample that supports a claim on probability, and the grid if requested."""
 
     stage: Literal["certify"] = "certify"
     sample: Sample
     grid: GridResult | None
     drawn_realisations: int = 0
-    """How many of the stage's evaluations, the first ones, each drew a noise realisation of their own."""
+    """How many of the stage's first evaluations each drew their own noise realisation."""
     evaluations: int = 0
     failed: int = 0
     excluded: int = 0

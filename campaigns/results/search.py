@@ -1,4 +1,4 @@
-"""The result of a search stage. Start reading at `SearchResult`."""
+"""The result of a search stage."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Best(Result):
 
 
 class Minimum(Told):
-    """A local minimum that a descent ended in."""
+    """A local minimum at which a descent ended."""
 
     start: Values | None
     parameters: Values
@@ -29,12 +29,12 @@ class Minimum(Told):
 
 
 class Gap(Told):
-    """An estimate, from the slopes between DIRECT's centres, of how far below its best the criterion may fall."""
+    """An estimate of the possible improvement below DIRECT's best, from the slopes between its centres."""
 
     rectangles: int = 0
     without_value: int = 0
     slopes: Values = {}
-    """The steepest seen, in the criterion's unit per unit of the parameter."""
+    """The steepest slope observed, in the criterion's unit per unit of the parameter."""
     lower_bound: float
     gap: float
 
@@ -43,7 +43,7 @@ class FrontCriterion(Result):
     """A criterion of a Pareto front."""
 
     name: str
-    """Numbered where a component is named twice."""
+    """Numbered if a component occurs twice."""
     title: str
     quantity: str
     unit: str
@@ -59,14 +59,14 @@ class FrontPoint(Result):
 
 
 class Member(Result):
-    """What one method of a portfolio asked for."""
+    """The evaluations of one method of a portfolio."""
 
     member: str
     title: str
     evaluations: int
     best: float | None
     improvements: int
-    """How often it lowered the best of all."""
+    """How often it improved the best of all methods."""
 
 
 class SearchResult(StageResult):
@@ -84,7 +84,7 @@ class SearchResult(StageResult):
     stop: Stop | None
     minima: list[Minimum] = []
     sample: Sample | None = None
-    """What the points of a random method state."""
+    """The statement of a random method's points."""
     gap: Gap | None = None
     members: list[Member] = []
     criteria: list[FrontCriterion] = []

@@ -8,7 +8,7 @@ from campaigns.results.base import Result, StageResult, Status, Told, Values
 
 
 class Curve(Result):
-    """The criterion against one parameter, the others where they are."""
+    """The criterion against one parameter, the others fixed."""
 
     path: str
     values: list[float]
@@ -25,7 +25,7 @@ class Slices(Result):
 
 
 class IndexStudy(Told):
-    """What both kinds of index study report; the sentence says what leads, or why nothing was computed."""
+    """Common to both kinds of index study; the sentence names the leading parameters, or why nothing was computed."""
 
     evaluations: int
     failed: int
@@ -49,7 +49,7 @@ class MorrisStudy(IndexStudy):
     trajectories: int
     levels: int
     indices: list[MorrisRow] | None
-    """Null where they were not computed."""
+    """Null if they were not computed."""
 
 
 class SobolRow(Result):
@@ -67,11 +67,11 @@ class SobolStudy(IndexStudy):
 
     samples: int
     indices: list[SobolRow] | None
-    """Null where they were not computed."""
+    """Null if they were not computed."""
 
 
 class SensitivityResult(StageResult):
-    """One parameter at a time through the nominal point, and the indices where asked for."""
+    """One parameter at a time through the nominal point, and the indices if requested."""
 
     stage: Literal["sensitivity"] = "sensitivity"
     points: int

@@ -1,4 +1,4 @@
-"""A stored flight without its data: columns and head. Start reading at `TraceHead`."""
+"""A stored trace without its data: columns and header."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class TraceColumn(Result):
 
 
 class Closest(Result):
-    """The closest approach of a flight, refined between its rows."""
+    """The closest approach of a trace, refined between its rows."""
 
     time: float
     """[s]"""
@@ -34,7 +34,7 @@ class Closest(Result):
 
 
 class TraceObstacle(Result):
-    """An obstacle as it starts."""
+    """An obstacle in its initial state."""
 
     component: str = ""
     title: str = ""
@@ -43,12 +43,12 @@ class TraceObstacle(Result):
     radius: float = 0.0
     """[m]"""
     free_radius: float | None = None
-    """Of the disc about its centre that must stay free [m]; null where no disc is what must."""
+    """Of the disc around its centre that must stay clear [m]; null if the criterion is not a disc."""
     moving: bool = False
 
 
 class Realisation(Result):
-    """Which noise realisation a stored flight shows, of how many."""
+    """Which noise realisation a stored trace shows, of how many."""
 
     seed: int
     seeds: int
@@ -58,7 +58,7 @@ class Realisation(Result):
 
 
 class TraceHead(Result):
-    """What a flight shows besides its columns."""
+    """The header of a trace: everything besides its columns."""
 
     frame: Literal["enu", "ned"] = "enu"
     vehicle: str = ""
@@ -67,7 +67,7 @@ class TraceHead(Result):
     goal: list[float] = []
     threshold: float | None = None
     parameters: Values = {}
-    """Of the uncertain parameters, and of those that were set."""
+    """Of the uncertain parameters, and of those that were changed."""
     closest: Closest | None = None
     status: Status = Status.OK
     reason: str = ""

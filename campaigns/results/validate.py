@@ -1,4 +1,4 @@
-"""The result of the validate stage: what it says of the run; what it says of a finding is in the finding.
+"""The result of the validate stage for the run; the evidence for each finding is stored in the finding.
 
 Start reading at `ValidateResult`.
 """
@@ -38,11 +38,11 @@ class Compared(Result):
     excluded: int = 0
     seconds: float
     to_near_best: int | None
-    """Evaluations until within 1 % of nominal minus worst of the best known; null where it never came there."""
+    """Evaluations until within 1 % of nominal minus worst of the best known; null if it never got there."""
     basin: str | None = None
-    """The finding whose basin holds its best; null where there is none."""
+    """The finding whose basin contains its best; null if there is none."""
     findings: list[str]
-    """Labels of the findings that it came to by itself."""
+    """Labels of the findings that it found by itself."""
     stop: Stop | None
 
 
@@ -63,7 +63,7 @@ class Violations(Told):
 
 
 class Furthest(Result):
-    """The evaluation at which the two integrators are furthest apart."""
+    """The evaluation at which the two integrators differ most."""
 
     position: int
     index: int
@@ -79,10 +79,10 @@ class SpotChecks(Told):
     checked: int
     compared: int
     largest: float | None
-    """Distance to the stored value, in the criterion's unit."""
+    """Difference from the stored value, in the criterion's unit."""
     median: float | None
     violating: int
-    """Violate there and not here."""
+    """Violate only with the reference integrator."""
     at: Furthest | None
     reasons: list[str] = []
     """Why some could not be compared."""
@@ -107,27 +107,27 @@ class Spread(Result):
 
 
 class Encounter(Result):
-    """What shows that the avoidance was put to the test."""
+    """Evidence that the avoidance was tested."""
 
     closest: ClosestApproach
     """Of the nominal case; that of a finding is in the finding."""
     moved: float | None
     """Length of the nominal path [m]."""
     unseen: Unseen | None
-    """Null for a system that cannot show it."""
+    """Null for a system that cannot determine it."""
     spread: Spread
     influence: Values
     """By path: the largest change along any slice."""
 
 
 class ValidateResult(StageResult, Told):
-    """What validation says of the run. The findings carry their own evidence."""
+    """The validation of the run. The findings contain their own evidence."""
 
     stage: Literal["validate"] = "validate"
     ok: bool
     tolerance: float
     nominal: Validation | None
-    """Null where an earlier version stored none."""
+    """Null in results of earlier versions."""
     findings: Gathered | None = None
     comparison: list[Compared] = []
     violations: Violations | None = None

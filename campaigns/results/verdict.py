@@ -1,4 +1,4 @@
-"""The verdict of a run: what may be claimed, the checks behind it, and what a number is repeated from.
+"""The verdict of a run: what may be claimed, the checks behind it, and its provenance.
 
 Start reading at `Verdict`.
 """
@@ -19,7 +19,7 @@ from campaigns.results.sample import Noise, QuantileBound
 
 
 class VerdictWord(StrEnum):
-    """What may be claimed of a campaign."""
+    """What may be claimed about a campaign."""
 
     CLEARED = "cleared"
     VIOLATED = "violated"
@@ -27,14 +27,14 @@ class VerdictWord(StrEnum):
 
 
 SCOPE = "Scope: "
-"""Begins the scope in plain words."""
+"""The prefix of the scope as plain text."""
 
 
 class Check(Claim):
-    """One condition of "cleared": what it is about, whether it holds, and the sentence that says so."""
+    """One condition of "cleared": what it is about, whether it holds, and a sentence."""
 
     code: CheckCode | str = Field(union_mode="left_to_right")
-    """What it is about; a check of another package may have any string."""
+    """What it is about; any string for a check of another package."""
     ok: bool
 
     @computed_field  # type: ignore[prop-decorator]
@@ -73,7 +73,7 @@ class Worst(Result):
     margin: float
     parameters: Values
     method: str | None
-    """With the lowest best."""
+    """The method with the lowest best value."""
     finding: str
 
 
@@ -96,7 +96,7 @@ class Counts(Result):
 
 
 class Provenance(Flown):
-    """What a number is repeated from: the campaign, the seed and what flew."""
+    """What reproduces a result: the campaign, the seed and the code."""
 
     digest: str | None = None
     """Of the campaign."""
@@ -104,13 +104,13 @@ class Provenance(Flown):
 
 
 class Verdict(Result):
-    """The conclusion of a run with everything that stands behind it."""
+    """The conclusion of a run with everything that supports it."""
 
     verdict: VerdictWord
     said: Said = ()
     """What may be claimed."""
     holds_for: Said = ()
-    """What that holds for: components, conditions, bounds."""
+    """The scope: components, conditions, bounds."""
     checks: list[Check]
     statistics: Statistics | None = None
     nominal: NominalCost | None = None
@@ -123,25 +123,25 @@ class Verdict(Result):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def sentence(self) -> str:
-        """What may be claimed, in plain words."""
+        """What may be claimed, as plain text."""
         return words(self.said)
 
     @computed_field  # type: ignore[prop-decorator]
     @property
     def scope(self) -> str:
-        """What the sentence holds for, in plain words."""
+        """The scope of the sentence, as plain text."""
         return f"{SCOPE}{words(self.holds_for)}" if self.holds_for else ""
 
     @computed_field  # type: ignore[prop-decorator]
     @property
     def values(self) -> dict[str, float]:
-        """The numbers of the sentence by their names."""
+        """The numbers of the sentence by name."""
         return values(self.said)
 
     @model_validator(mode="before")
     @classmethod
     def _worded(cls, given: Any) -> Any:
-        """Earlier versions stored the words alone."""
+        """Earlier versions stored only text."""
         if isinstance(given, Mapping) and given.get("scope"):
             given = {**given, "scope": given["scope"].removeprefix(SCOPE)}
         return with_spans(with_spans(given, "sentence", "said"), "scope", "holds_for")

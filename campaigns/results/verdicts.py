@@ -1,7 +1,7 @@
-"""The checks of a verdict as people read them: a title for each name, and how a check stands.
+"""The checks of a verdict as displayed: a title for each code, and whether a check holds.
 
-A check that speaks of values only is open where evaluations failed: those have no value, so that it holds for the
-others alone. Shared by the API, the report and the command line. Start reading at `described`.
+A check on values is open if evaluations failed: those have no value, so it holds for the others only. Shared by the
+API, the report and the command line.
 """
 
 from __future__ import annotations
@@ -37,30 +37,30 @@ TITLES: dict[str, str] = {
     CheckCode.PROBABILITY: "Bound on P(violation)",
     CheckCode.TARGET: "Target for P(violation)",
 }
-"""By the name of a check; a check of an earlier version that is not listed is titled by its name."""
+"""By the code of a check; a check of an earlier version that is not listed has its code as title."""
 
 OF_VALUES = (CheckCode.NO_VIOLATION, CheckCode.MINIMUM)
 """Checks that hold for the evaluations that have a value."""
 
 
 class DescribedCheck(Check):
-    """A check as it is read: its title, how it stands, and what limits it."""
+    """A check as displayed: its title, whether it holds, and its limitation."""
 
     title: str
     standing: Standing
-    """`open`: it holds for the evaluations that have a value, and others failed."""
+    """`open`: it holds for the evaluations that have a value, but others failed."""
     limit: Said = ()
-    """What limits it; empty unless it is open."""
+    """Its limitation; empty unless it is open."""
 
     @computed_field  # type: ignore[prop-decorator]
     @property
     def but(self) -> str:
-        """What limits it, in plain words."""
+        """Its limitation, as plain text."""
         return words(self.limit)
 
 
 def described(checks: Iterable[Check], failed: int) -> list[DescribedCheck]:
-    """Every check with its title, how it stands, and what limits it; failed: evaluations of the run that failed."""
+    """Every check with its title, whether it holds, and its limitation; failed: failed evaluations of the run."""
     return [_described(check, failed) for check in checks]
 
 
@@ -75,7 +75,7 @@ def _described(check: Check, failed: int) -> DescribedCheck:
 
 
 def validated(case: Validation | None) -> str:
-    """How the validation of a nominal case or finding came out; `agrees` and `violates` are newer than `ok`."""
+    """The outcome of validating a nominal case or finding; `agrees` and `violates` are newer than `ok`."""
     if case is None:
         return "not validated"
     if case.agrees is None or case.violates is None:

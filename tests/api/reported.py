@@ -88,7 +88,7 @@ def sample() -> Sample:
         mean=1.4,
         deviation=0.02,
         histogram=Histogram(edges=[1.3, 1.35, 1.4, 1.45], counts=[400, 2000, 600]),
-        said=results.said("0 of 3\u202f000 flights drawn violate the criterion: P(violation) is at most 0.0998 %"),
+        said=results.said("0 of 3\u202f000 samples drawn violate the criterion: P(violation) is at most 0.0998 %"),
         quantile=QuantileBound(share=0.05, order=131, bound=1.33, said=results.said(at_most)),
     )
 
@@ -107,6 +107,6 @@ def validated() -> ValidateResult:
         position=2, method=search.method, title=search.title, kind=search.kind, best=1.3, evaluations=1000, failed=100,
         seconds=1.0, stop=search.stop, to_near_best=55, findings=["F1"],
     )  # fmt: skip
-    text = "half the step and DOP853 agree for nominal and F1"
+    text = "the step-halving check and DOP853 agree for nominal and F1"
     case = results.validation("nominal")
     return ValidateResult(ok=True, text=text, tolerance=1e-3, nominal=case, comparison=[row])

@@ -82,7 +82,7 @@ def test_a_taken_port_is_said(tmp_path: Path) -> None:
         port = str(taken.getsockname()[1])
         refused = clearance("serve", "--data", str(tmp_path), "--port", port)
     assert refused.returncode == 3
-    assert f"port {port} of 127.0.0.1 is taken by another program; choose another with --port" in refused.stderr
+    assert f"port {port} of 127.0.0.1 is in use by another program; choose another with --port" in refused.stderr
 
 
 def test_an_address_that_strangers_can_reach_is_refused(tmp_path: Path) -> None:

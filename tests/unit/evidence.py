@@ -141,7 +141,7 @@ def validation(**changes: Any) -> ValidateResult:
     """The result of a validate stage by which everything is cleared, with changes; `comparison` is added later."""
     made = ValidateResult(
         ok=True,
-        text="half the step and DOP853 agree for nominal and F1",
+        text="the step-halving check and DOP853 agree for nominal and F1",
         tolerance=1e-3,
         nominal=case("nominal", NOMINAL),
         findings=gathered(),

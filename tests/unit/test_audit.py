@@ -211,11 +211,12 @@ class Folder:
         self.result["reason"] = f"{words(said)} Scope: {words(scope)}"
 
     def forget_spans(self) -> None:
-        """The record as a version before spans wrote it: words alone."""
+        """The record as a version before spans wrote it: text only, in the words of that version."""
         for name in ("said", "holds_for", "values", "sentence", "scope"):
             del self.result[name]
         for check in self.result["checks"]:
             del check["said"], check["values"], check["code"], check["limit"]
+        self.result["reason"] = self.result["reason"].replace(" samples drawn ", " flights drawn ")
 
     def withdraw_a_draw(self) -> None:
         """Take the last draw of the sample out, and make every count fit."""

@@ -77,8 +77,8 @@ def test_distances_to_the_boundary() -> None:
     assert told.line.way == pytest.approx(0.75, abs=1e-4)
     assert told.line.parameters is not None
     assert told.line.parameters["vehicle.m"] == pytest.approx(4.4, abs=1e-4)
-    assert told.text.startswith("the nearest boundary along one parameter alone is vehicle.m = 4.")
-    assert "on the straight line to the worst case it is crossed after 75 % of the way" in told.text
+    assert told.text.startswith("the nearest boundary along a single parameter is at vehicle.m = 4.")
+    assert "on the straight line to the worst case it is crossed at 75 % of the distance" in told.text
     assert evaluations <= boundary.most(2)
 
 
@@ -87,7 +87,7 @@ def test_a_violation_that_no_parameter_reaches_alone() -> None:
     assert all(ray.share is None for ray in told.rays)
     assert told.line is not None
     assert told.line.way == pytest.approx(0.8, abs=1e-4)
-    assert told.text.startswith("no violation was seen along any one parameter alone, looked at in 20 steps; on the")
+    assert told.text.startswith("no violation was found along any single parameter, sampled in 20 steps; on the")
 
 
 def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
@@ -105,7 +105,7 @@ def test_a_failed_flight_ends_a_ray_and_an_excluded_one_does_not() -> None:
 def test_a_nominal_flight_that_violates_has_no_distance() -> None:
     told, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
     assert (told.rays, told.line) == ([], None)
-    assert told.text == "the nominal flight itself does not keep clear"
+    assert told.text == "the nominal case itself violates the criterion or fails"
     assert evaluations == 1 + 5 * boundary.LOOKS
 
 

@@ -45,9 +45,9 @@ def test_what_a_sample_allows_to_claim() -> None:
     assert told.bound == expected[130]
     assert told.confidence is not None
     assert told.confidence >= 0.95
-    assert f"at most 5 % of the flights have d_min below {expected[130]:.6g} m" in found.text
-    assert "it is the 131st lowest of 3\u202f000" in found.text
-    assert f"{drawn.violations} of 3\u202f000 flights drawn from the stated distributions violate" in found.text
+    assert f"at most 5 % of all cases have d_min below {expected[130]:.6g} m" in found.text
+    assert "this is the 131st lowest of 3\u202f000" in found.text
+    assert f"{drawn.violations} of 3\u202f000 samples drawn from the stated distributions violate" in found.text
 
 
 def test_the_distribution_function_is_that_of_the_sample() -> None:
@@ -101,20 +101,20 @@ def test_a_failed_flight_is_a_violation_and_the_lowest_value() -> None:
     assert told.bound == flown[told.order - 1 - failed]
     assert drawn.distribution is not None
     assert drawn.distribution.shares[0] == pytest.approx((failed + 1) / 1000)
-    assert f"({failed} of them flights that failed)" in found.text
+    assert f"({failed} of them because they failed)" in found.text
 
 
 def test_a_quantile_among_failed_flights_has_no_bound() -> None:
     found = quantile_of(ran({"samples": 200}, evaluate(failing=lambda x: x[:, 0] > 0.8)).sample)
     assert found.bound is None
-    assert found.text == "no bound on the 5 % quantile: the 5th lowest of the sample is a failed flight"
+    assert found.text == "no bound on the 5 % quantile: the 5th lowest of the sample is a failed evaluation"
 
 
 @pytest.mark.parametrize("samples", [1, 58])
 def test_a_sample_that_is_too_small_says_so(samples: int) -> None:
     found = ran({"samples": samples})
     assert quantile_of(found.sample).bound is None
-    assert f"{samples} flights are too few for a bound on the 5 % quantile, which needs 59" in found.text
+    assert f"{samples} samples are too few for a bound on the 5 % quantile, which needs 59" in found.text
     assert quantile_of(ran({"samples": 59}).sample).order == 1
 
 
@@ -133,7 +133,7 @@ def test_a_scenario_that_hardly_ever_holds_is_given_up() -> None:
     found = ran({"samples": 100}, evaluate(excluded=lambda x: x[:, 0] < 0.99))
     assert found.evaluations == 2000
     assert found.sample.samples < 100
-    assert f"only {found.sample.samples} of 100 flights were not excluded" in found.text
+    assert f"only {found.sample.samples} of 100 samples were not excluded" in found.text
     nothing = ran({"samples": 50}, evaluate(excluded=lambda x: x[:, 0] >= 0))
     assert nothing.sample.upper_bound == 1.0
     assert nothing.sample.lowest is None
@@ -150,7 +150,7 @@ def test_what_lies_beyond_the_bounds_is_added() -> None:
     drawn = found.sample
     assert drawn.outside == pytest.approx(outside, abs=1e-6)
     assert drawn.upper_bound == pytest.approx(bound(drawn.violations, 1000, 0.95) + outside, abs=1e-6)
-    assert "of which 1.24 % is the probability of lying beyond the bounds" in found.text
+    assert "of which 1.24 % is the probability beyond the bounds" in found.text
     # The quantile is that of a sample of which so many more may lie below.
     order = quantile_of(drawn).order
     assert order is not None
@@ -159,7 +159,7 @@ def test_what_lies_beyond_the_bounds_is_added() -> None:
         "kind": "normal", "mean": 5, "deviation": 0.6}}})  # fmt: skip
     said = quantile_of(certify.run(context(wide, problem=Problem(wide)), 0).result.sample)
     assert said.bound is None
-    assert said.text == "no bound on the 5 % quantile: 9.56 % of the draws may lie beyond the bounds"
+    assert said.text == "no bound on the 5 % quantile: 9.56 % of the draws may be beyond the bounds"
 
 
 def test_its_numbers_are_those_of_no_search() -> None:
@@ -198,7 +198,7 @@ def test_the_grid_tells_its_lowest_and_its_spacing() -> None:
     assert grid.lowest.margin == pytest.approx(-0.2)
     assert grid.lowest.parameters == {"vehicle.m": 4.0, "vehicle.J": 0.04}
     assert grid.violations == int((costs(flown) <= THRESHOLD).sum())
-    assert "nothing is claimed of what lies between" in grid.text
+    assert "nothing is claimed between these points" in grid.text
     assert found.sample.samples == 100  # no point of the grid is in the sample
 
 
@@ -206,7 +206,7 @@ def test_a_grid_of_which_nothing_is_flown() -> None:
     grid = ran({"samples": 5, "grid": {"points": 3}}, evaluate(failing=lambda x: x[:, 0] >= 0)).grid
     assert grid is not None
     assert (grid.lowest, grid.failed, grid.violations) == (None, 9, 9)
-    assert "none of them was flown" in grid.text
+    assert "none of them could be evaluated" in grid.text
 
 
 def test_the_grid_of_a_large_dimension_is_refused() -> None:

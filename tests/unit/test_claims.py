@@ -157,9 +157,9 @@ def test_a_stop_rule_of_another_package_needs_no_table() -> None:
 
 
 def test_a_sentence_within_a_sentence_keeps_its_numbers() -> None:
-    inner = Ended("iterations", "did the {iterations} iterations asked for", iterations=15)
+    inner = Ended("iterations", "completed the {iterations} iterations", iterations=15)
     said = spoken(Ended("members", "DIRECT: {direct}; SQP from {centres} centres", direct=inner, centres=5))
-    assert words(said) == "DIRECT: did the 15 iterations asked for; SQP from 5 centres"
+    assert words(said) == "DIRECT: completed the 15 iterations; SQP from 5 centres"
     assert [span.value for span in said if isinstance(span, Quantity)] == [15, 5]
 
 

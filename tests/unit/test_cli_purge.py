@@ -61,7 +61,7 @@ def test_a_dry_run_and_a_no_delete_nothing(
     said = capsys.readouterr().out
     assert re.search(r"R-0001  removed \S+ by ada  100,000 evaluations, 3\.3 MB  long ago: a trial", said)
     assert "R-0002" not in said
-    assert "1 run, 3.3 MB of evaluations and flights." in said
+    assert "1 run, 3.3 MB of evaluations and trajectories." in said
     assert "dry run" in said
     monkeypatch.setattr("typer.confirm", lambda _: False)
     assert invoke(["purge", "--data", str(data)]) == 0

@@ -79,7 +79,7 @@ def test_budgets() -> None:
     assert Budget.read("20000").after(1000) == 20_000
     assert Budget.read("20000").after(30_000) == 30_000
     for wrong in ("", "+", "-5", "0", "+0", "1e4", "many"):
-        with pytest.raises(CannotContinue, match="is none; give"):
+        with pytest.raises(CannotContinue, match=r"invalid budget .*: give"):
             Budget.read(wrong)
 
 
@@ -149,7 +149,7 @@ def test_what_cannot_be_asked(arguments: list[str], why: str, capsys: pytest.Cap
 
 def test_a_run_without_a_search_that_can_go_on_says_which_can(capsys: pytest.CaptureFixture[str]) -> None:
     only = searching(SEARCHES[1], **SHORT)
-    with pytest.raises(CannotContinue, match=r"SQP multistart.*can be continued: .*DIRECT"):
+    with pytest.raises(CannotContinue, match=r"SQP multistart.*can be extended: .*DIRECT"):
         continued(only, Budget(10, more=True))
 
 
@@ -182,7 +182,7 @@ def test_a_stored_run_goes_on_as_a_new_stored_run(
 ) -> None:
     flown.clear()
     assert invoke(["run", "--continue", "R-0001", "--budget", "+300", "--data", str(data)]) in (0, 2)
-    assert "R-0002 continues R-0001" in capsys.readouterr().out
+    assert "R-0002 extends R-0001" in capsys.readouterr().out
     engine = connect(default_url(data))
     with read(engine) as connection:
         old, new = (stored.evaluations(connection, run_id) for run_id in (1, 2))

@@ -26,7 +26,7 @@ def test_it_is_scipys_one_generation_a_batch() -> None:
     assert found.lowest == theirs.fun
     (minimum,) = found.minima
     assert (minimum.cost, minimum.evaluations, minimum.text) == (theirs.fun, len(found.points), found.text)
-    assert found.text == f"the population gathered in one valley after {theirs.nit} generations"
+    assert found.text == f"the population converged to one valley after {theirs.nit} generations"
 
 
 @pytest.mark.parametrize("name", ["Shekel 10", "Rastrigin 5"])

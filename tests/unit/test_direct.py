@@ -127,7 +127,7 @@ def test_what_is_kept_between_iterations_is_what_a_fresh_look_would_give() -> No
 
 def test_rules_by_which_it_stops() -> None:
     ten = run(method, bowl, 2, 10_000, options={"iterations": 10})
-    assert ten.text == "did the 10 iterations asked for"
+    assert ten.text == "completed the 10 iterations"
     assert len(ten.batches) == 11
     small = run(method, bowl, 2, 10_000, options={"smallest": 0.01})
     assert small.text is not None

@@ -66,7 +66,7 @@ def test_rectangles_without_a_value_are_left_out_and_told() -> None:
     found = gap.estimate(case1(), "direct", direct.Options(), columns)
     assert found is not None
     assert found.without_value > 0
-    assert f"{found.without_value} rectangles whose centre has no value are left out" in found.text
+    assert f"{found.without_value} rectangles whose centre has no value are ignored" in found.text
     assert found.slopes["vehicle.m"] == pytest.approx(1.0)
 
 
@@ -83,4 +83,4 @@ def test_a_search_stage_tells_it_as_an_estimate() -> None:
     found = search.run(context(asked({"search": [{"method": "direct", "evaluations": 200}]}), evaluate()), 0).result.gap
     assert found is not None
     assert found.lower_bound == pytest.approx(0.3)
-    assert found.text.startswith("estimate, no bound: if d_min changes nowhere faster than")
+    assert found.text.startswith("estimate, not a bound: if the steepest slopes observed between the centres of")

@@ -137,7 +137,7 @@ def test_it_finds_the_minimisers_of_functions_with_several(name: str, known: int
 def test_it_stops_at_the_number_of_minima_asked_for() -> None:
     f = on_unit_cube("Shubert", 1)
     found = run(method, f, 2, 20_000, options={"minima": 4})
-    assert found.text == "found the 4 local minima asked for"
+    assert found.text == "found the requested 4 local minima"
     places = {tuple(np.round(m.point, 2)) for m in found.minima}
     assert len(places) == 4
 

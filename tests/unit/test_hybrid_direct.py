@@ -30,9 +30,7 @@ def test_it_begins_with_directs_points(biased: bool) -> None:
     assert len(hybrid.batches) > len(plain.batches)
     for mine, his in zip(hybrid.batches, plain.batches, strict=False):
         assert np.array_equal(mine, his)
-    assert hybrid.text.startswith(
-        "DIRECT: did the 15 iterations asked for; SQP from 5 centres, from the best of them: "
-    )
+    assert hybrid.text.startswith("DIRECT: completed the 15 iterations; SQP from 5 centres, from the best of them: ")
     assert hybrid.lowest < plain.lowest
 
 
@@ -96,7 +94,7 @@ def test_it_never_descends_from_a_point_without_a_value(status: int) -> None:
 
 def test_it_says_when_nothing_has_a_value() -> None:
     hybrid = run(method, lambda x: np.full(len(x), np.nan), 2, 10_000, options={"iterations": 5})
-    assert hybrid.text == "DIRECT: did the 5 iterations asked for; no centre had a value"
+    assert hybrid.text == "DIRECT: completed the 5 iterations; no centre had a value"
     assert hybrid.minima == []
 
 

@@ -65,9 +65,9 @@ def test_how_a_sample_goes_on() -> None:
     for sampling in ("plain", "sobol"):
         options = monte_carlo.Options(sampling=sampling)  # type: ignore[arg-type]
         assert monte_carlo.extend(options, 500) == replace(options, continued=True)
-    with pytest.raises(ValueError, match="a Latin hypercube is laid out for its number of samples and cannot go on"):
+    with pytest.raises(ValueError, match="a Latin hypercube is designed for its number of samples and cannot be"):
         monte_carlo.extend(monte_carlo.Options(sampling="latin_hypercube"), 500)
-    with pytest.raises(ValueError, match="run it anew with a narrower interval"):
+    with pytest.raises(ValueError, match="start it again with a narrower interval"):
         monte_carlo.extend(monte_carlo.Options(interval=0.01), 500)
 
 
@@ -121,7 +121,7 @@ def test_it_stops_at_the_first_look_at_which_the_interval_is_narrow() -> None:
     assert told is not None
     assert told.looks == len(widths)
     assert told.upper_bound == bound(told.violations, told.samples, level)
-    assert "the sample may stop by what it shows, which makes it no fixed sample" in told.text
+    assert "early stopping spends the error over interim analyses (alpha spending)" in told.text
 
 
 def test_the_bound_of_a_sample_that_stops_early_holds_as_often_as_it_says() -> None:
@@ -165,4 +165,4 @@ def test_points_that_are_no_independent_sample_bound_nothing(sampling: str, poin
     assert told.upper_bound is None
     assert told.violations == pytest.approx(1000 * PROBABILITY, abs=6)
     assert points in told.text
-    assert "they are no independent sample, so no bound on P(violation) follows from them" in told.text
+    assert "they are not an independent sample, so they give no bound on P(violation)" in told.text

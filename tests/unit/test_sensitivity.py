@@ -69,7 +69,7 @@ def test_the_shares_of_ishigami() -> None:
     assert [row.total for row in found.indices] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.02)
     assert all(row.total_confidence is not None and 0 < row.total_confidence < 0.1 for row in found.indices)
     assert (found.samples, found.evaluations, found.failed, found.excluded) == (4096, 4096 * 5, 0, 0)
-    assert found.text.startswith(f"largest total shares: {paths[0]} 0.5")
+    assert found.text.startswith(f"largest total indices: {paths[0]} 0.5")
 
 
 def test_the_effects_of_a_plane_and_of_a_product() -> None:
@@ -102,13 +102,13 @@ def test_correlations_are_left_out_and_that_is_said() -> None:
     found = shares_of(ran(lambda u: u.sum(axis=1), {"sobol": {"samples": 1024}}, correlations=given))
     assert found.indices is not None
     assert [row.first for row in found.indices] == pytest.approx([1 / 3] * 3, abs=0.03)
-    assert found.text.endswith("; correlations are left out")
+    assert found.text.endswith("; correlations are ignored")
 
 
 def test_what_is_the_same_everywhere_has_no_shares() -> None:
     found = ran(lambda u: np.full(len(u), 0.7), {"sobol": {"samples": 8}, "morris": {"trajectories": 4}})
     assert shares_of(found).indices is None
-    assert "there is no variance to share" in shares_of(found).text
+    assert "there is no variance to explain" in shares_of(found).text
     rows = effects_of(found).indices
     assert rows is not None
     assert all(row.mu_star == 0 for row in rows)
@@ -123,7 +123,9 @@ def test_a_design_with_flights_that_are_missing_is_not_computed(kind: str) -> No
         missing = told.failed if kind == "failing" else told.excluded
         assert missing > 0
         assert told.indices is None
-        assert told.text.startswith(f"not computed: {missing} of {told.evaluations} flights failed or were excluded")
+        assert told.text.startswith(
+            f"not computed: {missing} of {told.evaluations} evaluations failed or were excluded"
+        )
     assert found.curves[0].status.count("ok") == 2
 
 

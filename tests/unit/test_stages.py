@@ -133,7 +133,7 @@ def test_the_sample_of_a_random_search() -> None:
     assert drawn.deviation == pytest.approx(costs.std(ddof=1))
     assert sum(drawn.histogram.counts) == 300
     assert len(drawn.histogram.edges) == len(drawn.histogram.counts) + 1
-    assert "0 of 300 flights drawn" in drawn.text
+    assert "0 of 300 samples drawn" in drawn.text
     assert "P(violation) is at most 0.994 % with 95 % confidence" in drawn.text
 
 
@@ -180,7 +180,7 @@ def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
     assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
     assert (
-        "the nominal flight was not evaluated: the flight left the model's envelope at t = 0.005 s" in conclusion.reason
+        "the nominal case was not evaluated: the flight left the model's envelope at t = 0.005 s" in conclusion.reason
     )
     assert store.findings == []
     assert list(store.traces) == ["nominal"]
@@ -267,7 +267,9 @@ def test_validation_catches_a_step_that_is_too_long() -> None:
     }
     _, conclusion = run(campaign(**changes, stages__search=[{"method": "direct", "evaluations": 20}]))
     assert conclusion.verdict == "inconclusive"
-    assert "half the step or DOP853 disagrees beyond tolerance for nominal and F1" in conclusion.reason
+    assert (
+        "the step-halving check or DOP853 disagrees by more than the tolerance for nominal and F1" in conclusion.reason
+    )
 
 
 def test_the_other_integrator_says_why_it_could_not_fly() -> None:

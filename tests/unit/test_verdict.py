@@ -65,7 +65,7 @@ def test_violated_when_a_validated_finding_violates() -> None:
     conclusion = concluded(**violation())
     assert conclusion.verdict == "violated"
     assert conclusion.reason.startswith("d_min falls to or below 0.5 m. The worst case found has d_min = 0.49 m")
-    assert "It was validated" in conclusion.reason
+    assert "It was confirmed by validation" in conclusion.reason
 
 
 def test_a_finding_on_the_threshold_violates() -> None:
@@ -73,7 +73,7 @@ def test_a_finding_on_the_threshold_violates() -> None:
 
 
 def test_violated_needs_validation() -> None:
-    text = "half the step or DOP853 disagrees beyond tolerance for F1"
+    text = "the step-halving check or DOP853 disagrees by more than the tolerance for F1"
     conclusion = concluded(**violation(finding=finding(0.49, False), validation=validation(ok=False, text=text)))
     assert conclusion.verdict == "inconclusive"
     assert "violates the criterion by 0.01 m; validation did not confirm it" in conclusion.reason
@@ -81,12 +81,12 @@ def test_violated_needs_validation() -> None:
 
 
 def test_a_milder_violation_that_was_confirmed_violates_too() -> None:
-    text = "half the step or DOP853 disagrees beyond tolerance for F1"
+    text = "the step-halving check or DOP853 disagrees by more than the tolerance for F1"
     milder = finding(0.495, label="F2")
     given = violation(finding=finding(0.49, False), others=[milder], validation=validation(ok=False, text=text))
     conclusion = concluded(**given)
     assert conclusion.verdict == "violated"
-    assert "Validation did not confirm it, but F2, which has 0.495 m; both were found" in conclusion.reason
+    assert "Validation did not confirm it, but confirmed F2, which has 0.495 m; both were found" in conclusion.reason
     harmless = finding(0.6, label="F2")
     assert concluded(**given | {"others": [harmless]}).verdict == "inconclusive"
 
@@ -108,7 +108,7 @@ def test_nothing_that_bars_cleared_bars_a_validated_violation(changes: dict[str,
 def test_a_failed_nominal_flight() -> None:
     conclusion = concluded(nominal=nominal(None, "the flight diverged at t = 3 s"))
     assert conclusion.verdict == "inconclusive"
-    assert "the nominal flight was not evaluated: the flight diverged at t = 3 s" in conclusion.reason
+    assert "the nominal case was not evaluated: the flight diverged at t = 3 s" in conclusion.reason
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
 
 
@@ -116,7 +116,7 @@ def test_a_nominal_flight_that_violates_unconfirmed() -> None:
     searches = [search("direct", 0.4), search("sqp", 0.4)]
     conclusion = concluded(nominal=nominal(0.45), searches=searches, finding=finding(0.4, False))
     assert conclusion.verdict == "inconclusive"
-    assert "the nominal flight has 0.45 m, margin \u22120.05 m" in conclusion.reason
+    assert "the nominal case has 0.45 m, a margin of \u22120.05 m" in conclusion.reason
 
 
 def test_no_flight_at_all() -> None:
@@ -124,13 +124,13 @@ def test_no_flight_at_all() -> None:
     conclusion = concluded(nominal=nominal(None, "it diverged"), searches=searches, finding=None, failed=3343)
     assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
     assert conclusion.reason.startswith(
-        "No flight could be evaluated: the nominal flight was not evaluated: it diverged."
+        "No flight could be evaluated: the nominal case was not evaluated: it diverged."
     )
 
 
 def test_a_search_without_any_flight() -> None:
     said = barred("search", searches=[search("direct"), search("sqp"), search("monte_carlo", None)])
-    assert said == "Monte Carlo evaluated no flight successfully"
+    assert said == "Monte Carlo evaluated no case successfully"
 
 
 def test_a_search_that_did_not_end() -> None:
@@ -150,17 +150,17 @@ def test_excluded_evaluations_do_not_but_are_told() -> None:
 
 
 def test_validation_that_disagrees() -> None:
-    text = "half the step or DOP853 disagrees beyond tolerance for nominal"
+    text = "the step-halving check or DOP853 disagrees by more than the tolerance for nominal"
     assert barred("validation", validation=validation(ok=False, text=text)).startswith(text)
 
 
 def test_one_method_alone_is_never_enough() -> None:
-    said = "only DIRECT reached the worst case; a verdict needs a second method to confirm it"
+    said = "only DIRECT reached the worst case; a second method must confirm it"
     assert barred("agreement", searches=[search("direct")]) == said
 
 
 def test_two_stages_of_one_method_are_one_method() -> None:
-    said = "only DIRECT reached the worst case; a verdict needs a second method to confirm it"
+    said = "only DIRECT reached the worst case; a second method must confirm it"
     assert barred("agreement", searches=[search("direct"), search("direct", WORST + 0.001)]) == said
 
 
@@ -200,7 +200,7 @@ def test_every_stage_of_a_global_method_must_reach_it(first: float) -> None:
 def test_a_global_method_without_a_flight_is_named() -> None:
     conclusion = concluded(searches=[search("ga", None), search("direct"), search("sqp")])
     assert conclusion.verdict == "inconclusive"
-    assert "Genetic algorithm found no flight" in conclusion.reason
+    assert "Genetic algorithm evaluated no case successfully" in conclusion.reason
     assert "inf" not in conclusion.reason
 
 
@@ -266,7 +266,7 @@ def test_without_a_target_the_bound_is_held_to_a_ceiling() -> None:
 
     assert concluded(**drawn(59)).verdict == "cleared"
     said = barred("probability", **drawn(58))
-    assert said.startswith("the bound of 5.03 % on P(violation) is above the 5 % that is needed; draw more samples")
+    assert said.startswith("the bound of 5.03 % on P(violation) is above the required 5 %; draw more than 58 samples")
     assert concluded(campaign(target_probability=0.9), **drawn(2)).verdict == "cleared"
 
 
@@ -312,7 +312,7 @@ def test_points_that_are_no_independent_sample_give_no_statement() -> None:
 def test_a_search_for_a_front_plays_no_part_in_agreement() -> None:
     searches = [search("direct"), search("sqp"), search("nsga2", WORST + 0.2)]
     assert concluded(searches=searches).verdict == "cleared"
-    said = "only DIRECT reached the worst case; a verdict needs a second method to confirm it"
+    said = "only DIRECT reached the worst case; a second method must confirm it"
     assert barred("agreement", searches=[search("direct"), search("nsga2")]) == said
     assert barred("agreement", searches=[search("sqp"), search("nsga2")]).startswith("no global method searched")
 

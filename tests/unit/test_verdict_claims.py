@@ -58,7 +58,7 @@ def test_a_lower_evaluation_than_every_finding_bars_cleared() -> None:
 
 def test_findings_that_were_not_distinguished_to_the_end_bar_cleared() -> None:
     unfinished = gathered(complete=False, text="used its budget")
-    assert "not distinguished to the end" in barred("minimum", validation=validation(findings=unfinished))
+    assert "not fully distinguished" in barred("minimum", validation=validation(findings=unfinished))
 
 
 @pytest.mark.parametrize("method", ["direct", "sqp"])
@@ -71,7 +71,7 @@ def test_a_method_that_hardly_evaluated_anything_did_not_search(method: str) -> 
 
     assert concluded(**given(least)).verdict == "cleared"
     said = barred("agreement", **given(least - 1))
-    assert "only DIRECT reached" in said if method == "sqp" else f"at least {least} are needed" in said
+    assert "only DIRECT reached" in said if method == "sqp" else f"at least {least} are required" in said
 
 
 def test_a_local_search_that_spent_its_budget_confirms_nothing() -> None:
@@ -83,13 +83,13 @@ def test_methods_that_found_nothing_below_nominal_do_not_agree() -> None:
     spread = Spread(evaluations=3343, lowest=NOMINAL, highest=1.3)
     given = validation(encounter=encountered(spread=spread))
     said = barred("agreement", searches=searches, finding=finding(NOMINAL), validation=given)
-    assert said.startswith("no method found anything below the nominal case")
+    assert said.startswith("no method found a value below the nominal case")
 
 
 def test_agreement_needs_the_place_as_well_as_the_cost() -> None:
     assert concluded(basins={"sqp": "F2"}).verdict == "cleared", "mirrored worst cases agree"
     said = barred("agreement", basins={"direct": None})
-    assert said == "the best of DIRECT lies in the basin of no listed finding"
+    assert said == "the best of DIRECT is not in the basin of any listed finding"
     assert barred("agreement", basins={"sqp": None}).startswith("only DIRECT reached")
 
 
@@ -115,8 +115,8 @@ def unseen(cost: float | None, reason: str = "") -> Unseen:
     [
         (nearest(time=15.0, at="end"), "closest approach", "of F1 is at the end of the horizon"),
         (nearest(time=0.0, at="start"), "closest approach", "of F1 is at the start"),
-        (nearest(), "closest approach", "is known of F1"),
-        ({"finding": finding(closest=None)}, "closest approach", "is known of F1"),
+        (nearest(), "closest approach", "is known for F1"),
+        ({"finding": finding(closest=None)}, "closest approach", "is known for F1"),
         (met(closest=ClosestApproach(time=15.0, at="end")), "closest approach", "of nominal is at the end of the"),
         (met(moved=0.0), "motion", "the vehicle moves 0 m in the nominal case; place the goal"),
         (met(moved=None), "motion", "has no trace"),
@@ -164,7 +164,7 @@ def test_a_noisy_scenario_needs_a_sample_that_draws_its_noise() -> None:
 def test_a_target_is_not_met_by_stated_realisations() -> None:
     searches = [search("direct"), search("sqp"), search("monte_carlo", sample=sample(noise="stated"))]
     conclusion = conclude(noisy(target_probability=0.1), evidence(searches=searches), FLOWN)
-    assert "given stated noise realisations only" in said_by("target", conclusion)
+    assert "holds only for the stated noise realisations" in said_by("target", conclusion)
     assert conclusion.verdict == "inconclusive"
 
 
@@ -172,7 +172,7 @@ def test_a_mean_over_realisations_never_clears() -> None:
     mean = noisy(scenario__realisations={"seeds": [1, 2], "combine": "mean"})
     conclusion = conclude(mean, evidence(certificate=drawn()), FLOWN)
     assert conclusion.verdict == "inconclusive"
-    assert "combine them by worst" in said_by("noise", conclusion)
+    assert "set combine to worst" in said_by("noise", conclusion)
 
 
 def test_much_that_is_excluded_bars_cleared() -> None:
@@ -194,7 +194,7 @@ def test_a_violation_whose_integrations_are_apart_says_how_far() -> None:
     other = ReferenceCost(name="DOP853", cost=0.49, difference=0.18)
     apart = finding(0.31, validation=case(cost=0.31, agrees=False, half_step=half, integrator=other))
     said = concluded(**violation(finding=apart, violating=1)).reason
-    assert "apart: 0.31 m at the step, 0.48 m at half of it, 0.49 m with DOP853." in said
+    assert "beyond tolerance: 0.31 m at the step, 0.48 m at half the step, 0.49 m with DOP853." in said
 
 
 def test_the_sentence_of_a_violation_names_the_counts_and_the_noise() -> None:

@@ -1,7 +1,7 @@
-"""The command `clearance`: one file a command, found by presence.
+"""The command `clearance`: one file per command, discovered automatically.
 
-A file `some_name.py` here holds the function `some_name` (the command `some-name`), or `app`, a group of commands. Its
-heavy imports stand inside the function, so that `clearance --help` answers at once. Start reading at `main`.
+A file `some_name.py` here contains the function `some_name` (the command `some-name`), or `app`, a group of commands.
+Its heavy imports are inside the function, so that `clearance --help` is fast. Start reading at `main`.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ CODES = {"cleared": CLEARED, "violated": VIOLATED, "inconclusive": INCONCLUSIVE}
 
 
 class WrongInputError(Exception):
-    """What was given cannot be used; the message is a sentence for the user. Ends the command with `WRONG_INPUT`."""
+    """Invalid input; the message is for the user. Ends the command with `WRONG_INPUT`."""
 
 
 class UnreachableError(Exception):
-    """A service that did not answer, for as long as was waited for it. Ends the command with `INTERNAL`."""
+    """A service that did not answer in time. Ends the command with `INTERNAL`."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -59,7 +59,7 @@ def invoke(arguments: Sequence[str]) -> int:
 def build() -> typer.Typer:
     """The commands of this folder as one application."""
     app = typer.Typer(
-        help="Finds the worst case of an obstacle-avoidance system before the world does.",
+        help="Searches for the worst case of an obstacle-avoidance system and states what may be claimed.",
         no_args_is_help=True,
         add_completion=False,
         pretty_exceptions_enable=False,
@@ -81,7 +81,7 @@ def _add(app: typer.Typer, name: str) -> None:
 
 
 def _group() -> None:
-    """Finds the worst case of an obstacle-avoidance system before the world does."""
+    """Searches for the worst case of an obstacle-avoidance system and states what may be claimed."""
 
 
 def _explain(error: Exception) -> None:
@@ -89,7 +89,7 @@ def _explain(error: Exception) -> None:
         typer.echo(f"{error.source} cannot be used:", err=True)
         for problem in error.problems:
             typer.echo(f"  {problem}", err=True)
-    elif hasattr(error, "show"):  # the command line library's own errors know the usage that they offend against
+    elif hasattr(error, "show"):  # the command line library's own errors include the usage
         error.show()
     else:
         typer.echo(f"Error: {error}", err=True)

@@ -1,7 +1,7 @@
-"""What `clearance run --continue RUN --budget +N` goes on with: a folder of results, or a stored run.
+"""Extends a run for `clearance run --continue RUN --budget +N`: a folder of results, or a stored run.
 
-A folder's run goes on in memory; a stored run goes on as a new run of the same database, held under a lease by this
-process, so that a worker finishes it should this process die. Start reading at `execute_continued`.
+A folder's run is extended in memory; a stored run is extended as a new run of the same database, held under a lease by
+this process, so that a worker finishes it if this process dies. Start reading at `execute_continued`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ Execute = Callable[[Campaign, Store, Callable[[], bool]], Verdict]
 
 
 class Continued(NamedTuple):
-    """The new run: its campaign, everything it holds, its verdict, and what it cites."""
+    """The new run: its campaign, its stored data, its verdict, and the run that it extends."""
 
     campaign: Campaign
     store: MemoryStore
@@ -69,7 +69,7 @@ class _Earlier:
 
 
 def execute_continued(run: str, budget: str, data: Path, database: str, execute: Execute) -> Continued:
-    """Continue a run; `execute(campaign, store, cancelled)` flies. Raises `WrongInputError` where it cannot be."""
+    """Extend a run with `execute(campaign, store, cancelled)`; raises `WrongInputError` if that is impossible."""
     try:
         asked = Budget.read(budget)
         run_id = stored_run(run)
@@ -135,7 +135,7 @@ def _earlier(engine: sa.Engine, run_id: int) -> _Earlier:
 
 
 def _held(engine: sa.Engine, claim: Claim, campaign: Campaign, execute: Execute) -> Verdict:
-    """Work under the lease; an interrupt gives the run back to the queue, an error fails this attempt."""
+    """Run under the lease; an interrupt returns the run to the queue, an error fails this attempt."""
     queue = Queue(engine)
     with _beating(queue, claim) as cancelled:
         try:
@@ -167,7 +167,7 @@ def _beating(queue: Queue, claim: Claim) -> Iterator[Callable[[], bool]]:
                 stop.set()
                 return
             except sa.exc.OperationalError:
-                continue  # a busy database is asked again before the lease is over
+                continue  # a busy database is retried before the lease expires
 
     thread = threading.Thread(target=beat, name="lease", daemon=True)
     thread.start()

@@ -1,4 +1,4 @@
-"""What `clearance submit` and `clearance follow` show and leave behind: progress, the verdict, the files of a run.
+"""The output of `clearance submit` and `clearance follow`: progress, the verdict, the files of a run.
 
 Start reading at `follow_to_the_end`.
 """
@@ -46,7 +46,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print only the run's JSON,
 
 
 def token_of(file: str) -> str:
-    """The token of a file, else that of the environment; `WrongInputError` where there is none."""
+    """The token of a file, or that of the environment; `WrongInputError` if there is none."""
     found = os.environ.get("CLEARANCE_TOKEN", "")
     if file:
         try:
@@ -70,7 +70,7 @@ def follow_to_the_end(service: Remote, run: str, out: Path | None, as_json: bool
     except (KeyboardInterrupt, UnreachableError):
         typer.echo(f"{run} continues in the background; `clearance follow {run}` follows it again", err=True)
         raise
-    # Before the files, which the service may not be able to give.
+    # Before the files, which the service may be unable to deliver.
     typer.echo(json.dumps(told, indent=2) if as_json else "\n".join(_ended(service, told)))
     if out is not None:
         for name, path in FILES.items():

@@ -1,6 +1,6 @@
 """Ctrl-C that cannot be lost: Python drops an exception raised within a callback of the compiler or a finaliser.
 
-The signal is remembered beside, and raised again where the runner asks whether to go on. Start reading at `kept`.
+The signal is recorded separately and raised again where the runner polls for cancellation.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The folder that a command is to write its results into."""
+"""The folder for a command's results."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from worker.cli import WrongInputError
 
 
 def writable(out: Path | None) -> None:
-    """Make the folder; raises `WrongInputError` where nothing can be written into it."""
+    """Make the folder; raises `WrongInputError` if it is not writable."""
     if out is None:
         return
     try:

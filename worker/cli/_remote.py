@@ -1,7 +1,6 @@
-"""A Clearance service somewhere else, as the command line speaks to it: its REST API with a token (RFC 6750).
+"""A client for a Clearance service: its REST API with a token (RFC 6750).
 
-What the service refuses is told in its own words (RFC 9457). A service that restarts is waited for. Start reading at
-`Remote`.
+Refusals are reported with the service's own message (RFC 9457). The client waits for a service that restarts.
 """
 
 from __future__ import annotations
@@ -46,7 +45,8 @@ class Remote:
         self._client.close()
 
     def submit(self, body: Mapping[str, Any], source: str, key: str) -> JsonObject:
-        """Queue a run; asked again under the same key it is the same run. Raises `CampaignError` for a refused one."""
+        """Queue a run; a repeated request with the same key returns the same run. Raises `CampaignError` for a refused
+        one."""
         answer = self._ask("POST", "runs", json=body, headers={"Idempotency-Key": key})
         errors = _problem(answer).get("errors")
         if answer.status_code == 422 and errors:
@@ -55,18 +55,18 @@ class Remote:
         return self._read(answer)
 
     def run(self, run: str) -> JsonObject:
-        """One run as it stands."""
+        """The present state of a run."""
         return self._read(self._ask("GET", f"runs/{run}"))
 
     def followed(self, run: str) -> Iterator[JsonObject]:
-        """The run as it stands, again and again until it has ended."""
+        """The state of the run, repeatedly until it has ended."""
         while (told := self.run(run))["state"] in ACTIVE:
             yield told
             time.sleep(PAUSE)
         yield told
 
     def save(self, path: str, file: Path) -> None:
-        """Write what is at a path of the API into a file; what was not received whole leaves none."""
+        """Download a path of the API into a file; an incomplete download leaves no file."""
         part = file.with_name(f"{file.name}.part")
         answer = self._ask("GET", path, stream=True, timeout=LONGEST)
         try:
@@ -86,7 +86,7 @@ class Remote:
             part.unlink(missing_ok=True)
 
     def _ask(self, method: str, path: str, *, stream: bool = False, **how: Any) -> httpx.Response:
-        """Ask until there is an answer, at most as long as patience lasts."""
+        """Retry until there is an answer, at most for `patience`."""
         until = time.monotonic() + self.patience
         while True:
             try:
@@ -118,7 +118,7 @@ class Remote:
 
 
 def _problem(answer: httpx.Response) -> JsonObject:
-    """The problem document of an answer; empty where it is none, or not whole."""
+    """The problem document of an answer; empty if there is none or it is incomplete."""
     if not answer.headers.get("content-type", "").startswith("application/problem+json"):
         return {}
     try:

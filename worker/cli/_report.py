@@ -1,4 +1,4 @@
-"""What `clearance run` shows: progress while it works, then the table of stages and the verdict."""
+"""The output of `clearance run`: progress, then the table of stages and the verdict."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Progress:
     def show(self, position: int, tally: Tally) -> None:
         """Bring a stage's bar up to date."""
         stage = self._planned[position]
-        self._bars.start()  # not before something flies: a campaign may turn out to be unusable
+        self._bars.start()  # only once something is simulated: a campaign may turn out to be unusable
         if position not in self._tasks:
             name = _named(stage.kind, stage.method)
             self._tasks[position] = self._bars.add_task(name, total=stage.planned, best="")
@@ -72,7 +72,7 @@ def print_report(
     """The stages, the methods side by side, the findings, the verdict."""
     console = Console(width=None if sys.stdout.isatty() else 120)
     if cites is not None:
-        named = f"{cites['as']} continues" if "as" in cites else "Continues"
+        named = f"{cites['as']} extends" if "as" in cites else "Continues"
         console.print(Text(f"{named} {cites['run']} (campaign {cites['digest'][:12]})"))
         if "code" in cites and cites["code"] is None:
             console.print(Text(f"The code version of {cites['run']} was not stored, so the code cannot be compared."))
@@ -152,7 +152,7 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
             count(row.excluded),
             f"{row.seconds:.2f}",
             "not reached" if row.to_near_best is None else count(row.to_near_best),
-            row.basin or "no listed finding",
+            row.basin or "not in a finding",
             f"{len(row.findings)}: {', '.join(row.findings)}" if row.findings else "0",
         )
         search = store.stages[row.position].result
@@ -164,7 +164,7 @@ def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
 
 
 def _findings(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> Table:
-    """Nominal and every finding, a column each; a mark where a parameter stands at a bound."""
+    """Nominal and every finding, a column each; a mark if a parameter is at a bound."""
     first = store.stages[0].result
     nominal = first.parameters if isinstance(first, NominalResult) else {}
     table = Table("Parameter")
@@ -230,7 +230,7 @@ def _how_found(store: MemoryStore) -> list[str]:
     validated = _validated(store)
     gathered = None if validated is None else validated.findings
     if gathered is not None and gathered.left_out:
-        lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal case are left out")
+        lines.append(f"{count(gathered.left_out)} local minima no worse than the nominal case are omitted")
     if any(f.at_bounds for f in store.findings):
         lines.append("↓ ↑ at its lower or upper bound")
     return lines

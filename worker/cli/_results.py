@@ -1,7 +1,7 @@
-"""What `clearance run --out DIR` leaves behind: result.json, campaign.json, evaluations.csv, a trace per case.
+"""The files of `clearance run --out DIR`: result.json, campaign.json, evaluations.csv, a trace per case.
 
-evaluations.npz holds the evaluations bit by bit on the unit cube, for `clearance run --continue DIR`; evidence.json
-what the verdict was drawn from besides them, for `clearance audit DIR`. Start reading at `write_results`.
+evaluations.npz contains the exact evaluations on the unit cube, for `clearance run --continue DIR`; evidence.json
+the other evidence of the verdict, for `clearance audit DIR`. Start reading at `write_results`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore) -> None
 
 
 def evidence(campaign: Campaign, store: MemoryStore) -> JsonObject:
-    """What stands behind the result: every stage's own result, and what the components of the campaign mean."""
+    """The evidence behind the result: every stage's own result, and the description of the campaign's components."""
     return {
         "results": [plain(stage.result) for stage in store.stages],
         "components": snapshot(campaign, catalogue()).model_dump(mode="json"),
@@ -57,7 +57,7 @@ def evidence(campaign: Campaign, store: MemoryStore) -> JsonObject:
 
 
 def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
-    """The campaign and the evaluations that `write_results` left; raises `CannotContinue` where they are not there."""
+    """The campaign and the evaluations that `write_results` left; raises `CannotContinue` if they are missing."""
     for name in ("campaign.json", ARRAYS):
         if not (folder / name).is_file():
             raise CannotContinue(
@@ -73,7 +73,7 @@ def read_folder(folder: Path) -> tuple[Campaign, MemoryStore]:
 
 
 def flown_of(folder: Path) -> Flown:
-    """What flew the run of a folder, as far as it is stored there."""
+    """The versions behind the run of a folder, as far as stored there."""
     try:
         return Flown.of(json.loads((folder / "result.json").read_text(encoding="utf-8"))["versions"])
     except (OSError, ValueError, KeyError, TypeError):

@@ -1,4 +1,4 @@
-"""The options that say where the data is, shared by the commands. Start reading at `opened`."""
+"""The options for the location of the data, shared by the commands."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DATA = Path("data")
 
 
 def url_of(data: Path, database: str) -> str:
-    """The database's URL by the two options; raises `WrongInputError` for what is none."""
+    """The database's URL by the two options; raises `WrongInputError` for an invalid one."""
     url = database or default_url(data)
     try:
         connect(url).dispose()
@@ -48,7 +48,7 @@ def existing_url_of(data: Path, database: str) -> str:
 
 
 def stored_run(run: str) -> int | None:
-    """The number of a stored run from what was typed, R-0001 or 1; None for what can only be a folder."""
+    """The number of a stored run from the original text, R-0001 or 1; None for a folder."""
     return None if Path(run).is_dir() else run_number(run if run.startswith("R-") else f"R-{run}")
 
 

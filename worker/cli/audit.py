@@ -1,7 +1,6 @@
 """`clearance audit RUN`: does a run's verdict follow from what it stored, by a second program that shares no code?
 
-The exit code is 0 where it follows, 1 where it does not, 3 where there is nothing to audit. Start reading at `audit`;
-the program is `worker.audit`.
+The exit code is 0 if it follows, 1 if it does not, 3 if there is nothing to audit. The program is `worker.audit`.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ import typer
 def explain(
     file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
 ) -> None:
-    """Print the closed loop that is simulated: which component is called when, and with what."""
+    """Print the closed loop that is simulated: the order of the components' calls, and their inputs."""
     from worker.cli import WrongInputError
     from worker.cli._campaign import read_campaign
     from worker.kernels.text.names import UnnamedError

@@ -1,4 +1,4 @@
-"""`clearance follow RUN`: a run of a service to its verdict, whoever has started it. Start reading at `follow`."""
+"""`clearance follow RUN`: follows a run of a service to its verdict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`clearance login-link`: a fresh, single-use link for the browser. Start reading at `login_link`."""
+"""`clearance login-link`: a new, single-use link for the browser."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from worker.cli._where import DATA, Data, Database, opened
 STANDARD = "http://127.0.0.1:8000"
 
 ADDRESS_FILE = "service-address"
-"""Where in the data folder the service leaves its address."""
+"""The file in the data folder that contains the address of the service."""
 
 
 def login_link(
@@ -28,14 +28,14 @@ def login_link(
         ),
     ] = "",
 ) -> None:
-    """Print a fresh login link, single-use and valid for 15 minutes; earlier unused links are void."""
+    """Print a new login link, single-use and valid for 15 minutes; earlier unused links are revoked."""
     with opened(data, database) as connection:
         code = access.create_login_code(connection)
     typer.echo(f"{(url or _serving(data) or STANDARD).rstrip('/')}/login?code={code}")
 
 
 def _serving(data: Path) -> str:
-    """Where the service of this data folder said that it is; empty when it never said so."""
+    """The recorded address of the service of this data folder; empty if there is none."""
     try:
         return (data / ADDRESS_FILE).read_text().strip()
     except OSError:

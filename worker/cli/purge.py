@@ -1,4 +1,4 @@
-"""`clearance purge`: deletes for good what was removed long ago, and gives the space back. Start reading at `purge`."""
+"""`clearance purge`: permanently deletes the results of runs removed long ago, and frees the space."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
 LISTED = 20
-"""Runs that are told one by one; of the others how many there are."""
+"""Runs that are listed individually; of the others only the number."""
 
 WORTH = 1 << 20
-"""Unused space for which an SQLite file is written anew [bytes]."""
+"""Unused space above which an SQLite file is rewritten [bytes]."""
 
 
 def purge(
@@ -35,7 +35,7 @@ def purge(
     data: Data = DATA,
     database: Database = "",
 ) -> None:
-    """Delete the results of runs that were removed long ago; what became of them stays on record."""
+    """Permanently delete the results of runs removed long ago; their history is retained."""
     age = _age(older_than)
     url = existing_url_of(data, database)
     from backend.db import purge as stored
@@ -82,7 +82,7 @@ def _tell(runs: list[Removed], older_than: str) -> None:
         )
     if len(runs) > LISTED:
         typer.echo(f"and {len(runs) - LISTED} more")
-    typer.echo(f"{_counted(len(runs))}, {_size(sum(run.size for run in runs))} of evaluations and flights.")
+    typer.echo(f"{_counted(len(runs))}, {_size(sum(run.size for run in runs))} of evaluations and trajectories.")
 
 
 def _agreed(runs: list[Removed]) -> bool:
@@ -95,7 +95,7 @@ def _agreed(runs: list[Removed]) -> bool:
 
 
 def _reclaim(engine: sa.Engine) -> None:
-    """Make the file smaller where that is worth it, and say by how much."""
+    """Reduce the size of the file if worthwhile, and print by how much."""
     import sqlite3
 
     from backend.db import purge as stored

@@ -1,7 +1,7 @@
-"""`clearance reproduce`: the published tables and figures computed again, beside the published values.
+"""`clearance reproduce`: the published tables and figures computed again, next to the published values.
 
-The exit code is 0, or 1 when a row that the reconstruction states a tolerance for does not keep it. Start reading at
-`reproduce`; what is compared is in `worker.reproduce`.
+The exit code is 0, or 1 if a row is outside the tolerance stated for the reconstruction. The comparison is in
+`worker.reproduce`.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def reproduce(
     ] = False,
     threads: Annotated[int, typer.Option(help="Simulation threads; 0 means one per core.", min=0, max=1024)] = 0,
 ) -> None:
-    """Compute the published tables again and say for each row whether it agrees."""
+    """Compute the published tables again and state for each row whether it agrees."""
     if steps:
         _steps(as_json)
         return

@@ -1,6 +1,6 @@
-"""`clearance run FILE`: a campaign in this process, without any server, to its verdict.
+"""`clearance run FILE`: runs a campaign locally, without a service, to its verdict.
 
-The exit code is the verdict: 0 cleared, 1 violated, 2 inconclusive. Start reading at `run`.
+The exit code is the verdict: 0 cleared, 1 violated, 2 inconclusive.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def run(
     data: Data = DATA,
     database: Database = "",
 ) -> None:  # fmt: skip
-    """Run a campaign here and print its verdict; the exit code is the verdict."""
+    """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.runs import sources as sources  # first: it records the files before they are loaded
 
     _asked_right(file, onward, budget)
@@ -105,7 +105,7 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
 
 
 def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:
-    """What `--json` prints and result.json holds."""
+    """The content of `--json` and result.json."""
     from campaigns.results import ValidateResult, verdicts
 
     failed = 0 if verdict.evaluations is None else verdict.evaluations.failed

@@ -27,13 +27,13 @@ from worker.processes.lifeline import Wakeup
 from worker.processes.serving import Server, Servers
 
 PATIENCE = 300.0
-"""How long the service may take to come up [s]."""
+"""How long the service may take to start [s]."""
 
 UNUSABLE_SETTINGS = 2
-"""How the backend ends when it is its settings that keep it from starting."""
+"""The exit code of a backend that cannot start because of its settings."""
 
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-"""Asks this machine itself, whatever proxy the environment names."""
+"""Connects directly to this machine, ignoring any proxy of the environment."""
 
 
 def serve(
@@ -59,7 +59,7 @@ def serve(
 
 
 class _Serving:
-    """The course of one `serve`: start, wait until healthy, say so, watch, stop."""
+    """One `serve`: start, wait until healthy, print the link, watch, stop."""
 
     def __init__(self, host: str, port: int, data: Path, url: str, number: int, wakeup: Wakeup) -> None:
         self.address = f"http://{f'[{host}]' if ':' in host else host}:{port}"
@@ -72,7 +72,7 @@ class _Serving:
         python = [sys.executable, "-P", "-m"]
         logs = data / "logs"
         self.backend = Server("backend", [*python, "backend"], listen, logs / "backend.log", signal.SIGKILL)
-        # A worker that loses its parent still gives its run back; what it started dies with it.
+        # A worker that loses its parent still returns its run to the queue; its child processes die with it.
         self.workers = [
             Server(f"worker {i}", [*python, "worker.cli", "worker"], here, logs / f"worker-{i}.log", signal.SIGTERM)
             for i in range(1, number + 1)
@@ -98,7 +98,7 @@ class _Serving:
             _say("Stopped.")
 
     def _wait_until_healthy(self, begun: float) -> int | None:
-        """None once the backend answers and a worker has published what it offers; an exit code when that fails."""
+        """None once the backend answers and a worker has published its catalogue; an exit code if that fails."""
         deadline = time.monotonic() + PATIENCE
         healthy = offered = False
         while not (healthy and offered):
@@ -150,7 +150,7 @@ def _closed_to_others(data: Path, database: str) -> None:
 
 @contextmanager
 def _alone(data: Path) -> Iterator[None]:
-    """Holds the data folder: two services on one folder would void each other's login links."""
+    """Locks the data folder: two services on one folder would revoke each other's login links."""
     with (data / "serve.lock").open("a+") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -167,7 +167,7 @@ def _alone(data: Path) -> Iterator[None]:
 
 
 def _free_port(host: str, port: int) -> int:
-    """The port, or a free one for 0; `WrongInputError` when it cannot be had."""
+    """The port, or a free one for 0; `WrongInputError` if it is not available."""
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         with socket.socket(family, kind, protocol) as probe:
@@ -177,7 +177,7 @@ def _free_port(host: str, port: int) -> int:
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             hint = (
-                f"port {port} of {host} is taken by another program; choose another with --port, or 0 for any free one"
+                f"port {port} of {host} is in use by another program; choose another with --port, or 0 for any free one"
             )
         else:
             hint = f"cannot listen on {host}:{port}: {error.strerror}"

@@ -1,6 +1,6 @@
-"""`clearance submit FILE`: a campaign to a service, followed to its verdict: one line of a CI job.
+"""`clearance submit FILE`: submits a campaign to a service and follows it to its verdict, for a CI job.
 
-The exit code is the verdict, as of `clearance run`. Start reading at `submit`.
+The exit code is the verdict, as for `clearance run`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def submit(
     as_json: AsJson = False,
     patience: Patience = PATIENCE,
 ) -> None:  # fmt: skip
-    """Send a campaign to a service and wait for its verdict, which is the exit code."""
+    """Submit a campaign to a service and wait for its verdict, which is the exit code."""
     from campaigns.asked.load import load_text, read_text
     from worker.cli._campaign import found
     from worker.cli._following import follow_to_the_end, token_of

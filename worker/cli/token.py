@@ -1,4 +1,4 @@
-"""`clearance token create|list|revoke`: API tokens for programs (RFC 6750). Start reading at `create`."""
+"""`clearance token create|list|revoke`: API tokens for programs (RFC 6750)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`clearance validate FILE`: holds a campaign file against the components of this installation, without flying it."""
+"""`clearance validate FILE`: validates a campaign file against the components of this installation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def validate(
     ] = False,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON Schema of a campaign instead.")] = False,
 ) -> None:
-    """Check a campaign file: what is wrong with it, or its digest and what a run of it would do."""
+    """Check a campaign file: print its problems, or its digest and the stages of a run."""
     import json
 
     from campaigns import Campaign, CampaignError, check

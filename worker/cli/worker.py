@@ -1,6 +1,6 @@
-"""`clearance worker`: claims runs from the queue and works on them until it is stopped.
+"""`clearance worker`: claims runs from the queue and executes them until it is stopped.
 
-Start reading at `worker`; what it does is in `worker.processes.supervisor`.
+The work is done in `worker.processes.supervisor`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def worker(
     runner: Annotated[str, typer.Option(hidden=True)] = "worker.runs.runner:execute",
     lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,
 ) -> None:
-    """Work on runs from the queue. Start as many as there are cores; Ctrl-C gives the run back to the queue."""
+    """Execute runs from the queue. Start as many as there are cores; Ctrl-C returns the run to the queue."""
     from backend.db.engine import migrate
     from backend.db.private import UMASK
     from worker.processes.supervisor import Supervisor, default_name

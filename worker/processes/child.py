@@ -1,7 +1,7 @@
-"""The process that does a worker's work: it may crash, hang or hold the interpreter, and harms nobody else.
+"""The process that executes a worker's runs: a crash or hang affects no other process.
 
-Its supervisor writes claims to its standard input and reads one answer each, as lines of JSON; what the physics prints
-goes to standard error. Run as `python -m worker.processes.child`; start reading at `serve`.
+Its supervisor writes claims to its standard input and reads one answer each, as lines of JSON; output of the
+physics goes to standard error. Run as `python -m worker.processes.child`; start reading at `serve`.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ RUNNER = "worker.runs.runner:execute"
 
 
 def main() -> None:
-    """Read database and runner from the input, publish the catalogue, then work on claims until the input ends.
+    """Read database and runner from the input, publish the catalogue, then execute claims until the input ends.
 
-    Where the code changed while it was loaded, nothing is published: the supervisor starts another child.
+    If the code changed while it was loaded, nothing is published: the supervisor starts another child.
     """
     requests, answers = _private_streams()
     setup = json.loads(requests.readline())
@@ -55,7 +55,7 @@ def main() -> None:
 
 
 def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO) -> None:
-    """Work on one claim after the other; how each ended is an answer, never an exception.
+    """Execute one claim after the other; the outcome of each is an answer, never an exception.
 
     `{"fresh": true}` asks whether the loaded code is that of the files. A claim is not begun with other code.
     """
@@ -85,7 +85,7 @@ def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: C
         return {"outcome": "lost", "text": ""}
     except (CampaignUnusable, CampaignError, OtherComponents, OtherCode, ReplayMismatch) as error:
         return {"outcome": "unusable", "text": str(error)}
-    except MemoryError:  # the next attempt would need as much
+    except MemoryError:  # the next attempt would need as much memory
         traceback.print_exc()
         return {"outcome": "unusable", "text": memory.sentence()}
     except (Exception, SystemExit) as error:

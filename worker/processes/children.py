@@ -32,11 +32,11 @@ class Child:
         self.send(setup)
 
     def alive(self) -> bool:
-        """Whether it is still there."""
+        """Whether it is still running."""
         return self._process.poll() is None
 
     def send(self, message: JsonObject) -> None:
-        """Hand over one message; raises `ChildEndedError`."""
+        """Send one message; raises `ChildEndedError`."""
         assert self._process.stdin is not None
         data = memoryview(json.dumps(message).encode() + b"\n")
         try:
@@ -61,7 +61,7 @@ class Child:
         return message
 
     def kill(self) -> None:
-        """End it and all that it started."""
+        """Kill it and all its child processes."""
         lifeline.kill_group(self._process)
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:

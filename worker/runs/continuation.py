@@ -1,7 +1,7 @@
-"""A finished search goes on under a larger budget: the new run replays what the old one stored and flies only the rest.
+"""Extends a finished search: the new run replays the stored evaluations and simulates only the rest.
 
-A method is deterministic, so that its first evaluations under the larger budget are the stored ones, bit by bit. What
-flew depends on all that came before and is flown anew. What other code flew is refused. Start at `continued`.
+A method is deterministic, so its first evaluations under the larger budget are bit-identical to the stored ones. Stages
+that depend on all earlier ones are computed again. Runs of other code are refused. Start reading at `continued`.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ from worker.stages.parts.store import Columns, StagePlan, StageRecord
 
 
 class CannotContinue(ValueError):
-    """The run cannot be continued; the message says why and what can be done."""
+    """The run cannot be extended; the message states why and what to do."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """A search's budget afterwards: so many evaluations more, or so many in all."""
+    """A search's new budget: so many further evaluations, or so many in total."""
 
     evaluations: int
     more: bool
 
     @staticmethod
     def read(text: str) -> Budget:
-        """`+20000` is so many more, `20000` so many in all; raises `CannotContinue` for anything else."""
+        """`+20000` adds evaluations, `20000` is the total; raises `CannotContinue` for anything else."""
         if not re.fullmatch(r"\+?[0-9_]{1,12}", text) or int(text) < 1:
             raise CannotContinue(
-                f"the budget {text!r} is none; give +20000 for so many evaluations more, 20000 for so many in all"
+                f"invalid budget {text!r}: give +20000 for 20000 further evaluations, or 20000 for the total"
             )
         return Budget(int(text), text.startswith("+"))
 
@@ -54,22 +54,22 @@ class Budget:
 
 
 def continued(campaign: Campaign, budget: Budget) -> Campaign:
-    """The campaign with larger budgets for every search that can go on; raises `CannotContinue` where none can."""
+    """The campaign with larger budgets for every search that can be extended; raises `CannotContinue` if none can."""
     document = campaign.document()
     raised = [_raised(search, budget) for search in campaign.stages.search]
     if not any(raised):
         asked = words(listed([methods()[s.method].title for s in campaign.stages.search]))
         able = words(listed([m.title for m in methods().values() if m.extend is not None]))
         raise CannotContinue(
-            f"none of its searches ({asked}) goes on beyond {count(budget.evaluations)} evaluations; "
-            f"these can be continued: {able}"
+            f"none of its searches ({asked}) can be extended to {count(budget.evaluations)} evaluations; "
+            f"these can be extended: {able}"
         )
     document["stages"]["search"] = [
         changed or search for changed, search in zip(raised, document["stages"]["search"], strict=True)
     ]
-    larger = load_document(document, "the continued campaign")
+    larger = load_document(document, "the extended campaign")
     if problems := check(larger, catalogue()):
-        raise CannotContinue(f"a campaign like it is refused now: {'; '.join(map(str, problems))}")
+        raise CannotContinue(f"such a campaign is now refused: {'; '.join(map(str, problems))}")
     return larger
 
 
@@ -104,9 +104,9 @@ def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Colum
 
 
 def refuse_other_code(new: Campaign, then: Flown, modules: dict[str, str] | None = None) -> None:
-    """Raises `CannotContinue` where a run was flown by code or packages that may fly otherwise here.
+    """Raises `CannotContinue` if the code or packages of the run differ from this installation.
 
-    `modules` are the digests of its modules, where they are stored. What was not stored is not compared.
+    `modules` are the digests of its modules, if stored. Fields that were not stored are not compared.
     """
     here, code = flown(opened.system(new)), sources.code()
     others = differences(then, here, differing(modules, code.modules) if modules else None)

@@ -1,6 +1,6 @@
-"""What must be stored with a number so that it can be repeated: code, versions, machine, settings of the flight.
+"""The provenance stored with results so that they can be reproduced: code, versions, machine, settings.
 
-Stored as the first stage of a run begins; a run that other code began is refused. Start reading at `begin`.
+Stored when the first stage of a run begins; a run begun by other code is refused.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from worker.systems.base import System
 
 
 def begin(store: Store, system: System) -> None:
-    """Store what is about to fly; raises `backend.db.store.OtherCode` where other code has flown already."""
+    """Store the present versions; raises `backend.db.store.OtherCode` if the run was begun by other code."""
     store.flies(flown(system), sources.code())
 
 
 def flown(system: System) -> Flown:
-    """What evaluates in this process: versions of the code and its packages, the processor, the system."""
+    """The versions of the code and packages of this process, the processor, the system."""
     return Flown(
         clearance=version("clearance"),
         python=platform.python_version(),

@@ -1,4 +1,4 @@
-"""Runs a campaign stage by stage into a store, and resumes what a store holds already.
+"""Runs a campaign stage by stage into a store, or resumes a run from a store.
 
 Start reading at `execute`. The order of stages is `campaigns.stages.plan`; what each does is in `worker.stages`.
 """
@@ -40,7 +40,7 @@ def execute(
     """Run or resume a campaign to its verdict.
 
     Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
-    `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage is not what it was.
+    `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests other points.
     """
     problem = opened.problem(campaign)
     problem.system.warm()

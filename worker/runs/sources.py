@@ -1,4 +1,4 @@
-"""The source files of this installation: what this process loaded, and whether they are still the same.
+"""The source files of this installation: their content when loaded, and whether they have changed since.
 
 Imported first in every process that simulates: it records the files before they are loaded, so that an edit while they
 load shows. Packages that add components or methods by entry points are covered too. Start reading at `stale`, `code`.
@@ -19,11 +19,11 @@ from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, v
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # nothing of ours is loaded before its files are recorded
+if TYPE_CHECKING:  # no module is loaded before its files are recorded
     from campaigns.flown import Code
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "nlopt", "cma", "pymoo", "SALib")
-"""Packages of others that can change a number."""
+"""Third-party packages that can change a number."""
 
 GROUPS = ("clearance.components", "clearance.methods", "clearance.simulators")
 OURS = ("campaigns", "worker", "backend.db")
@@ -67,20 +67,20 @@ def note() -> Noted:
 
 
 def stale() -> bool:
-    """Whether the files, or the versions of the packages, are others now than those that this process loaded."""
+    """Whether the files or package versions have changed since this process loaded them."""
     global _same
     stamp = _stamp(LOADED.paths)  # before the files are read: an edit meanwhile shows the next time
     if stamp == _same:
         return False
     if note().digest != LOADED.digest:
         return True
-    _same = stamp  # they were touched, or something else appeared beside them
+    _same = stamp  # they were touched, or something else appeared next to them
     return False
 
 
 @cache
 def code() -> Code:
-    """The loaded code that can change a number; what documents it counts for nothing."""
+    """The loaded code that can change a number, without documentation."""
     from campaigns.flown import Code
 
     modules = {

@@ -1,4 +1,4 @@
-"""A store in memory, which the command line runs into and writes out. The seam is `worker.stages.parts.store`."""
+"""A store in memory for local runs of the command line; its interface is `worker.stages.parts.store`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The search methods, one file each, found by presence. Of ours they import the statuses of evaluations, nothing else.
+"""The search methods, one file each, discovered automatically. They import nothing else of Clearance except statuses.
 
 Start reading at `base.Method`.
 """

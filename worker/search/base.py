@@ -1,6 +1,6 @@
 """What a search method is: a generator that yields points of the unit cube and receives their batch.
 
-The driver counts, stores, stops at the budget and keeps the best point; a method only chooses points.
+The driver counts, stores, stops at the budget and tracks the best point; a method only chooses points.
 Start reading at `Method`.
 """
 
@@ -19,18 +19,19 @@ Floats = NDArray[np.float64]
 
 
 class Batch(NamedTuple):
-    """What the points of one request cost: costs (m, k), NaN where not ok; status (m,) uint8, numbered as `STATUS`."""
+    """The result of one request: costs (m, k), NaN where not ok; status (m,) uint8, numbered as `STATUS`."""
 
     costs: Floats
     status: NDArray[np.uint8]
 
     def ranked(self) -> Floats:
-        """The first criterion's costs (m,) with infinity where not ok: for comparing only, it is nobody's value."""
+        """The first criterion's costs (m,) with infinity where not ok: for comparisons only, it is not a value."""
         return np.where(self.status == OK, self.costs[:, 0], np.inf)
 
 
 class Minimum(NamedTuple):
-    """A local minimum a method ended at: point (n,), cost, the start it came from, evaluations spent, how it ended."""
+    """A local minimum at which a method ended: point (n,), cost, the start it came from, evaluations spent, how it
+    ended."""
 
     point: Floats
     cost: float
@@ -41,11 +42,11 @@ class Minimum(NamedTuple):
 
 @dataclass(frozen=True)
 class Space:
-    """What a method is given: the unit cube of `dimension`, its budget, seeded randomness, starts and distributions.
+    """The input of a method: the unit cube of `dimension`, its budget, seeded randomness, starts and distributions.
 
-    starts (s, n); quantile maps uniform numbers (m, n) to points drawn from the campaign's distributions; report
-    hands over a local minimum as soon as it is found, so that none is lost when the budget ends; attribute tells, just
-    before a request and in its order, which member of a method asks for how many of its points. A cost at or below the
+    starts (s, n); quantile maps uniform samples (m, n) to points drawn from the campaign's distributions; report
+    passes on a local minimum as soon as it is found, so that none is lost when the budget ends; attribute states, just
+    before a request and in its order, which member of a method requests how many of its points. A cost at or below the
     threshold is a violation; confidence is that of statements on its probability.
     """
 
@@ -63,9 +64,9 @@ class Space:
 class Ended(str):
     """The sentence of the rule by which a search stopped, with the rule's code and the numbers in the sentence.
 
-    `Ended("iterations", "did the {iterations} iterations asked for", iterations=100)`. A number is named in braces,
-    with its significant digits where it is no whole number: `{width:.3g}`; what stands there may be such a sentence
-    itself. A method may return a plain string: it has no code. `campaigns.claims.codes.StopCode` lists the codes.
+    `Ended("iterations", "completed the {iterations} iterations", iterations=100)`. A number is named in braces,
+    with its significant digits if it is not a whole number: `{width:.3g}`; the value may itself be such a sentence.
+    A method may return a plain string, which has no code. `campaigns.claims.codes.StopCode` lists the codes.
     """
 
     code: str
@@ -96,12 +97,12 @@ class Method:
     """A search method: its options' defaults are the published settings.
 
     `kind`: global methods must agree before anything is cleared; a random one draws from the distributions; a multi one
-    looks for the front of several criteria.
-    `starts`: it begins at points that the campaign may give.
-    `repeats`: it may ask for a point twice; the driver answers the second time from memory.
-    `extend`: the options under which a finished search goes on for at least so many evaluations more, the same ones
-    first; None where it cannot be continued.
-    `compiles`: it compiles parts of itself when it first runs; the driver lets it do so before time is counted.
+    searches for the Pareto front of several criteria.
+    `starts`: it begins at points that the campaign may specify.
+    `repeats`: it may request a point twice; the driver answers the second request from memory.
+    `extend`: the options that extend a finished search by at least so many evaluations, the same ones first; None if it
+    cannot be extended.
+    `compiles`: it compiles parts of itself when it first runs; the driver does this before it measures time.
     `look`: its colour and marker in charts; grey with a ring without one.
     """
 
@@ -121,14 +122,14 @@ class Method:
 
 
 AT_ONCE = 256
-"""Searches that `side_by_side` keeps going at a time: each may hold a thread."""
+"""Searches that `side_by_side` runs at a time: each may hold a thread."""
 
 
 def side_by_side(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats, Batch, list[str]]:
-    """Advance several searches together: one request holds the points that all of them want next.
+    """Advance several searches together: one request contains the next points of all of them.
 
-    Where there are more than `at_once`, the next begins when one has ended. Their order is the order given, so that
-    the outcome depends on nothing else. Returns their sentences.
+    If there are more than `at_once`, the next begins when one has ended. Their order is the given order, so the
+    outcome depends on nothing else. Returns their sentences.
     """
     said = [""] * len(searches)
     wanted: dict[int, Floats] = {}

@@ -1,9 +1,8 @@
 """Certify: an independent sample from the campaign's distributions, declared before the run, and what follows from it.
 
-Its numbers come from a stream of their own, apart from every search; no point is an optimiser's. Excluded draws are
-drawn again and counted. Where the scenario has noise, every draw simulates a realisation of its own
-(`worker.stages.parts.seeds`), so that the probability is that of the noisy system. A full grid, where asked for, claims
-nothing beyond its own points. Start reading at `run`.
+It has its own random stream, separate from every search; no point comes from an optimiser. Excluded draws are counted
+and drawn again. If the scenario has noise, every draw simulates its own realisation (`worker.stages.parts.seeds`), so
+that the probability is that of the noisy system. A full grid, if requested, supports no claim beyond its own points.
 """
 
 from __future__ import annotations
@@ -28,11 +27,11 @@ from worker.stages.parts.store import Columns
 from worker.stages.parts.streams import stream
 
 STREAM = 2**21
-"""Of random numbers: searches have those from 0 on."""
+"""Index of the random stream; searches use those from 0 on."""
 
 BLOCK = 4096
 MOST_DRAWS = 20
-"""Draws per flight asked for, excluded ones among them: a scenario that hardly ever holds is given up."""
+"""At most so many draws, including excluded ones, per requested sample: a limit for scenarios that rarely hold."""
 
 
 @dataclass
@@ -42,7 +41,7 @@ class _Drawn:
 
 
 def run(context: Context, position: int) -> Outcome[CertifyResult]:
-    """Draw and fly the sample, then the grid."""
+    """Draw and simulate the sample, then the grid."""
     problem, asked = context.problem, context.campaign.stages.certify
     assert asked is not None
     drawn = _Drawn()
@@ -54,7 +53,7 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, drawn=own)
     quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
     statement = sample.statement()
-    short = say("; only ", count(sample.size), " of ", count(asked.samples), f" {problem.words.many} were not excluded")
+    short = say("; only ", count(sample.size), " of ", count(asked.samples), " samples were not excluded")
     said = say(statement.said, "; ", quantile.said, short if sample.size < asked.samples else ())
     tally = driven.tally
     result = CertifyResult(
@@ -81,17 +80,17 @@ def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn
         drawn.draws += draws
         drawn.flown += int(np.count_nonzero(batch.status != EXCLUDED))
     if asked.grid is None:
-        return Ended("drawn", f"drew {{flights}} {problem.words.many}", flights=drawn.flown)
+        return Ended("drawn", "drew {flights} samples", flights=drawn.flown)
     points = asked.grid.points
     total = points**problem.dimension
     for first in range(0, total, BLOCK):
         yield _of_grid(np.arange(first, min(first + BLOCK, total)), points, problem.dimension)
-    ended = f"drew {{flights}} {problem.words.many} and {problem.words.evaluated} a grid of {{grid}}"
+    ended = "drew {flights} samples and evaluated a grid of {grid}"
     return Ended("drawn", ended, flights=drawn.flown, grid=total)
 
 
 def _of_grid(index: Any, points: int, dimension: int) -> Floats:
-    """Points of the full grid by their number, the last parameter fastest."""
+    """Points of the full grid by index; the last parameter varies fastest."""
     places = np.stack(np.unravel_index(index, (points,) * dimension), axis=1)
     return np.asarray(places / (points - 1))
 
@@ -102,7 +101,7 @@ def _rows(columns: Columns, first: int, last: int) -> Columns:
 
 
 def _grid(context: Context, points: int, columns: Columns, first: int) -> GridResult:
-    """The lowest of the grid and its spacing; between its points nothing is known."""
+    """The lowest point of the grid and its spacing; nothing is known between its points."""
     problem = context.problem
     flown = _rows(columns, first, len(columns.status))
     sample = Sample.of(flown, problem, context.campaign.confidence)
@@ -111,7 +110,7 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
         row = int(np.nanargmin(flown.costs[:, 0]))
         cost = float(flown.costs[row, 0])
         lowest = GridPoint(cost=cost, margin=cost - problem.threshold, parameters=problem.named(flown.points[row]))
-    found = say(f"none of them was {problem.words.done}")
+    found = say("none of them could be evaluated")
     if lowest is not None:
         found = say("lowest ", symbol(problem.quantity), " ", number(lowest.cost, problem.unit))
     return GridResult(
@@ -125,7 +124,7 @@ def _grid(context: Context, points: int, columns: Columns, first: int) -> GridRe
         said=say(
             *("full grid of ", count(points), " points on every axis, ", count(len(flown.status)), " in all: ", found),
             *(", ", count(sample.violations), " violate the criterion", sample.failures()),
-            "; nothing is claimed of what lies between",
+            "; nothing is claimed between these points",
         ),
     )
 

@@ -1,4 +1,4 @@
-"""Which stages there are: a module of this folder that has an attribute `stage` is one. Start reading at `stages`."""
+"""The stages that exist: every module of this folder that has an attribute `stage`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Nominal: the evaluation at the nominal values; everything else is compared with it."""
+"""Nominal: the evaluation at the nominal values, to which all others are compared."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from worker.stages.parts.outcome import Outcome, Stage
 def run(context: Context, position: int) -> Outcome[NominalResult]:
     """Evaluate the nominal case; its trace shows even an evaluation that failed."""
     problem = context.problem
-    driven = drive(context, position, once(problem.nominal_point[None, :], "flew the nominal case"), 1)
+    driven = drive(context, position, once(problem.nominal_point[None, :], "evaluated the nominal case"), 1)
     assert driven.columns is not None
     best = driven.tally.best
     result = NominalResult(

@@ -1,7 +1,7 @@
 """Search: one method looks for the lowest cost within its budget.
 
-For a random method the result holds the statement that its sample allows, for DIRECT an estimate of what it may have
-missed. Start reading at `run`.
+For a random method the result contains the statement that its sample allows, for DIRECT an estimate of the possible
+improvement below its best.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from worker.stages.parts.streams import stream
 
 
 def run(context: Context, position: int) -> Outcome[SearchResult]:
-    """Carry out the search stage that is planned at this position."""
+    """Run the search stage that is planned at this position."""
     index = sum(planned.kind == "search" for planned in context.plan[:position])
     asked = context.campaign.stages.search[index]
     method = methods()[asked.method]
@@ -58,7 +58,7 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
 
 @cache
 def _warm(name: str, dimension: int) -> None:
-    """Let a method compile what it compiles, on a bowl of its own: that is no time of the search, and done once."""
+    """Compile a method's kernels once, on a bowl function, so that compilation does not count as search time."""
     method, budget = methods()[name], 100 * dimension
     bowl = Space(dimension, budget, np.random.default_rng(0), np.empty((0, dimension)), lambda u: u, lambda m: None)
     search = method.search(bowl, method.options())
@@ -77,7 +77,7 @@ def _starts(context: Context, asked: Asked) -> Floats:
 
 
 def _place(minimum: Minimum, starts: Floats) -> int:
-    """Minima are told in the order of the campaign's starts, not in the order in which the descents happened to end."""
+    """Minima are listed in the order of the campaign's starts, not in the order in which the descents ended."""
     same = [i for i, start in enumerate(starts) if minimum.start is not None and np.array_equal(start, minimum.start)]
     return same[0] if same else len(starts)
 

@@ -1,7 +1,7 @@
 """Sensitivity: each parameter over its bounds, the others nominal; Morris and Sobol indices where asked for.
 
 Srikanthakumar, chapter 3: d_min against each parameter. One at a time shows main effects near the nominal point and
-nothing of interactions; the indices (`worker.stages.parts.indices`) cover the whole box. Start reading at `run`.
+no interactions; the indices (`worker.stages.parts.indices`) cover the whole box.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def _search(context: Context, asked: Sensitivity, found: list[SensitivityResult]
         random = stream(seed, indices.SOBOL_STREAM)
         sobol = yield from indices.sobol(problem, asked.sobol, random, confidence)
     found.append(SensitivityResult(points=asked.points, curves=through, morris=morris, sobol=sobol))
-    return "flew every curve"
+    return "evaluated every curve"
 
 
 stage = Stage("sensitivity", run)

@@ -1,8 +1,8 @@
-"""Validate: simulate every distinct worst case again by other means before anything is claimed of it.
+"""Validate: simulate every distinct worst case again by other means before anything is claimed about it.
 
 First `worker.stages.parts.findings` distinguishes the worst cases, polishes them and evaluates their neighbours; then
 each is confirmed at half the step and with the reference integrator (`confirm`), as are the violations that any stage
-has stored and a random choice of all evaluations (`offered`). Last comes what shows that the encounter took place
+has stored and a random choice of all evaluations (`offered`). The evidence that the encounter took place comes last
 (`encounter`). Start reading at `run`.
 """
 
@@ -63,7 +63,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
 
 
 def _closest(finding: Finding, flight: Trace | None) -> Finding:
-    """With the closest approach of the flight that shows it, where there is one."""
+    """The finding with the closest approach of its trace, if there is one."""
     if flight is None:
         return finding
     return finding.model_copy(update={"closest": ClosestApproach.of(flight.meta.closest, len(flight.data))})
@@ -87,7 +87,7 @@ def _budget(context: Context) -> int:
 def _gathered(context: Context, driven: Driven, found: findings.Found, unfinished: bool) -> Gathered:
     asked = context.campaign.stages.findings
     complete = driven.stop == "rule" and not unfinished
-    beyond = "" if complete else ": some findings may be one, or not polished to the end"
+    beyond = "" if complete else ": some findings may be duplicates, or not fully polished"
     return Gathered(
         distance=asked.distance,
         barrier=asked.barrier,
@@ -183,11 +183,11 @@ def _agreement(words: Words, cases: Sequence[Validation]) -> tuple[bool, Said]:
     agreed = [c.name for c in cases if c.agrees]
     said: list[Part] = []
     if wrong:
-        said.append(say(f"{words.disagrees} beyond tolerance for ", _cases(wrong)))
+        said.append(say(f"{words.disagrees} by more than the tolerance for ", _cases(wrong)))
     elif agreed:
         said.append(say(f"{words.agree} for ", _cases(agreed)))
     if apart:
-        said.append(say(f"{words.every} of ", _cases(apart), " violate, beyond tolerance apart"))
+        said.append(say(f"{words.every} of ", _cases(apart), " violate, but differ by more than the tolerance"))
     return not wrong, joined("; ", said)
 
 

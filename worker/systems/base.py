@@ -1,4 +1,4 @@
-"""The seam between what is asked and what can be evaluated: parameters in, values of results and reasons out.
+"""The interface between a campaign and what can be evaluated: parameters in, values of results and reasons out.
 
 Everything above (problem, stages, verdicts, runs) is written against `System`; the closed loop of components is one,
 a simulator of another package is another. Start reading at `System`.
@@ -121,25 +121,20 @@ class Scope:
 
 @dataclass(frozen=True)
 class Words:
-    """How sentences speak of an evaluation, and of what confirms it."""
+    """The words of sentences for an evaluation, and for what confirms it."""
 
     one: str
-    many: str
-    evaluated: str
-    """`flew` or `evaluated`."""
-    done: str
-    """`flown` or `evaluated`."""
     agree: str
-    """All other means agree, as a clause without an end: `half the step and DOP853 agree`."""
+    """All other means agree, as an open clause: `the step-halving check and DOP853 agree`."""
     disagrees: str
     every: str
     """`all integrations`."""
     again: str
     """`simulated again at half the step and with the reference integrator`."""
     reference: str
-    """What random evaluations are compared with."""
+    """The means with which random evaluations are compared."""
     check: str = "validation"
-    """The name of the verdict's check of what confirms."""
+    """The name of the verdict's check of the confirmation."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
-"""Agreement: did methods that searched come to the same place at the same cost?
+"""Agreement: did the methods find the same worst case at the same cost?
 
-A method's best counts where it lies in the basin of a listed finding (by the findings' own test) and its cost is within
-the campaign's `agreement` of the worst; so mirrored worst cases agree. Nobody agrees without having searched: a least
-budget, an end that means something, and a best below nominal. Start reading at `agreement`.
+A method's best counts if it is in the basin of a listed finding (by the findings' own test) and its cost is within the
+campaign's `agreement` of the worst; so mirrored worst cases agree. A method counts only if it really searched: with a
+minimum budget, until its own stopping rule or the end of its budget, and to a best below nominal.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ FLAT = 1e-6
 
 
 def agreement(problem: Problem, evidence: Evidence) -> Check:
-    """Every global method against the worst case known from anywhere, and at least two methods that came to it."""
+    """Whether every global method found the worst case known from any source, and at least two methods found it."""
     known, nominal, unit = evidence.finding, evidence.nominal.cost, problem.unit
     if known is None or nominal is None:
         return _check(False, "there is no worst case to agree on")
@@ -37,7 +37,7 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
     lazy = [said for s in globally if (said := _not_searched(s, problem.dimension))]
     if lazy:
         return _check(False, joined("; ", lazy))
-    # What drew its own noise no method has seen.
+    # No method has evaluated the cases that drew their own noise.
     worst = min([f.cost for f in evidence.findings if f.realisation is None], default=known.cost)
     within = max(allowed(problem, nominal - worst), 1e-9 * max(abs(worst), 1.0))
     late = [said for s in globally if (said := _stopped_short(s, worst, within, problem))]
@@ -45,7 +45,7 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
         return _check(False, "the worst case is ", number(worst, unit, "worst"), ", but ", joined(" and ", late))
     elsewhere = [_titled(s) for s in globally if _finding_of(s, evidence) is None]
     if elsewhere:
-        return _check(False, "the best of ", listed(elsewhere), " lies in the basin of no listed finding")
+        return _check(False, "the best of ", listed(elsewhere), " is not in the basin of any listed finding")
     counted = [
         s for s in aiming
         if not _not_searched(s, problem.dimension) and not _stopped_short(s, worst, within, problem)
@@ -55,12 +55,12 @@ def agreement(problem: Problem, evidence: Evidence) -> Check:
 
 
 def allowed(problem: Problem, fall: float) -> float:
-    """How far apart costs may be that agree, of a fall from nominal to worst [the criterion's unit]."""
+    """The largest difference of costs that agree, for this fall from nominal to worst [the criterion's unit]."""
     return min(problem.campaign.agreement, AT_MOST) * fall
 
 
 def varies(evidence: Evidence) -> float:
-    """By how much the criterion varies over all stored evaluations; 0 where that is rounding."""
+    """The spread of the criterion over all stored evaluations; 0 if it is rounding."""
     spread = evidence.encounter.spread
     if spread.lowest is None or spread.highest is None:
         return 0.0
@@ -71,14 +71,14 @@ def varies(evidence: Evidence) -> float:
 def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, nominal: float, unit: str) -> Check:
     reached = listed([_titled(s) for s in counted])
     if len({s.method for s in counted}) < 2:
-        return _check(False, "only ", reached, " reached the worst case; a verdict needs a second method to confirm it")
+        return _check(False, "only ", reached, " reached the worst case; a second method must confirm it")
     if not varies(evidence):
         flown = count(evidence.encounter.spread.evaluations, "evaluations")
         return _check(True, reached, " agree: the criterion does not vary over ", flown, " evaluations")
     if not worst < nominal:
         return _check(
             False,
-            "no method found anything below the nominal case, so that they agree shows nothing; widen the bounds, or "
+            "no method found a value below the nominal case, so their agreement shows nothing; widen the bounds, or "
             "move the nominal values away from the worst case",
         )
     apart = max(s.best.cost - worst for s in counted if s.best is not None)
@@ -95,13 +95,13 @@ def _titled(search: SearchResult) -> Span:
 
 
 def _not_searched(search: SearchResult, dimension: int) -> Said:
-    """Why a stage is no search, as a sentence; empty where it is one."""
+    """Why a stage does not count as a search, as a sentence; empty if it does."""
     title, spent = _titled(search), search.evaluations
     least = dimension * (GLOBAL_LEAST if search.kind == "global" else LOCAL_LEAST)
     if spent < least:
         many = " evaluation" if spent == 1 else " evaluations"
         ended = say(title, " ended after ", count(spent), many)
-        return say(ended, "; at least ", count(least), " are needed to count as a search")
+        return say(ended, "; at least ", count(least), " are required to count as a search")
     if search.kind == "local" and (search.stop is None or search.stop.kind != "rule"):
         return say(title, " spent its budget before it converged")
     return ()
@@ -109,12 +109,12 @@ def _not_searched(search: SearchResult, dimension: int) -> Said:
 
 def _stopped_short(search: SearchResult, worst: float, within: float, problem: Problem) -> Said:
     if search.best is None:
-        return say(_titled(search), f" found no {problem.words.one}")
+        return say(_titled(search), " evaluated no case successfully")
     by = search.best.cost - worst
     return say(_titled(search), " stopped ", number(by, problem.unit), " above it") if by > within else ()
 
 
 def _finding_of(search: SearchResult, evidence: Evidence) -> str | None:
-    """The finding whose basin holds a stage's best; stages are known by their place among the searches."""
+    """The finding whose basin contains a stage's best; stages are identified by their position among the searches."""
     at = next(i for i, s in enumerate(evidence.searches) if s is search)
     return evidence.validation.comparison[at].basin

@@ -1,7 +1,4 @@
-"""The checks of a verdict: everything that must hold before a campaign is cleared, each with its sentence.
-
-Start reading at `checks`.
-"""
+"""The checks of a verdict: everything that must hold before a campaign is cleared, each with its sentence."""
 
 from __future__ import annotations
 
@@ -16,7 +13,7 @@ from worker.verdicts.probability import probability
 
 
 def checks(problem: Problem, evidence: Evidence) -> list[Check]:
-    """All checks in the order in which they are read."""
+    """All checks in the order in which they are displayed."""
     return [
         _nominal(problem, evidence),
         _ended(problem, evidence),
@@ -34,17 +31,17 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
 def _nominal(problem: Problem, evidence: Evidence) -> Check:
     nominal, unit = evidence.nominal, problem.unit
     if nominal.status != "ok" or nominal.cost is None or nominal.margin is None:
-        said = say(f"the nominal {problem.words.one} was not evaluated: {nominal.reason}")
+        said = say(f"the nominal case was not evaluated: {nominal.reason}")
         return Check(code=CheckCode.NOMINAL, ok=False, said=said)
     cost, margin = number(nominal.cost, unit, "cost"), signed(nominal.margin, unit, "margin")
-    said = say(f"the nominal {problem.words.one} has ", cost, ", margin ", margin)
+    said = say("the nominal case has ", cost, ", a margin of ", margin)
     return Check(code=CheckCode.NOMINAL, ok=nominal.margin > 0, said=said)
 
 
 def _ended(problem: Problem, evidence: Evidence) -> Check:
     empty = [method(s.method, s.title) for s in evidence.searches if s.best is None]
     if empty:
-        said = say(joined(" and ", empty), f" evaluated no {problem.words.one} successfully")
+        said = say(joined(" and ", empty), " evaluated no case successfully")
         return Check(code=CheckCode.SEARCH, ok=False, said=said)
     stopped = [(s, s.stop) for s in evidence.searches if s.stop is not None]
     ways = joined(", ", [say(method(s.method, s.title), " ", unnamed(stop.said)) for s, stop in stopped])
@@ -53,12 +50,12 @@ def _ended(problem: Problem, evidence: Evidence) -> Check:
 
 
 def _no_violation(problem: Problem, evidence: Evidence) -> Check:
-    """Over every stored evaluation, whichever stage asked for it."""
+    """Over every stored evaluation of any stage."""
     worst, unit, code = evidence.finding, problem.unit, CheckCode.NO_VIOLATION
     if worst is None:
-        return Check(code=code, ok=False, said=say(f"no {problem.words.one} was evaluated"))
+        return Check(code=code, ok=False, said=say("no evaluation succeeded"))
     if worst.margin > 0 and not evidence.violating:
-        said = say(f"the worst {problem.words.one} found keeps a margin of ", signed(worst.margin, unit, "margin"))
+        said = say("the worst case found has a margin of ", signed(worst.margin, unit, "margin"))
         return Check(code=code, ok=True, said=said)
     counts = evidence.violations.said
     if worst.margin > 0:
@@ -70,16 +67,16 @@ def _no_violation(problem: Problem, evidence: Evidence) -> Check:
 
 
 def _minimum(problem: Problem, evidence: Evidence) -> Check:
-    """Nothing stored is lower than the worst finding, and it was polished to the end."""
+    """No stored evaluation is lower than the worst finding, and it was fully polished."""
     worst, unit, code = evidence.finding, problem.unit, CheckCode.MINIMUM
     if worst is None or evidence.lowest is None:
-        return Check(code=code, ok=False, said=say(f"no {problem.words.one} was evaluated"))
+        return Check(code=code, ok=False, said=say("no evaluation succeeded"))
     if evidence.lowest < worst.cost:
         lowest = number(evidence.lowest, unit, "lowest")
         return Check(code=code, ok=False, said=say("a stored evaluation has ", lowest, ", lower than every finding"))
     gathered = evidence.gathered
     if not gathered.complete:
-        said = say("the worst cases were not distinguished to the end: ", gathered.said)
+        said = say("the worst cases were not fully distinguished: ", gathered.said)
         return Check(code=code, ok=False, said=said)
     succeeded = count(evidence.succeeded, "evaluations")
     said = say(finding(worst.label), " is the lowest of all ", succeeded, " evaluations of all stages")
@@ -87,14 +84,15 @@ def _minimum(problem: Problem, evidence: Evidence) -> Check:
 
 
 def _validated(problem: Problem, evidence: Evidence) -> Check:
-    """Nominal and findings within tolerance, and no random evaluation on the other side of the threshold."""
+    """Nominal case and findings are within tolerance, and no random evaluation is on the other side of the
+    threshold."""
     validation, spot = evidence.validation, evidence.spot_checks
     ok = validation.ok and not spot.violating and (spot.compared > 0 or not spot.checked)
     return Check(code=CheckCode(problem.words.check), ok=ok, said=say(validation.said, "; ", spot.said))
 
 
 def _distances(problem: Problem) -> list[Check]:
-    """What bars "cleared" whatever is evaluated: that a vehicle inside an obstacle may count as clear, where it may."""
+    """What rules out "cleared" whatever is evaluated: that a vehicle inside an obstacle would count as clear."""
     return [Check(code=code, ok=False, said=said) for code, said in problem.system.bars()]
 
 

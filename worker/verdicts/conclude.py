@@ -1,8 +1,8 @@
-"""The verdict: what may be claimed from a run's stages, with the sentence that says why and the scope it holds for.
+"""The verdict: what may be claimed from a run's stages, with the sentence that explains it and its scope.
 
 violated: a finding at or below the threshold that every integration confirms. cleared: every check holds. Anything else
-is inconclusive, with the reasons. No verdict rests on one method or on the statistical bound alone, and none is
-"cleared" with a stored evaluation at or below the threshold. Start reading at `conclude`.
+is inconclusive, with the reasons. No verdict is based on one method or on the statistical bound alone, and none is
+"cleared" with a stored evaluation at or below the threshold.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from worker.verdicts.sentence import method_of, scope, sentence
 
 
 def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
-    """The verdict over the evidence, and everything that stands behind it."""
+    """The verdict on the evidence, with everything that supports it."""
     campaign = problem.campaign
     found, stated = checks(problem, evidence), statistics(evidence)
     verdict = _verdict(problem, found, evidence)

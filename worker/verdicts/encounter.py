@@ -1,7 +1,7 @@
-"""The encounter took place: conditions without which a cleared flight shows nothing of the avoidance.
+"""The encounter took place: conditions without which a cleared verdict shows nothing about the avoidance.
 
-Each is a check of its own with what to change. An author may state in the campaign that one is meant
-(`encounter.intended`), which the check and the sentence then say. Start reading at `encounter`.
+Each is a separate check with advice on what to change. An author may state in the campaign that one is intended
+(`encounter.intended`); the check and the sentence then report this.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Condition = tuple[bool, Said]
 
 
 def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
-    """One check for each condition; those that cannot be asked of the system and its criterion are left out."""
+    """One check for each condition; those that do not apply to the system and its criterion are omitted."""
     conditions: dict[CheckCode, Callable[[Problem, Evidence], Condition | None]] = {
         CheckCode.CLOSEST_APPROACH: _closest,
         CheckCode.MOTION: _motion,
@@ -49,14 +49,14 @@ def encounter(problem: Problem, evidence: Evidence) -> list[Check]:
 
 
 def stated(problem: Problem, checks: list[Check]) -> list[Said]:
-    """What the author states to be intended, of the conditions that do not hold otherwise, as sentences."""
+    """The conditions that do not hold but are intended according to the author, as sentences."""
     intended = problem.campaign.encounter.intended
     codes = {name.replace("_", " ") for name in intended}
     return [say(capital(c.said), ".") for c in checks if c.code in codes and "is intended" in c.text]
 
 
 def _without_advice(said: Said) -> Said:
-    """What was found, without what to change: up to the first semicolon."""
+    """What was found, without the advice: up to the first semicolon."""
     for i, span in enumerate(said):
         if isinstance(span, Text) and ";" in span.text:
             return say(said[:i], span.text.partition(";")[0])
@@ -68,10 +68,10 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
     closest |= {f.label: f.closest or ClosestApproach() for f in evidence.findings}
     late, early, none = ([case(name) for name, c in closest.items() if c.at == at] for at in ("end", "start", "none"))
     if none:
-        return False, say("no closest approach is known of ", listed(none))
+        return False, say("no closest approach is known for ", listed(none))
     if late:
         return False, say(
-            *("the closest approach of ", listed(late), " is at the end of the horizon, where the encounter is not "),
+            *("the closest approach of ", listed(late), " is at the end of the horizon, before the encounter is "),
             *("over; lengthen the horizon of ", number(problem.campaign.given_scenario.horizon, "s", "horizon")),
         )
     if early:
@@ -79,13 +79,13 @@ def _closest(problem: Problem, evidence: Evidence) -> Condition | None:
             *("the closest approach of ", listed(early), " is at the start, before anything could be avoided; start "),
             "farther away, or move the goal to the other side of the obstacle",
         )
-    return True, say("the closest approach of ", listed([*map(case, closest)]), " lies inside the horizon")
+    return True, say("the closest approach of ", listed([*map(case, closest)]), " is inside the horizon")
 
 
 def _motion(problem: Problem, evidence: Evidence) -> Condition | None:
     moved, nominal = evidence.encounter.moved, evidence.nominal.cost
     if moved is None or nominal is None:
-        return False, say("how far the vehicle moves is not known: the nominal case has no trace")
+        return False, say("the vehicle's motion is unknown: the nominal case has no trace")
     said = say("the vehicle moves ", number(moved, "m", "moved"), " in the nominal case")
     if moved <= MOVED * abs(nominal):
         return False, say(said, "; place the goal beyond the obstacle")
@@ -99,17 +99,18 @@ def _avoidance(problem: Problem, evidence: Evidence) -> Condition | None:
         return None
     if nominal is None or unseen.cost is None:
         return False, say(
-            f"what the avoidance does could not be shown: without it the nominal case fails ({unseen.reason}); "
+            f"the effect of the avoidance is unknown: without it the nominal case fails ({unseen.reason}); "
             "choose a nominal case that the vehicle completes without avoidance"
         )
     by, blind = nominal - unseen.cost, number(unseen.cost, unit, "unseen")
     if by <= FLAT * max(abs(nominal), abs(unseen.cost)):
         return False, say(
-            *("the avoidance makes no difference: with every obstacle unseen the nominal ", quantity, " is ", blind),
-            *(", with the avoider ", number(nominal, unit, "nominal"), "; place the obstacle where the vehicle would "),
-            "come nearer without avoidance",
+            *("the avoidance makes no difference: if the avoider sees no obstacle, the nominal ", quantity),
+            *(" is ", blind),
+            *(", otherwise ", number(nominal, unit, "nominal"), "; place the obstacle where the vehicle would "),
+            "come closer without avoidance",
         )
-    return True, say("with every obstacle unseen the nominal ", quantity, " would be ", blind)
+    return True, say("if the avoider saw no obstacle, the nominal ", quantity, " would be ", blind)
 
 
 def _influence(problem: Problem, evidence: Evidence) -> Condition:
@@ -121,4 +122,4 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
     parameters = problem.signs
     without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= FLAT * by]
     said = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
-    return True, say(said, "; on the slices ", listed(without), " alone changes nothing") if without else said
+    return True, say(said, "; no effect along the slices of ", listed(without)) if without else said

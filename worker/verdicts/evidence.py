@@ -1,7 +1,4 @@
-"""What a verdict is drawn from, and what a check is.
-
-Start reading at `Evidence`.
-"""
+"""The evidence that a verdict is based on."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ Part = TypeVar("Part")
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the stages found: results by kind, the worst finding, and the counts of all stored evaluations."""
+    """The stages' results by kind, the worst finding, and the counts of all stored evaluations."""
 
     nominal: NominalResult
     searches: list[SearchResult]
@@ -28,7 +25,7 @@ class Evidence:
     failed: int
     excluded: int
     lowest: float | None = None
-    """The lowest cost of all stored evaluations, whichever stage asked for it."""
+    """The lowest cost of all stored evaluations of any stage."""
     violating: int = 0
     """How many stored evaluations violate the criterion."""
     complete: bool = True
@@ -53,7 +50,7 @@ class Evidence:
 
     @property
     def encounter(self) -> Encounter:
-        """What shows that the encounter took place."""
+        """The evidence that the encounter took place."""
         return _stored(self.validation.encounter)
 
     @property
@@ -73,15 +70,15 @@ class Evidence:
 
     @property
     def sample(self) -> Sample | None:
-        """The independent sample that a probability is claimed from: that of the certify stage; without one, that of
-        the first random search whose points are independent. Either was declared with the campaign."""
+        """The independent sample that supports a claim on probability: that of the certify stage; without one, that of
+        the first random search whose points are independent. Both are declared in the campaign."""
         searched = [s.sample for s in self.searches if s.kind == "random" and s.sample is not None]
         samples = [self.certificate.sample] if self.certificate is not None else searched
         return next((s for s in samples if s.upper_bound is not None), None)
 
 
 def _stored(part: Part | None) -> Part:
-    """A part of the validate stage's result; only runs of earlier versions lack one, and are not concluded again."""
+    """A part of the validate stage's result; only runs of earlier versions lack one, and these get no new verdict."""
     if part is None:
         raise ValueError("the validate stage was carried out by an earlier version: run the campaign again")
     return part

@@ -1,7 +1,4 @@
-"""Probability of what: the statement of the independent sample, and the checks of the conditions under which it holds.
-
-Start reading at `probability`.
-"""
+"""The probability of a violation: the statement of the independent sample, and checks of the conditions it needs."""
 
 from __future__ import annotations
 
@@ -12,13 +9,13 @@ from worker.problem.problem import Problem
 from worker.verdicts.evidence import Evidence
 
 CEILING = 0.05
-"""The largest bound on P(violation) that a campaign without a target is cleared with."""
+"""The largest bound on P(violation) with which a campaign without a target is cleared."""
 EXCLUDED = 0.1
-"""The largest excluded fraction, of the draws or of all evaluations, that a campaign is cleared with."""
+"""The largest excluded fraction, of the draws or of all evaluations, with which a campaign is cleared."""
 
 
 def statistics(evidence: Evidence) -> Statistics | None:
-    """The statement of the sample, as the verdict keeps it; None without one."""
+    """The statement of the sample, as the verdict stores it; None without one."""
     sample = evidence.sample
     if sample is None or sample.upper_bound is None:
         return None
@@ -38,7 +35,7 @@ def statistics(evidence: Evidence) -> Statistics | None:
 
 
 def probability(problem: Problem, evidence: Evidence) -> list[Check]:
-    """The checks: the noise, what was excluded, and the bound."""
+    """The checks of the noise, the exclusions, and the bound."""
     return [*_noise(problem, evidence), *_excluded(evidence), *_bound(problem, evidence)]
 
 
@@ -49,18 +46,18 @@ def _noise(problem: Problem, evidence: Evidence) -> list[Check]:
     seeds = listed([str(seed) for seed in realised.seeds])
     if realised.several and realised.combine == "mean":
         said = say(
-            "every evaluation is the mean over noise realisations, in which a violation of one of them disappears; "
-            "combine them by worst"
+            "every evaluation is the mean over noise realisations, which can hide a violation in one of them; "
+            "set combine to worst"
         )
         return [Check(code=code, ok=False, said=said)]
     sample = evidence.sample
     if sample is None or sample.noise != "drawn":
         said = say(
             *("the scenario has noise and only the realisations with seeds ", seeds, " were simulated; add a certify "),
-            "stage, which draws a realisation with every flight",
+            "stage, which draws a realisation for every sample",
         )
         return [Check(code=code, ok=False, said=said)]
-    drew = "; the sample drew one with every flight"
+    drew = "; the independent sample drew one for every evaluation"
     return [
         Check(code=code, ok=True, said=say("the searches simulated the noise realisations with seeds ", seeds, drew))
     ]
@@ -73,10 +70,10 @@ def _excluded(evidence: Evidence) -> list[Check]:
         return []
     much = max(drawn, flown)
     of = "draws of the sample" if drawn >= flown else "evaluations"
-    excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known of them"
+    excluded = f" of the {of} start at or below the threshold and were excluded: nothing is known about them"
     said = say(percent(much, name="excluded"), excluded)
     if much > EXCLUDED:
-        said = say(said, "; narrow the bounds until at most ", percent(EXCLUDED, 6, "most"), " are")
+        said = say(said, "; narrow the bounds until at most ", percent(EXCLUDED, 6, "most"), " are excluded")
     return [Check(code=CheckCode.EXCLUSIONS, ok=much <= EXCLUDED, said=said)]
 
 
@@ -89,13 +86,13 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     bound = say("the bound of ", percent(sample.upper_bound, name="upper_bound"))
     if target is None:
         ok = sample.upper_bound <= CEILING
-        said = say(bound, f" on P(violation) is {'within' if ok else 'above'} the ", goal, " that is needed")
+        said = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
         if not ok:
-            more = "; draw more samples than "
-            said = say(said, more, count(sample.samples, "samples"), ", or state a target_probability")
+            more = " samples, or set target_probability"
+            said = say(said, "; draw more than ", count(sample.samples, "samples"), more)
         return [Check(code=CheckCode.PROBABILITY, ok=ok, said=said)]
     if problem.realisations.random and sample.noise != "drawn":
-        said = say(bound, " holds given stated noise realisations only; add a certify stage")
+        said = say(bound, " holds only for the stated noise realisations; add a certify stage")
         return [Check(code=CheckCode.TARGET, ok=False, said=said)]
     ok = sample.upper_bound <= target
     said = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)

@@ -1,4 +1,4 @@
-"""The sentences of a verdict: what was found, and the scope it holds for. Start reading at `sentence`."""
+"""The sentences of a verdict: what was found, and the scope it holds for."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from worker.verdicts.evidence import Evidence
 def sentence(
     problem: Problem, evidence: Evidence, verdict: VerdictWord, checks: list[Check], statistics: Statistics | None
 ) -> Said:
-    """The verdict as a sentence; every count is one of stored evaluations."""
+    """The verdict as a sentence; all counts are of stored evaluations."""
     found = evidence.finding
     quantity, limit = symbol(problem.quantity), number(problem.threshold, problem.unit, "threshold")
     if found is None:
@@ -55,11 +55,11 @@ def sentence(
             f"{caveat} A search can miss a worse case.",
         )
     why = joined("; ", [_reason(c) for c in checks if not c.ok])
-    return say("Nothing may be claimed: ", why, ". ", worst, " It comes from ", how, ".", lost)
+    return say("Nothing may be claimed: ", why, ". ", worst, " It was found in ", how, ".", lost)
 
 
 def scope(problem: Problem) -> Said:
-    """What the sentence holds for: the system with its conditions, bounds and settings."""
+    """The scope of the sentence: the system with its conditions, bounds and settings."""
     held, paths = problem.system.scope, problem.signs
     units = {p.path: p.unit for p in problem.system.parameters}
     bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
@@ -69,7 +69,7 @@ def scope(problem: Problem) -> Said:
 
 
 def _reason(check: Check) -> Said:
-    """Of the numbers of a check only the violations are numbers of the verdict, too."""
+    """The reason of a check; only the numbers of violations keep their names, because they are also the verdict's."""
     return check.said if check.code == CheckCode.NO_VIOLATION else unnamed(check.said)
 
 
@@ -82,14 +82,14 @@ def _worst(problem: Problem, found: Finding) -> Said:
 def _shown(problem: Problem, found: Finding, violation: Finding) -> Said:
     """Which violation was validated."""
     if violation is found:
-        return say("It was validated, and found")
+        return say("It was confirmed by validation and found")
     cost = number(violation.cost, problem.unit, "validated")
     milder = say(finding(violation.label), ", which has ", cost, _noise(violation.realisation))
-    return say("Validation did not confirm it, but ", milder, "; both were found")
+    return say("Validation did not confirm it, but confirmed ", milder, "; both were found")
 
 
 def _searched(evidence: Evidence) -> Said:
-    """Every method with what it evaluated itself."""
+    """Every method with the number of its own evaluations."""
     spent: dict[tuple[str, str], int] = {}
     for search in evidence.searches:
         of = (search.method, search.title)
@@ -110,7 +110,7 @@ def _counts(evidence: Evidence) -> Said:
 
 
 def _without_value(evidence: Evidence) -> Said:
-    """How many evaluations failed or were excluded; empty where all have a value."""
+    """How many evaluations failed or were excluded; empty if all have a value."""
     parts: list[Part] = []
     if evidence.failed:
         parts.append(say(count(evidence.failed, "without_value.failed"), " failed"))
@@ -121,14 +121,14 @@ def _without_value(evidence: Evidence) -> Said:
 
 
 def _apart(case: Validation | None, unit: str) -> Said:
-    """The three values of a violation whose integrations are beyond tolerance apart; empty where they agree."""
+    """The three values of a violation whose integrations differ by more than the tolerance; empty if they agree."""
     if case is None or case.agrees or case.agrees is None or case.half_step is None or case.integrator is None:
         return ()
     values = (case.cost, case.half_step.cost, case.integrator.cost)
-    step, half, other = (f"no value {unit}" if value is None else number(value, unit) for value in values)
+    step, half, other = ("no value" if value is None else number(value, unit) for value in values)
     return say(
-        *(" Every integration of it violates, but they are beyond tolerance apart: ", step, " at the step, ", half),
-        *(" at half of it, ", other, f" with {case.integrator.name}."),
+        *(" All its integrations violate the criterion but differ beyond tolerance: ", step, " at the step, "),
+        *(half, " at half the step, ", other, f" with {case.integrator.name}."),
     )
 
 

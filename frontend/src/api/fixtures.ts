@@ -43,7 +43,7 @@ export const validation = (more: Partial<Validation> = {}): Validation => ({
   violates: false, realisation: null, neighbours: null, ...more,
 })
 
-const AGREE = 'half the step and DOP853 agree for nominal'
+const AGREE = 'the step-halving check and DOP853 agree for nominal'
 
 export const validated = (more: Partial<ValidateResult> = {}): ValidateResult => ({
   stage: 'validate', ok: true, text: AGREE, said: [words(AGREE)], tolerance: 1e-3, nominal: validation(),

@@ -18,22 +18,22 @@ const MEANINGS: readonly Meaning[] = [
     says: 'A flight within the stated bounds reaches or violates the criterion, and other means confirmed it.',
     takes: [
       'A finding with a margin of zero or less.',
-      'The same flight also violates the criterion in the step-halving check and with the reference integrator. If the three differ by more than the tolerance, the verdict reports it.',
+      'The same case also violates the criterion in the step-halving check and with the reference integrator. If the three differ by more than the tolerance, the verdict reports it.',
     ],
-    not: 'It does not report how often this happens: see the bound on P(violation). A violation can exist that a thousand random flights never meet.',
+    not: 'It does not report how often this happens: see the bound on P(violation). A violation can exist that a thousand random samples never meet.',
   },
   {
     outcome: 'cleared',
-    says: 'No evaluated flight reaches the criterion, and the search was thorough enough to support the verdict.',
+    says: 'No evaluation reaches the criterion, and the search was thorough enough to support the verdict.',
     takes: [
-      'The nominal flight meets the criterion.',
+      'The nominal case meets the criterion.',
       'Every search ended by its own rule or its budget, and no stored evaluation of any stage violates the criterion.',
-      'The worst finding is the lowest of all evaluations, and it was polished to the end.',
+      'The worst finding is the lowest of all evaluations, and it was fully polished.',
       'Every global method reaches the worst case within the campaign’s agreement, by default 5 % of nominal minus worst, and at least two methods do.',
-      'The step-halving check and the reference integrator agree for the nominal flight and every finding, and no random evaluation violates the criterion with the reference integrator alone.',
+      'The step-halving check and the reference integrator agree for the nominal case and every finding, and no random evaluation violates the criterion with the reference integrator alone.',
       'No evaluation failed, and at most 10 % were excluded.',
       'The encounter took place: the closest approach is inside the horizon, the vehicle moves, the avoidance makes a difference, and so does a parameter.',
-      'With noise, an independent sample draws a realisation with every flight.',
+      'With noise, an independent sample draws a realisation for every evaluation.',
       'Where there is a sample, its bound on P(violation) meets the campaign’s target, or 5 % where none is stated.',
     ],
     not: 'It is not a proof. A search can miss a worse case, and the verdict holds only for this model, these bounds and this criterion. The verdict’s sentence and scope name them.',
@@ -59,18 +59,18 @@ const STATES: readonly Meaning[] = [
 ]
 
 const TERMS: readonly [string, ReactNode][] = [
-  ['Criterion', 'What every flight must meet, such as a minimum separation. The margin is the value less the criterion.'],
+  ['Criterion', 'What every evaluation must meet, such as a minimum separation. The margin is the value less the criterion.'],
   [
     'Finding',
     'One distinct worst case: a separate valley in the parameter space, polished and validated. Two minima count as one if they are close together or there is no barrier between them.',
   ],
   [
     'P(violation)',
-    'The probability that a flight drawn from the stated distributions violates the criterion. The bound comes from an independent, declared sample, never from a search’s own points (Clopper and Pearson 1934).',
+    'The probability that a case drawn from the stated distributions violates the criterion. The bound comes from an independent, declared sample, never from a search’s own points (Clopper and Pearson 1934).',
   ],
-  ['Failed evaluation', 'A flight that leaves the model’s envelope or becomes non-finite. It has no value, is counted, and rules out Cleared.'],
-  ['Excluded evaluation', 'A flight whose scenario is invalid, such as one that starts inside the safety radius. It cannot be evaluated.'],
-  ['Validation', 'The same flight at half the step and with the reference integrator (DOP853), and a few hundred of its neighbours. A lower neighbour replaces the finding. Stored violations and random evaluations are simulated again as well.'],
+  ['Failed evaluation', 'A simulation that leaves the model’s envelope or becomes non-finite. It has no value, is counted, and rules out Cleared.'],
+  ['Excluded evaluation', 'An evaluation whose scenario is invalid, such as one that starts inside the safety radius. It cannot be evaluated.'],
+  ['Validation', 'The same case at half the step and with the reference integrator (DOP853), and a few hundred of its neighbours. A lower neighbour replaces the finding. Stored violations and random evaluations are simulated again as well.'],
 ]
 
 export function VerdictsPage() {

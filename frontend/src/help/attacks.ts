@@ -30,14 +30,14 @@ export const ATTACKS: readonly Attack[] = [
     danger:
       'The horizon ends before the obstacle is near, the vehicle does not move, the avoidance makes no difference, or no uncertain parameter changes anything. Such a run is safe, and says nothing about the avoidance.',
     answer:
-      'Four checks: the closest approach is inside the horizon; the vehicle moves; the nominal case is simulated with every obstacle unseen and must come nearer; the criterion varies over the evaluations.',
+      'Four checks: the closest approach is inside the horizon; the vehicle moves; the nominal case is simulated without seeing any obstacle and must come closer; the criterion varies over the evaluations.',
   },
   {
     id: 'zero',
     title: 'A collision whose tolerance is 0',
     danger: 'A tolerance that is a fraction of the distance is 0 where the distance is 0: no collision could be confirmed.',
     answer:
-      'Tolerances have a floor of one millionth of the scale of the threshold. A violation counts when every integration violates, however far they are apart; if they are beyond tolerance apart, the verdict reports it.',
+      'Tolerances have a floor of one millionth of the scale of the threshold. A violation counts when every integration violates, however much they differ; if they are beyond tolerance apart, the verdict reports it.',
   },
   {
     id: 'jump',

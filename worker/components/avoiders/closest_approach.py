@@ -2,16 +2,16 @@
 
     r = p_B - q,  c = v_B - V_A:   tau = -r.c / c.c,   r_m = r + tau c = c^ x (r x c^)
     conflict:  0 < tau < horizon  and  |r_m| < r_safe
-    U_A = V_A tau - w (r_safe - |r_m|) r_m / |r_m|,  flown at the speed |V_A|
+    U_A = V_A tau - w (r_safe - |r_m|) r_m / |r_m|,  at the speed |V_A|
 
-V_A is the velocity flown without a conflict: `speed` towards the goal, less within speed / k_goal of it. r_safe is the
-obstacle's radius and the clearance. w is the share of the manoeuvre: 1 against what does not give way (sharing = 0),
-|v_B| / (|V_A| + |v_B|) between two that both follow the rule (sharing = 1): the slower moves more.
-Of several conflicts the soonest is resolved. A head-on encounter (|r_m| = 0) is resolved to the right.
+V_A is the velocity without a conflict: `speed` towards the goal, less within speed / k_goal of it. r_safe is the
+obstacle's radius plus the clearance. w is the fraction of the manoeuvre: 1 against an obstacle that does not give way
+(sharing = 0), |v_B| / (|V_A| + |v_B|) between two that both follow the rule (sharing = 1): the slower one moves more.
+Of several conflicts the earliest is resolved. A head-on encounter (|r_m| = 0) is resolved to the right.
 Source: Park, Oh and Tahk (2008); Srikanthakumar, equations 2.17 to 2.20. Reconstructed: V_A is the velocity towards
-the goal, not the one of the moment: with that one the manoeuvre would end itself as soon as it takes effect.
-Limits: velocities are taken as constant; whoever rests at its goal gives way to nothing; a new conflict that the
-manoeuvre leads into is seen only when it is the soonest.
+the goal, not the current one, with which the manoeuvre would end as soon as it takes effect.
+Limits: velocities are assumed constant; a vehicle at rest at its goal does not give way; a new conflict caused by the
+manoeuvre is resolved only once it is the earliest.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from worker.physics.fields import cruise
 class ClosestApproach(NamedTuple):
     speed: Annotated[float, Parameter("m/s", "Speed towards the goal", 0.0, 1e3)] = 1.0
     k_goal: Annotated[float, Parameter("1/s", "Speed per distance near the goal", 1e-3, 1e3)] = 1.0
-    clearance: Annotated[float, Parameter("m", "Distance to keep from the obstacle's surface", 0.0, 1e5)] = 1.0
-    horizon: Annotated[float, Parameter("s", "How far ahead conflicts are resolved", 1e-2, 1e5)] = 10.0
-    sharing: Annotated[float, Parameter("", "Share left to the other: 0 nothing, 1 by the rule", 0.0, 1.0)] = 0.0
+    clearance: Annotated[float, Parameter("m", "Clearance from the obstacle's surface", 0.0, 1e5)] = 1.0
+    horizon: Annotated[float, Parameter("s", "Time horizon of conflicts", 1e-2, 1e5)] = 10.0
+    sharing: Annotated[float, Parameter("", "Fraction left to the other: 0 nothing, 1 by the rule", 0.0, 1.0)] = 0.0
 
 
 class Goal(NamedTuple):

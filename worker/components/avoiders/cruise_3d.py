@@ -1,8 +1,8 @@
-"""No avoidance in space: flies on at the planned speed, heading and climb, whatever is in the way.
+"""No avoidance in space: keeps the planned speed, heading and climb, regardless of obstacles.
 
     V = speed (cos(climb) cos(heading), cos(climb) sin(heading), -sin(climb))
 
-Axes with z down. Shows what an encounter would be without avoidance.
+Axes with z down. A baseline that shows the encounter without avoidance.
 Source: Srikanthakumar, section 7.4 and figure 7.4.
 """
 
@@ -17,7 +17,7 @@ from worker.physics.space import Vector, course
 
 
 class Nothing(NamedTuple):
-    """It has nothing to set."""
+    """No parameters."""
 
 
 @kernel
@@ -34,7 +34,7 @@ def remember(p: Nothing) -> tuple[()]:
 
 component = Avoider(
     name="cruise_3d",
-    title="No avoidance, flies on",
+    title="No avoidance, constant velocity",
     dimension=3,
     demand="velocity",
     parameters=Nothing,

@@ -9,10 +9,10 @@ h, v: position and velocity of the robot; n: unit vector to the nearest point of
 centre, for a circle); rho_s: distance from the surface; rho_m: distance needed to brake at A_max; any number of
 obstacles of any shape. Farther from the goal than s the attraction is conic: its force stays k_att s (2.7).
 Source: Ge and Cui, Dynamic motion planning for mobile robots using potential field method (2002); Srikanthakumar,
-equations 3.21, 3.28 to 3.36. The case called "not defined" there (rho_s < rho_m) is held at gap = floor, as is
+equations 3.21, 3.28 to 3.36. The case called "not defined" there (rho_s < rho_m) is limited to gap = floor, as is
 rho_s: a reconstruction, not reached in case 2. The potential vanishes at gap = rho_0, but its gradient, the force,
-does not, and it jumps at v_RO = 0 too: where a flight crosses these edges, an integrator's error falls with the first
-power of its step only, and the side on which an obstacle is passed can hang on it.
+does not, and it also jumps at v_RO = 0: where a trajectory crosses these edges, the integration error is only of first
+order in the step, and the side on which an obstacle is passed can depend on it.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class GeCui(NamedTuple):
     eta: Annotated[float, Parameter("N m2", "Strength of the repulsion", 0.0, 1e9, symbol="η")] = 5.3
     rho_0: Annotated[float, Parameter("m", "Range of the repulsion, after braking", 1e-2, 1e5, symbol="ρ_0")] = 4.0
     A_max: Annotated[float, Parameter("m/s2", "Greatest deceleration", 1e-3, 1e3)] = 0.71
-    floor: Annotated[float, Parameter("m", "Distance at which the repulsion is held", 1e-6, 1e3)] = 0.1
-    s: Annotated[float, Parameter("m", "Distance from the goal beyond which the pull is constant", 1e-3, 1e9)] = 1e9
+    floor: Annotated[float, Parameter("m", "Distance below which the repulsion is constant", 1e-6, 1e3)] = 0.1
+    s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
 
 
 class Goal(NamedTuple):
@@ -44,7 +44,7 @@ def repulsion(body: Any, v: tuple[float, float], p: GeCui) -> tuple[float, float
     vy = v[1] - body.vy
     closing = -(vx * body.nx + vy * body.ny)
     along, across = relative(body.gap, closing, p.eta, p.rho_0, p.A_max, p.floor)
-    # n is the normal turned round
+    # n is the reversed normal
     return across * (vx + closing * body.nx) - along * body.nx, across * (vy + closing * body.ny) - along * body.ny
 
 

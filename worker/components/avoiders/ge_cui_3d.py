@@ -10,7 +10,7 @@ centre, for a sphere); rho_s: distance from the surface; rho_m: distance needed 
 obstacles of any shape. Farther from the goal than s the attraction is conic: its force stays k_att s (2.7).
 Source: Ge and Cui, Dynamic motion planning for mobile robots using potential field method (2002); Srikanthakumar,
 equations 3.21 and 3.28 to 3.35, extended to space as in section 3.5. The case called "not defined" there
-(rho_s < rho_m) is held at gap = floor, as is rho_s: a reconstruction, not reached in case 4. The force jumps at
+(rho_s < rho_m) is limited to gap = floor, as is rho_s: a reconstruction, not reached in case 4. The force jumps at
 gap = rho_0 and at v_RO = 0.
 """
 
@@ -29,7 +29,7 @@ class GeCui(NamedTuple):
     eta: Annotated[float, Parameter("N m2", "Strength of the repulsion", 0.0, 1e9, symbol="η")] = 1.3e4
     rho_0: Annotated[float, Parameter("m", "Range of the repulsion, after braking", 1e-2, 1e5, symbol="ρ_0")] = 50.0
     A_max: Annotated[float, Parameter("m/s2", "Greatest deceleration", 1e-3, 1e3)] = 10.0
-    floor: Annotated[float, Parameter("m", "Distance at which the repulsion is held", 1e-6, 1e3)] = 2.0
+    floor: Annotated[float, Parameter("m", "Distance below which the repulsion is constant", 1e-6, 1e3)] = 2.0
     s: Annotated[float, Parameter("m", "Distance from the goal beyond which the attraction is constant", 1e-3, 1e9)] = (
         1e9
     )
@@ -55,7 +55,7 @@ def weigh(
     vx = v[0] - body.vx
     vy = v[1] - body.vy
     vz = v[2] - body.vz
-    closing = -(vx * body.nx + vy * body.ny + vz * body.nz)  # n is the normal turned round
+    closing = -(vx * body.nx + vy * body.ny + vz * body.nz)  # n is the reversed normal
     along, across = relative(body.gap, closing, p.eta, p.rho_0, p.A_max, p.floor)
     inward = across * closing - along
     return (

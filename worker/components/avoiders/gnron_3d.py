@@ -1,12 +1,12 @@
-"""Potential field in space whose goal stays reachable beside an obstacle (GNRON).
+"""Potential field in space whose goal stays reachable next to an obstacle (GNRON).
 
     U_rep = 1/2 k_rep (1/d - 1/d_0)^2 g^n   for d <= d_0,   g = |goal - q|
     F = k_att (goal - q) + sum over obstacles of
         k_rep (1/d - 1/d_0) g^n / d^2 * normal  +  n/2 k_rep (1/d - 1/d_0)^2 g^(n-1) * unit vector to the goal
 
 d is the distance from the obstacle's surface, normal the unit vector away from it: any number of obstacles of any
-shape. Farther from the goal than s the attraction is conic: its force stays k_att s (2.7). Inside d = 1 mm the
-repulsion is held at its value there.
+shape. Farther from the goal than s the attraction is conic: its force stays k_att s (2.7). Below d = 1 mm the
+repulsion keeps its value at 1 mm.
 Source: Ge and Cui, New potential functions for mobile robot path planning (2000); Srikanthakumar, equations 2.7 and
 2.9. n is 0, 1, 2 or 3 (rounded); 0 is FIRAS (2.8). With n >= 1 the repulsion vanishes at the goal, which FIRAS does not
 do; local minima remain.
@@ -27,7 +27,7 @@ class Gnron(NamedTuple):
     k_rep: Annotated[float, Parameter("N m3/(m^n)", "Strength of the repulsion", 0.0, 1e12)] = 4.0
     d_0: Annotated[float, Parameter("m", "Distance from the surface at which repulsion begins", 1e-2, 1e5)] = 2.0
     n: Annotated[float, Parameter("", "Power of the distance to the goal: 0, 1, 2 or 3", 0.0, 3.0)] = 2.0
-    s: Annotated[float, Parameter("m", "Distance from the goal beyond which the pull is constant", 1e-3, 1e9)] = 1e9
+    s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
 
 
 class Goal(NamedTuple):
@@ -70,7 +70,7 @@ def remember(p: Gnron) -> tuple[()]:
 
 component = Avoider(
     name="gnron_3d",
-    title="Potential field, goal reachable beside obstacles",
+    title="Potential field, goal reachable near obstacles",
     dimension=3,
     demand="force",
     parameters=Gnron,

@@ -5,21 +5,22 @@
     V_d = |V_AB| cos(eta - xi) [cos(eta) r^ + sin(eta) h^] + V_B                      (7.7)
 
 r: from the own position to the intruder; xi: angle of V_AB from r towards h^; eta = asin(R_p / |r|), at most eta_max;
-h^: unit vector across r to the side taken. Without a conflict the planned velocity is flown. Of several conflicts the
-one with the soonest closest approach is resolved.
+h^: unit vector perpendicular to r, to the side taken. Without a conflict the planned velocity is kept. Of several
+conflicts the one with the earliest closest approach is resolved.
 
-side   -1 left, 1 right of the line of sight in the horizontal, committed; 0 free: whither V_AB points already (7.7);
-       2 the side it points to at the first sample of a conflict, committed for the flight
+side   -1 left, 1 right of the line of sight in the horizontal, committed; 0 free: the side V_AB already points to
+       (7.7); 2 the side it points to at the first sample of a conflict, committed for the flight
 gate   0 acts on every intruder that comes closer within range; 1 while d_AB <= R_p; 2 from the first d_AB <= R_p on,
-       until nothing comes closer; 3 while xi < eta, then holds the last demand; 4 while xi < eta, else as planned
+       until none comes closer; 3 while xi < eta, then holds the last demand; 4 while xi < eta, otherwise as planned
 
-V_A and V_B are read with errors: own speed + du at the track + dpsi, the intruder's speed + du0 at its track turned by
-dpsi0, anticlockwise seen from above. V_A is the planned velocity, unless `instant` is 1. Range and its rate are exact.
-Source: Srikanthakumar, section 7.2; equation 7.7 is 0/0 at xi = 0, the form above equals it elsewhere. Reconstructed:
-R_p (planning) apart from the radius to be kept, range, eta_max, side, gate, "readings at the nominal case" as the
-planned velocity, and the sense of dpsi0. Meant for guidance sampled at its own period. Axes with z down.
-Limits: pairwise; velocities are taken as constant; a committed side is the least change among level courses only;
-envelope and dynamics of the aircraft are left to its autopilot.
+V_A and V_B are measured with errors: own speed + du at the track + dpsi, the intruder's speed + du0 at its track turned
+by dpsi0, anticlockwise seen from above. V_A is the planned velocity, unless `instant` is 1. Range and its rate are
+exact.
+Source: Srikanthakumar, section 7.2; equation 7.7 is 0/0 at xi = 0, the form above equals it elsewhere.
+Reconstructed: R_p (planning) separate from the safe radius, range, eta_max, side, gate, "readings at the nominal case"
+as the planned velocity, and the sense of dpsi0. Intended for guidance sampled at its own period. Axes with z down.
+Limits: pairwise; velocities are assumed constant; a committed side is the least change among level courses only; the
+aircraft's envelope and dynamics are handled by its autopilot.
 """
 
 from __future__ import annotations
@@ -39,11 +40,11 @@ class Choice(NamedTuple):
 
 MinimumDeviation = extended("MinimumDeviation", Sensing, Choice)
 Memory = tuple[float, float, float, float, float, float]
-"""Latched, side committed to (0: none yet), last demand (3) [m/s], whether there is one."""
+"""Latched, committed side (0: none yet), last demand (3) [m/s], whether there is one."""
 
 
 class Soonest(NamedTuple):
-    """What the obstacles weighed so far come to: the soonest conflict, and the demand that resolves it [m/s]."""
+    """The result of the obstacles considered so far: the earliest conflict, and the demand that resolves it [m/s]."""
 
     wait: float
     x: float
@@ -78,7 +79,7 @@ def weigh(
     acts = within if (p.gate > 0.5) & (p.gate < 1.5) else acts
     acts = latched if (p.gate > 1.5) & (p.gate < 2.5) else acts
     passed = 1.0 if (p.gate > 2.5) & (xi >= e.turn) else 0.0
-    wait = e.wait + 0.5 * NEVER * passed  # one in conflict goes before one that is passed clear already
+    wait = e.wait + 0.5 * NEVER * passed  # an intruder in conflict takes precedence over one that is already clear
     sooner = acts & near & (wait < s.wait)
     return Soonest(
         wait if sooner else s.wait,

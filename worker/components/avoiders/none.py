@@ -1,10 +1,10 @@
-"""No avoidance in the plane: attracted by the goal alone, whatever is in the way.
+"""No avoidance in the plane: attracted by the goal only, regardless of obstacles.
 
     F = k_att (goal - q)                          within the distance s of the goal
     F = k_att s (goal - q) / |goal - q|           farther away
 
 Source: Srikanthakumar, equations 2.5 to 2.7 and 3.29, k_att = 2 k_a; the second line is the conic part, whose force
-does not grow with the distance. Shows what an encounter would be without avoidance.
+does not grow with the distance. A baseline that shows the encounter without avoidance.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from worker.physics.fields import attraction
 
 class Attraction(NamedTuple):
     k_att: Annotated[float, Parameter("N/m", "Attraction per distance to the goal", 0.0, 1e6)] = 1.0
-    s: Annotated[float, Parameter("m", "Distance from the goal beyond which the pull is constant", 1e-3, 1e9)] = 1e9
+    s: Annotated[float, Parameter("m", "Distance to the goal beyond which attraction is constant", 1e-3, 1e9)] = 1e9
 
 
 class Goal(NamedTuple):

@@ -1,19 +1,19 @@
 """Optimal reciprocal collision avoidance (ORCA) of one agent in the plane.
 
-The velocity nearest to the preferred one that keeps clear of every disc for a time tau.
+The velocity closest to the preferred one that avoids every disc for a time tau.
 
 For each disc B, with r = p_B - q, w = v - v_B, R = radius of B + radius: u is the smallest change of w that leaves the
-velocity obstacle {w : |r - w t| < R for some t in [0, tau]}, n its outward normal there, and the velocity must lie in
+velocity obstacle {w : |r - w t| < R for some t in [0, tau]}, n its outward normal there, and the velocity must be in
 the half-plane  (V - v - c u) . n >= 0.  c = 1/2 where B does the same, 1 where it does not.
 The demand is the point of all half-planes and of the disc |V| <= v_max nearest to V_pref, which is of length `speed`
-towards the goal, less within speed / k_goal of it. Discs that overlap already are left within `escape`.
+towards the goal, less within speed / k_goal of it. The vehicle leaves discs that already overlap within `escape`.
 Source: van den Berg, Guy, Lin and Manocha, Reciprocal n-body collision avoidance (2011), sections 4 and 5.1. Of their
-incremental linear program three steps are taken, each on the half-plane that is violated most: exact when no more than
-three are in the way at once; a fourth waits until it is among the worst three.
+incremental linear program three steps are taken, each on the half-plane that is violated most: exact if at most three
+are active at once; a fourth is ignored until it is among the worst three.
 Approximated: where no velocity satisfies all (their section 5.3 makes the largest violation smallest), the half-plane
-at hand is held and its violation of the others is shared between the two that bound it, and the speed stays within
-v_max. A box is taken for its circumscribed disc. The robot cannot move sideways and takes time to follow: `radius`
-needs a margin for that, which the method does not give.
+in question is satisfied and its violation of the others is split between the two that bound it, and the speed stays
+within v_max. A box is replaced by its circumscribed disc. The robot cannot move sideways and takes time to follow:
+`radius` needs a margin for that, which the method does not provide.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class Orca(NamedTuple):
     v_max: Annotated[float, Parameter("m/s", "Greatest speed", 1e-3, 1e3)] = 1.5
     k_goal: Annotated[float, Parameter("1/s", "Speed per distance near the goal", 1e-3, 1e3)] = 1.0
     radius: Annotated[float, Parameter("m", "Own radius with margin", 0.0, 1e4)] = 0.5
-    tau: Annotated[float, Parameter("s", "Time for which it keeps clear", 1e-2, 1e4, symbol="τ")] = 5.0
-    escape: Annotated[float, Parameter("s", "Time in which an overlap is left", 1e-2, 1e4)] = 0.5
-    c: Annotated[float, Parameter("", "Share of the change that it makes itself", 0.0, 1.0)] = 1.0
+    tau: Annotated[float, Parameter("s", "Time horizon of the avoidance", 1e-2, 1e4, symbol="τ")] = 5.0
+    escape: Annotated[float, Parameter("s", "Time to leave an overlap", 1e-2, 1e4)] = 0.5
+    c: Annotated[float, Parameter("", "Fraction of the change that the vehicle makes", 0.0, 1.0)] = 1.0
 
 
 class Goal(NamedTuple):
@@ -45,12 +45,12 @@ Pair = tuple[float, float]
 Line = tuple[float, float, float, float]
 PARALLEL = 1e-9
 TOUCHING = 1e-9
-"""What is violated by less than this is kept [m/s]."""
+"""Violations below this count as satisfied [m/s]."""
 
 
 @kernel
 def half_plane(body: Any, q: Pair, v: Pair, p: Orca) -> Line:
-    """A point of the edge and the unit normal into the permitted side."""
+    """A point on the edge and the unit normal towards the permitted side."""
     rx = body.x - q[0]
     ry = body.y - q[1]
     vx = v[0] - body.vx
@@ -81,7 +81,7 @@ def half_plane(body: Any, q: Pair, v: Pair, p: Orca) -> Line:
 
 @kernel
 def bounded(low: float, high: float, line: Line, other: Line) -> Pair:
-    """The stretch of the edge of `line` from low to high, as far as it lies in the half-plane `other`."""
+    """The stretch of the edge of `line` from low to high, clipped to the half-plane `other`."""
     rate = other[2] * line[3] - other[3] * line[2]
     short = (other[0] - line[0]) * other[2] + (other[1] - line[1]) * other[3]
     crosses = abs(rate) > PARALLEL
@@ -95,7 +95,7 @@ def bounded(low: float, high: float, line: Line, other: Line) -> Pair:
 def tightened(
     best: Pair, wish: Pair, last: Line, before: Line, q: Pair, v: Pair, bodies: Any, p: Orca
 ) -> tuple[Pair, Line]:
-    """The point nearest to `wish` that keeps the half-plane that `best` violates most, and those kept last."""
+    """The point closest to `wish` that satisfies the half-plane most violated by `best`, and the previous ones."""
     worst, doubt = -TOUCHING, 0.0
     x, y, nx, ny = 0.0, 0.0, 0.0, 0.0
     for body in bodies:
@@ -132,7 +132,7 @@ def steer(t: float, q: Pair, v: Pair, goal: Goal, bodies: Any, memory: tuple[()]
     wish = (k * x, k * y)
     none = (0.0, 0.0, 0.0, 0.0)
     best, first = tightened(wish, wish, none, none, q, v, bodies, p)
-    # how many there are is known to the compiler: these are no branches
+    # their number is a compile-time constant, so these are not branches
     if len(bodies) > 1:
         best, second = tightened(best, wish, first, none, q, v, bodies, p)
         if len(bodies) > 2:

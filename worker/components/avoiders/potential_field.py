@@ -3,10 +3,10 @@
     F = k_att (goal - q) + sum over obstacles with d <= d_0 of k_rep (1/d - 1/d_0) / d^2 * n
 
 d is the distance from the obstacle's surface, n the unit vector away from it: any number of obstacles of any shape.
-Inside d = 1 mm the repulsion is held at its value there: it is finite everywhere. The attraction is quadratic and not
+Below d = 1 mm the repulsion keeps its value at 1 mm, so it is finite everywhere. The attraction is quadratic and not
 limited far from the goal; with a conic one this is `gnron` with n = 0.
-Source: Khatib, Real-time obstacle avoidance for manipulators and mobile robots (1986); Srikanthakumar, equations
-3.11 (attraction), 2.8 and 3.13 (repulsion). Local minima and goals inside d_0 of an obstacle are known traits of the
+Source: Khatib, Real-time obstacle avoidance for manipulators and mobile robots (1986); Srikanthakumar, equations 3.11
+(attraction), 2.8 and 3.13 (repulsion). Local minima and goals inside d_0 of an obstacle are known properties of the
 method.
 """
 

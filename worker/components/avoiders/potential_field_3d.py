@@ -3,11 +3,11 @@
     F = k_att (goal - q) + sum over obstacles with d <= d_0 of k_rep (1/d - 1/d_0) / d^2 * n
 
 d is the distance from the obstacle's surface, n the unit vector away from it: any number of obstacles of any shape.
-Farther from the goal than s the attraction is conic: its force stays k_att s (2.7). Inside d = 1 mm the repulsion is
-held at its value there.
+Farther from the goal than s the attraction is conic: its force stays k_att s (2.7). Below d = 1 mm the repulsion keeps
+its value at 1 mm.
 Source: Khatib, Real-time obstacle avoidance for manipulators and mobile robots (1986), FIRAS; Srikanthakumar, equations
-2.7, 2.8, 3.11, 3.13 and 3.45. Local minima and goals inside d_0 of an obstacle are known traits of the method; close to
-an obstacle the force may turn right round.
+2.7, 2.8, 3.11, 3.13 and 3.45. Local minima and goals inside d_0 of an obstacle are known properties of the method;
+close to an obstacle the force may reverse.
 """
 
 from __future__ import annotations

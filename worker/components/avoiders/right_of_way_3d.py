@@ -1,24 +1,25 @@
 """Decision-making avoidance of intruders in space, by the rules of right of way.
 
-Conflict (d_AB <= R_p while the range closes) and resolution (7.7) are those of the least deviation, but the side is the
-one that the rules leave, and who has the right of way flies on as planned:
+Conflict (d_AB <= R_p while the range closes) and resolution (7.7) are as for the least deviation, but the rules
+determine the side, and the aircraft with the right of way continues as planned:
 
     head-on      each turns right                      bearing of the other and its reciprocal course within `ahead`
     overtaking   the overtaker turns right             own position within `astern` of the other's tail
     overtaken    has the right of way                  other's position within `astern` of the own tail
-    converging   who has the other on the right gives way and does not pass in front: turns right
-                 who has the other on the left has the right of way
+    converging   the aircraft with the other on its right gives way and does not pass in front: turns right
+                 the aircraft with the other on its left has the right of way
 
-Rules are tried in this order. Who has the right of way acts all the same when the closest approach is nearer than
-`last_resort` in time: the other does not give way. It then passes behind what comes from the left, and turns away from
-what overtakes it to the side that V_AB points to. A duty holds until the conflict it was taken up for is over: until
-another intruder's is the soonest, or none comes closer within range.
-Altitude is not a rule's matter: all encounters are taken for such at about the same level.
+Rules are tried in this order. An aircraft with the right of way nevertheless acts when the time to the closest approach
+is below `last_resort`, because the other does not give way. It then passes behind traffic from the left, and turns away
+from overtaking traffic to the side that V_AB points to. A duty holds until its conflict is over: until another
+intruder's is the earliest, or none comes closer within range.
+The rules do not depend on altitude: all encounters are treated as if at about the same level.
 
 Source: ICAO Annex 2, Rules of the Air, section 3.2.2 (3.2.2.2 head-on, 3.2.2.3 converging, 3.2.2.4 overtaking and its
 70 degrees), named as future work by Srikanthakumar, section 8.2; conflict and resolution, section 7.2 there. `ahead`
-and `last_resort` are chosen: the rules give no numbers. Readings, errors and limits as for the least deviation: V_A is
-the planned velocity + (du, dpsi) unless `instant` is 1. Meant for guidance sampled at its own period. Axes with z down.
+and `last_resort` are chosen; the rules give no values. Readings, errors and limits as for the least deviation: V_A is
+the planned velocity + (du, dpsi) unless `instant` is 1. Intended for guidance sampled at its own period. Axes with z
+down.
 """
 
 from __future__ import annotations
@@ -48,20 +49,20 @@ class Rules(NamedTuple):
     )
     astern: Annotated[float, Parameter("rad", "Overtaking: largest angle off the tail", 0.0, 1.6)] = 1.2217304763960306
     last_resort: Annotated[
-        float, Parameter("s", "Time to the closest approach at which the right of way is given up", 0.0, 1e5)
+        float, Parameter("s", "Time to the closest approach below which the right of way is waived", 0.0, 1e5)
     ] = 12.0
 
 
 RightOfWay = extended("RightOfWay", Sensing, Rules)
 Memory = tuple[float, float]
-"""The duty taken up, and the number of the intruder it is owed to."""
+"""The current duty, and the index of the intruder that it concerns."""
 
 NO_DUTY, STANDS_ON, GIVES_WAY, OVERTAKEN = -1.0, 0.0, 1.0, 2.0
 
 
 @kernel
 def duty(e: Encounter, p: Any) -> float:
-    """What the rules ask for: GIVES_WAY; to fly on, STANDS_ON or OVERTAKEN."""
+    """The duty under the rules: GIVES_WAY; to continue, STANDS_ON or OVERTAKEN."""
     own, other = norm2(e.own[0], e.own[1]), norm2(e.other[0], e.other[1])
     level = norm2(e.n[0], e.n[1])
     bow = (e.own[0] * e.n[0] + e.own[1] * e.n[1]) / (own * level + 1e-12)
@@ -79,7 +80,7 @@ def duty(e: Encounter, p: Any) -> float:
 
 
 class Soonest(NamedTuple):
-    """What the obstacles weighed so far come to: the soonest conflict, the demand that resolves it [m/s], the duty."""
+    """The result of the obstacles considered so far: the earliest conflict, its resolving demand [m/s], the duty."""
 
     wait: float
     x: float

@@ -8,10 +8,10 @@
     rudder   =   K_d3 (r - g sin(phi) cos(theta) / V)
     throttle =  throttle_trim + K_p4 e_u + K_i4 int(e_u)
 
-D is the demand, F or V. u_d is held within [u_min, u_max], the path angle within gamma_max, e_psi (wrapped) within
-e_max, phi_d within phi_max, commands within their stops; an integrator stands still while its command is at a stop
-and the error pushes on. u, V: forward speed and speed through the air. The rudder damps what differs from the yaw rate
-of a co-ordinated turn. Trim: level flight of the nominal aircraft at the nominal start speed.
+D is the demand, F or V. u_d is limited to [u_min, u_max], the path angle within gamma_max, e_psi (wrapped) within
+e_max, phi_d within phi_max, commands within their stops; an integrator is frozen while its command is at a stop and the
+error would drive it further. u, V: forward speed and speed through the air. The rudder damps deviations from the yaw
+rate of a co-ordinated turn. Trim: level flight of the nominal aircraft at the nominal start speed.
 Source: Srikanthakumar, equations 3.46 to 3.50, with roll and yaw as aircraft are flown (Beard and McLain, Small
 Unmanned Aircraft (2012), section 6.1). Gains and limits are chosen, not published.
 """

@@ -8,8 +8,9 @@
     rudder   = -(K_p3 e_psi + K_i3 int(e_psi) - K_d3 r)
     throttle =  throttle_trim + K_p4 e_u + K_i4 int(e_u)
 
-D is the demand, F or V. u_d is held within [u_min, u_max], the path angle within gamma_max, e_psi (wrapped) within
-e_max, commands within their stops; an integrator stands still while its command is at a stop and the error pushes on.
+D is the demand, F or V. u_d is limited to [u_min, u_max], the path angle within gamma_max, e_psi (wrapped) within
+e_max, commands within their stops; an integrator is frozen while its command is at a stop and the error would drive it
+further.
 u is the forward speed through the air. Trim: level flight of the nominal aircraft at the nominal start speed.
 Source: Srikanthakumar, equations 3.46 to 3.50, derivative terms as rate feedback. Reconstructed: all gains and
 limits; pitch as a deviation from trim (without it the aircraft would fly a path angle of -alpha); signs by those of

@@ -6,11 +6,11 @@
     u_d     = k_p (D . heading)
     omega_d = k_q / (a^2 + 1) (a D . left + angle(D, heading))
 
-D is the demanded force or velocity; a velocity is followed as it is, with k_p = 1. u_d is held within
-[u_low, u_high], omega_d within [-w_high, w_high]. angle is wrapped to (-pi, pi], and 0 where D is 0.
-Anti-windup: while a speed stands at its stop and the robot would accelerate beyond it, the integral is
-int(e - k_aw A), A the acceleration that the stop takes away. The controller does not measure A: it has the *nominal*
-robot's model (3.18, 3.19) and its own output, and so knows A up to the uncertainty of the parameters.
+D is the demanded force or velocity; a velocity is followed directly, with k_p = 1. u_d is limited to
+[u_low, u_high], omega_d to [-w_high, w_high]. angle is wrapped to (-pi, pi], and 0 where D is 0.
+Anti-windup: while a speed is at its stop and the robot would accelerate beyond it, the integral is
+int(e - k_aw A), A the acceleration removed by the stop. The controller does not measure A: it computes A from the
+*nominal* robot's model (3.18, 3.19) and its own output, so A is known up to the uncertainty of the parameters.
 Source: Srikanthakumar, equations 3.22 (PI), 3.25 to 3.27 and 3.37. Reconstructed: all gains (they are not given),
 the wrapped angle, the form of the anti-windup (only named there). The reference speeds have no limits of their own.
 """
@@ -30,7 +30,7 @@ class PiAntiWindup(NamedTuple):
     K_2: Annotated[float, Parameter("", "Turn loop, proportional gain", 0.0, 1e4)] = 1.3
     K_3: Annotated[float, Parameter("1/s", "Speed loop, integral gain", 0.0, 1e4)] = 0.41
     K_4: Annotated[float, Parameter("1/s", "Turn loop, integral gain", 0.0, 1e4)] = 0.057
-    k_aw: Annotated[float, Parameter("s", "Anti-windup, per acceleration taken away", 0.0, 1e3)] = 1.0
+    k_aw: Annotated[float, Parameter("s", "Anti-windup, per acceleration removed", 0.0, 1e3)] = 1.0
     u_low: Annotated[float, Parameter("m/s", "Lowest demanded speed", -100.0, 100.0)] = 0.0
     u_high: Annotated[float, Parameter("m/s", "Highest demanded speed", -100.0, 100.0)] = 1.6
     w_high: Annotated[float, Parameter("rad/s", "Highest demanded turn rate, either way", 0.0, 100.0, "ω_high")] = 3.5
@@ -67,7 +67,7 @@ Pair = tuple[float, float]
 
 @kernel
 def derive(p: PiAntiWindup, trim: Any) -> tuple[float, ...]:
-    # what is not a number among the limits would be lost in comparisons: 0 times them carries it on
+    # comparisons would drop a NaN among the limits: 0 times them propagates it
     turn = p.k_q / (trim.a * trim.a + 1.0) + 0.0 * (p.u_low + p.u_high + p.w_high)
     return (
         p.k_p, turn, turn * trim.a, p.K_1, p.K_2, p.K_3, p.K_4, p.k_aw, p.u_low, p.u_high, p.w_high,

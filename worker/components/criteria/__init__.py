@@ -1,1 +1,1 @@
-"""One file, one criteria."""
+"""One file, one criterion."""

@@ -1,13 +1,15 @@
-"""Goal miss: the smallest distance to the goal over the flight.
+"""Goal miss: the smallest distance to the goal over the trajectory.
 
-    d_goal = min over t <= T of |q(t) - g|,   0 where the flight passes through the goal g; more is worse
+    d_goal = min over t <= T of |q(t) - g|,   0 if the trajectory passes through the goal g; more is worse
 
-The least over the flight, not what is left at its end: an aircraft cannot stop at its goal, and whether it got there
-does not depend on how long it is flown on. A flight that is still under way at the horizon T misses by what is left.
+The minimum over the trajectory, not the distance at its end: an aircraft cannot stop at its goal, and whether it got
+there does not depend on how long the simulation continues. If the vehicle is still under way at the horizon T, the miss
+is the remaining distance.
 Between steps the minimum is refined by a parabola through three samples of the squared distance, as for the separation:
-smooth in the parameters but near 0, where a distance has a corner; half the step changes it by the step's own error.
+smooth in the parameters except near 0, where a distance has a corner; halving the step changes it by the integration
+error only.
 Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is the miss distance of guidance.
-Limits: needs a goal that is a place; an avoider that holds a course has none.
+Limits: needs a goal with a position; an avoider that holds a heading has none.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from worker.kernels.maths import kernel
 
 
 class GoalMiss(NamedTuple):
-    """It has nothing to set."""
+    """No parameters."""
 
 
 @kernel

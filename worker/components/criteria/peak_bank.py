@@ -1,12 +1,12 @@
-"""Peak bank: the largest bank angle of an aircraft over the flight, to either side.
+"""Peak bank: the largest bank angle of an aircraft over the trajectory, to either side.
 
     phi_peak = max over t <= T of |phi(t)|,   phi the roll angle of the Euler angles; more is worse
 
 Between steps the maximum is refined by a parabola through three samples: the roll angle is the integral of a rate, so
-its peaks are smooth, and so is the value in the parameters, but where two peaks are equally high. Half the step changes
-it by the step's own error.
+its peaks are smooth, and so is the value in the parameters, except where two peaks are equally high. Halving the step
+changes it by the integration error only.
 Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is the usual one.
-Limits: of vehicles in space; the aircraft's own envelope ends a flight at 2 rad.
+Limits: only for vehicles in space; the aircraft's own envelope ends a flight at 2 rad.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from worker.kernels.maths import kernel
 
 
 class PeakBank(NamedTuple):
-    """It has nothing to set."""
+    """No parameters."""
 
 
 @kernel

@@ -1,17 +1,17 @@
-"""Peak command: the largest share of its full deflection that any input reaches over the flight.
+"""Peak command: the largest fraction of its full deflection that any input reaches over the trajectory.
 
     u_peak = max over t <= T and inputs i of |u_i(t)| / s_i;   s_i = 0: it does not count; more is worse
 
-u_i are the inputs as they arrive at the vehicle, behind all faults of actuators and before its own stops, in the order
-in which the vehicle lists them; s_i is the full deflection of each, such as its stop or its rated value, in its unit.
-Inputs differ in unit and size, so neither the largest of them nor their norm means anything across vehicles; their
-shares do: 1 is an input at its stop, more is a command that the stop cuts off. With the defaults it is the magnitude of
-the first input in its own unit.
-Read at the steps, not between them: a command may jump, at a sample of guidance or a failure, and a parabola would
+u_i are the inputs as they arrive at the vehicle, after all actuator faults and before its own stops, in the order in
+which the vehicle lists them; s_i is the full deflection of each, such as its stop or its rated value, in its unit.
+Inputs differ in unit and size, so neither their maximum nor their norm can be compared across vehicles; the fractions
+can: 1 is an input at its stop, more is a command that the stop cuts off. With the defaults it is the magnitude of the
+first input in its own unit.
+Evaluated at the steps, not between them: a command may jump, at a sample of guidance or a failure, and a parabola would
 overshoot there. The value is continuous in the parameters where the commands are, with corners where another step or
-input becomes the largest; half the step changes it by the second order of the step at a smooth peak.
-Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is ours.
-Limits: counts the first four inputs; shares are of 0, not of the trim.
+input becomes the largest; halving the step changes it by second order in the step at a smooth peak.
+Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is Clearance's own.
+Limits: counts the first four inputs; deflections are measured from 0, not from the trim.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class PeakCommand(NamedTuple):
 
 
 class Weights(NamedTuple):
-    """What each input counts."""
+    """The fraction for each input."""
 
     w_1: float
     w_2: float
@@ -53,7 +53,7 @@ def derive(p: PeakCommand, trim: Any) -> tuple[float, float, float, float]:
 
 @kernel
 def larger(a: float, b: float) -> float:
-    """The larger of two; NaN where either is."""
+    """The larger of two; NaN if either is."""
     return (a if a > b else b) + 0.0 * (a + b)
 
 

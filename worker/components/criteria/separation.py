@@ -1,11 +1,11 @@
-"""Separation from centres: the smallest distance to any obstacle's centre over the flight.
+"""Separation from centres: the smallest distance to any obstacle's centre over the trajectory.
 
     d_min = min over t <= T and obstacles of |q(t) - c(t)|,   clear when d_min > threshold
 
 Source: Srikanthakumar, equations 1.1 and 1.2; the threshold is r = r_0 + r_safe. The minimum over time is refined by
 the parabola through three samples of the squared distance, so the sampling adds no false minima.
-A flight that starts at or inside the threshold is excluded: nothing can be shown of it.
-The extent of the obstacles is not looked at: a threshold below an obstacle's reach lets the vehicle be inside it.
+A simulation that starts at or inside the threshold is excluded: it would show nothing.
+The extent of the obstacles is ignored: with a threshold below an obstacle's radius the vehicle may be inside it.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
-"""Separation from surfaces: the smallest distance to any obstacle's surface over the flight, negative inside.
+"""Separation from surfaces: the smallest distance to any obstacle's surface over the trajectory, negative inside.
 
     c_min = min over t <= T and obstacles of s(q(t)) - r_b,   clear when c_min > threshold
 
 s is the signed distance from the vehicle's reference point to the obstacle's surface, r_b the radius of a disc or
-sphere about that point that holds the vehicle's body; 0 judges the reference point alone. The minimum over time is
+sphere about that point that contains the vehicle's body; 0 considers the reference point only. The minimum over time is
 refined by the parabola through three samples of the distance. Outside a convex obstacle s is smooth, and the error of
 that is of the second order in the step where the nearest part of the surface changes, else of the fourth. Inside, where
 s has ridges, the lowest value is that at the steps or somewhat below it.
-A flight that starts at or inside the threshold is excluded: nothing can be shown of it.
+A simulation that starts at or inside the threshold is excluded: it would show nothing.
 Source: signed distances to boxes and cylinders, Ericson, Real-Time Collision Detection (2005), sections 5.1.3 and
 5.1.4; the radius of the body as in Srikanthakumar, equations 1.1 and 1.2 (r_0).
 """

@@ -1,12 +1,13 @@
-"""Time to goal: the first instant within a radius of the goal; the horizon where there is none.
+"""Time to goal: the first instant within a radius of the goal; the horizon if there is none.
 
     t_goal = min {t <= T : |q(t) - g| <= R},   T where the set is empty; more is worse
 
 The crossing is found on the straight line through the distances at the two steps around it, so t_goal is smooth in the
-parameters while the flight gets there, of second order in the step, and exact for straight flight at the goal. It jumps
-to T where a flight only just misses the circle or sphere of radius R: no gradient leads across.
-Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is ours.
-Limits: a passage shorter than a step is missed; T says "not in time" whatever is left; needs a goal that is a place.
+parameters while the vehicle gets there, of second order in the step, and exact for a straight path to the goal. It
+jumps to T where the vehicle just misses the circle or sphere of radius R: no gradient leads across.
+Source: Srikanthakumar, chapter 8, asks for several criteria at once; the definition is Clearance's own.
+Limits: a passage shorter than a step is missed; T means "not in time", whatever distance is left; needs a goal with a
+position.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from worker.kernels.maths import kernel
 
 
 class TimeToGoal(NamedTuple):
-    radius: Annotated[float, Parameter("m", "How near counts as there", 1e-6, 1e6, symbol="R")] = 1.0
+    radius: Annotated[float, Parameter("m", "Radius in which the goal counts as reached", 1e-6, 1e6, symbol="R")] = 1.0
 
 
 @kernel

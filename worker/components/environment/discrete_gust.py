@@ -20,7 +20,7 @@ class DiscreteGust(NamedTuple):
     x: Annotated[float, Parameter("m/s", "Gust, x", -100.0, 100.0)] = 0.0
     y: Annotated[float, Parameter("m/s", "Gust, y", -100.0, 100.0)] = 0.0
     z: Annotated[float, Parameter("m/s", "Gust, z", -100.0, 100.0)] = 0.0
-    at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
+    at: Annotated[float, Parameter("s", "Start time", 0.0, 1e6)] = 0.0
     rise: Annotated[float, Parameter("s", "Time to its full speed", 1e-3, 1e6)] = 1.0
     hold: Annotated[float, Parameter("s", "Time at its full speed", 0.0, 1e6)] = 0.0
 

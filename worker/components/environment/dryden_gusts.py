@@ -14,8 +14,8 @@ filters as states, driven by white noise, with n held for `period` and of unit i
 They start in their stationary state, so the statistics are the same from the first second on. n comes from a hash of
 (seed, axis, number of the sample). Height and airspeed are constants of the flight, not the vehicle's present ones.
 u is along the vehicle's horizontal velocity over ground, v to the side of the y axis from there, w along z; MIL-F-8785C
-takes the horizontal airspeed instead. Turbulent rotation (p, q, r) is left out. W = 7.7, 15.4 and 23.2 m/s (15, 30,
-45 kn) are light, moderate and severe. Robots that do not feel the air ignore it.
+takes the horizontal airspeed instead. Turbulent rotation (p, q, r) is ignored. W = 7.7, 15.4 and 23.2 m/s (15, 30,
+45 kn) are light, moderate and severe. It has no effect on ground robots.
 Source: MIL-F-8785C, section 3.7 (Dryden form; low-altitude model, 10 ft to 1000 ft).
 """
 
@@ -32,7 +32,7 @@ class DrydenGusts(NamedTuple):
     W: Annotated[float, Parameter("m/s", "Wind at 6 m above ground", 0.0, 60.0)] = 0.0
     h: Annotated[float, Parameter("m", "Height above ground", 3.048, 304.8)] = 50.0
     V: Annotated[float, Parameter("m/s", "Airspeed", 0.1, 500.0)] = 15.0
-    period: Annotated[float, Parameter("s", "For how long the driving noise is held", 1e-3, 10.0)] = 0.1
+    period: Annotated[float, Parameter("s", "Hold period of the driving noise", 1e-3, 10.0)] = 0.1
     seed: Annotated[float, Parameter("", "Which realisation", 0.0, 16777215.0)] = 0.0
 
 

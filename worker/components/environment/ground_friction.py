@@ -1,9 +1,9 @@
-"""Rolling resistance of the ground: a share of the weight, against the motion.
+"""Rolling resistance of the ground: a fraction of the weight, against the motion.
 
     F_r = -c m g  along the heading when rolling forwards
 
-c is the coefficient of rolling resistance: 0.01 on a hard floor, 0.05 on grass, 0.2 in sand. What it does to a robot
-is the robot's own. Aircraft ignore it.
+c is the coefficient of rolling resistance: 0.01 on a hard floor, 0.05 on grass, 0.2 in sand. Its effect is
+part of the robot's model. It has no effect on aircraft.
 Source: Wong, Theory of Ground Vehicles (2008); Srikanthakumar, section 1.2 (friction of different
 surfaces).
 """

@@ -2,8 +2,8 @@
 
     dz/dx = x,  dz/dy = y        (rise per metre along the world's axes; 0.1 is 10 %)
 
-What it does to a robot is the robot's own: gravity along its heading. The distances of the criterion stay those in
-the plane. Aircraft ignore it.
+Its effect is part of the robot's model: gravity along its heading. The criterion's distances remain those in the plane.
+It has no effect on aircraft.
 Source: Srikanthakumar, section 1.2 and step 3 of section 1.3 (changes of the operation environment).
 """
 

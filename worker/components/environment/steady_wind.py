@@ -2,8 +2,8 @@
 
     W = (x, y, z) + (shear_x, shear_y) (q_z - reference)
 
-W is the velocity of the air in the world frame [m/s], q_z the vehicle's place on the world's z axis (down in NED, so
-that a wind that grows with height has a shear against it). Robots that do not feel the air ignore it.
+W is the velocity of the air in the world frame [m/s], q_z the vehicle's position on the world's z axis (down in NED, so
+that a wind that grows with height has a shear against it). It has no effect on ground robots.
 Source: Etkin, Dynamics of Atmospheric Flight (1972); Srikanthakumar, section 1.2 (wind as a change of the operation
 environment).
 """
@@ -23,7 +23,7 @@ class SteadyWind(NamedTuple):
     z: Annotated[float, Parameter("m/s", "Wind, z", -100.0, 100.0, symbol="W_z")] = 0.0
     shear_x: Annotated[float, Parameter("1/s", "Change of the wind along z, x", -10.0, 10.0)] = 0.0
     shear_y: Annotated[float, Parameter("1/s", "Change of the wind along z, y", -10.0, 10.0)] = 0.0
-    reference: Annotated[float, Parameter("m", "Where on the z axis the wind is (x, y, z)", -1e6, 1e6)] = 0.0
+    reference: Annotated[float, Parameter("m", "Value of z at which the wind is (x, y, z)", -1e6, 1e6)] = 0.0
 
 
 @kernel

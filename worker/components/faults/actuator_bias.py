@@ -1,9 +1,9 @@
-"""Actuator bias: an input is off by a constant, from a time on.
+"""Actuator bias: from a given time an input is off by a constant.
 
     y = u + w bias,   w = 0 before `at`, growing to 1 within `over`
 
 u is the command, y what acts on the vehicle; bias in the input's own unit (a misrigged surface, an unequal motor).
-With over = 0 it jumps, at an instant that the integrator meets to half its step.
+With over = 0 it jumps, at an instant that the integrator resolves to half a step.
 Source: Srikanthakumar, step 3 of section 1.3 (hardware tolerances).
 """
 
@@ -17,8 +17,8 @@ from worker.kernels.maths import kernel, onset
 
 class ActuatorBias(NamedTuple):
     bias: Annotated[float, Parameter("", "Offset in the input's unit", -1e6, 1e6)] = 0.0
-    at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
-    over: Annotated[float, Parameter("s", "Within what time it comes", 0.0, 1e6)] = 0.0
+    at: Annotated[float, Parameter("s", "Start time", 0.0, 1e6)] = 0.0
+    over: Annotated[float, Parameter("s", "Time over which it builds up", 0.0, 1e6)] = 0.0
 
 
 @kernel

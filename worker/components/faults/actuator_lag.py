@@ -20,7 +20,7 @@ from worker.kernels.maths import kernel
 
 class ActuatorLag(NamedTuple):
     tau: Annotated[float, Parameter("s", "Time constant", 0.0, 1e3, symbol="τ")] = 0.0
-    shortest: Annotated[float, Parameter("s", "Time constant that is still integrated", 1e-4, 10.0)] = 0.05
+    shortest: Annotated[float, Parameter("s", "Smallest time constant that is integrated", 1e-4, 10.0)] = 0.05
 
 
 class Constants(NamedTuple):

@@ -1,10 +1,10 @@
-"""Loss of effectiveness: from a time on an input does less than it is told.
+"""Loss of effectiveness: from a given time an input has less effect than commanded.
 
     y = u - w loss (u - about),   w = 0 before `at`, growing to 1 within `over`
 
-u is the command, y what acts on the vehicle. loss = 1 leaves `about`, the value of the input that does nothing (the
+u is the command, y what acts on the vehicle. loss = 1 leaves `about`, the value of the input that has no effect (the
 trimmed deflection of a surface, 0 for a force).
-With over = 0 it jumps, at an instant that the integrator meets to half its step.
+With over = 0 it jumps, at an instant that the integrator resolves to half a step.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions, control power); Boskovic and Mehra, Multiple-model
 adaptive flight control scheme for accommodation of actuator failures (J. Guidance, Control and Dynamics 25, 2002).
 """
@@ -18,10 +18,10 @@ from worker.kernels.maths import kernel, onset
 
 
 class ActuatorLoss(NamedTuple):
-    loss: Annotated[float, Parameter("", "Share of the effect that is lost", 0.0, 1.0)] = 0.0
+    loss: Annotated[float, Parameter("", "Fraction of the effect that is lost", 0.0, 1.0)] = 0.0
     about: Annotated[float, Parameter("", "Value of the input that has no effect, in its unit", -1e6, 1e6)] = 0.0
-    at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
-    over: Annotated[float, Parameter("s", "Within what time it comes", 0.0, 1e6)] = 0.0
+    at: Annotated[float, Parameter("s", "Start time", 0.0, 1e6)] = 0.0
+    over: Annotated[float, Parameter("s", "Time over which it builds up", 0.0, 1e6)] = 0.0
 
 
 @kernel

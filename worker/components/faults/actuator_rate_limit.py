@@ -19,7 +19,7 @@ from worker.kernels.maths import clip, kernel
 
 class ActuatorRateLimit(NamedTuple):
     rate: Annotated[float, Parameter("1/s", "Rate in units of the input per second", 0.0, 1e9, symbol="R")] = 1e9
-    K: Annotated[float, Parameter("1/s", "How fast the actuator closes on its command", 0.1, 1e4)] = 20.0
+    K: Annotated[float, Parameter("1/s", "Rate at which the actuator approaches its command", 0.1, 1e4)] = 20.0
 
 
 class Constants(NamedTuple):

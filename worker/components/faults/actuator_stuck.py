@@ -1,10 +1,10 @@
-"""Stuck actuator: from a time on an input stays where it was.
+"""Stuck actuator: from a given time an input stays at its position.
 
     y = u + w (a - u),  da/dt = (1 - w) K (u - a),   w = 0 before `at`, growing to 1 within `over`
 
-u is the command, y what acts on the vehicle, a the record of where the actuator is, which lags the command by 1/K: it
-sticks where a servo with that lag would be. With over = 0 it jumps there, at an instant that the integrator meets to
-half its step; two steps or more make the cost smooth in `at`. It starts at the first command. Keep K below 2.7 divided
+u is the command, y what acts on the vehicle, a the recorded position of the actuator, which lags the command by 1/K: it
+sticks where a servo with that lag would be. With over = 0 it jumps there, at an instant that the integrator resolves to
+half a step; two steps or more make the cost smooth in `at`. It starts at the first command. Keep K below 2.7 divided
 by the step, below 0.5 for accuracy. A surface that runs to its stop instead is `hard_over`.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions); Boskovic and Mehra, Multiple-model adaptive flight
 control scheme for accommodation of actuator failures (J. Guidance, Control and Dynamics 25, 2002): lock in place.
@@ -19,9 +19,9 @@ from worker.kernels.maths import kernel, onset
 
 
 class ActuatorStuck(NamedTuple):
-    at: Annotated[float, Parameter("s", "When it sticks", 0.0, 1e6)] = 1e6
-    over: Annotated[float, Parameter("s", "Within what time it comes to rest", 0.0, 1e6)] = 0.0
-    K: Annotated[float, Parameter("1/s", "How fast the record follows the command", 0.1, 1e4)] = 20.0
+    at: Annotated[float, Parameter("s", "Time at which it sticks", 0.0, 1e6)] = 1e6
+    over: Annotated[float, Parameter("s", "Time over which it comes to rest", 0.0, 1e6)] = 0.0
+    K: Annotated[float, Parameter("1/s", "Rate at which the record follows the command", 0.1, 1e4)] = 20.0
 
 
 @kernel

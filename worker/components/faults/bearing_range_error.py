@@ -1,10 +1,10 @@
-"""Bearing and range error: a sensor that measures angles and distance puts obstacles where they are not.
+"""Bearing and range error: a sensor that measures angles and distance displaces obstacles.
 
     seen = q + (1 + k + dr/r) Rot(db, de) (c - q),   r = |c - q|
 
-c is the obstacle's centre, q where the vehicle believes to be. db turns the line of sight from the x to the y axis,
+c is the obstacle's centre, q the vehicle's own estimated position. db turns the line of sight from the x to the y axis,
 de tilts it towards the z axis (down in NED); k is the error of the range's scale, dr its bias. The whole obstacle is
-displaced with its centre, so at a given angle the error grows with distance. Its velocity is seen as it is.
+displaced with its centre, so at a given angle the error grows with distance. Its velocity is measured correctly.
 Source: error model of a ranging sensor, as Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and
 Navigation (2001); Srikanthakumar, step 3 of section 1.3 asks for sensor errors.
 """
@@ -31,7 +31,7 @@ def see(t: float, index: float, own: Any, v: Any, body: Any, p: BearingRangeErro
     y = body.y - own[1]
     z = body.z - own[2]
     h = norm2(x, y)
-    # Differences from the truth throughout: without errors they are 0 to the last bit.
+    # Written as differences from the truth, which are exactly 0 without errors.
     se, ce = sincos(p.de)
     outward = (h * (ce - 1.0) - z * se) / (h + 1e-12)
     tilted_x = x + outward * x

@@ -1,9 +1,9 @@
-"""Blackout: for an interval nothing is seen, and nothing is remembered.
+"""Blackout: for an interval no obstacle is detected, and none is remembered.
 
     not seen  when  at <= t < at + duration
 
-With continuous guidance the integrator meets its edges to half a step. The other ways to lose a sensor: `dropout`
-holds what was last known, `missed_detection` loses single samples.
+With continuous guidance the integrator resolves its edges to half a step. Related faults: `dropout` holds the
+last known tracks, `missed_detection` loses single samples.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions of the sensors).
 """
 
@@ -17,8 +17,8 @@ from worker.kernels.views import Sight
 
 
 class Blackout(NamedTuple):
-    at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
-    duration: Annotated[float, Parameter("s", "How long it lasts", 0.0, 1e6)] = 0.0
+    at: Annotated[float, Parameter("s", "Start time", 0.0, 1e6)] = 0.0
+    duration: Annotated[float, Parameter("s", "Duration", 0.0, 1e6)] = 0.0
 
 
 @kernel

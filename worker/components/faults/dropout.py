@@ -1,11 +1,11 @@
-"""Dropout of tracks: for an interval no new ones come, and the last known ones are held or carried on.
+"""Dropout of tracks: for an interval there are no new ones, and the last known ones are held or extrapolated.
 
-    seen(t) = obstacle(at), carried on by coasting * (t - at) along its velocity then,   at <= t < at + duration
+    seen(t) = obstacle(at), extrapolated by coasting * (t - at) along its velocity then,   at <= t < at + duration
 
-coasting = 0 holds position and velocity as last known, 1 is dead reckoning, as trackers do. Afterwards all is current
-again. Exact for obstacles whose course is known in time; one with states of its own (a cooperative one) is taken back
-along its present velocity instead. Standing obstacles are not affected: `blackout` is the case of seeing nothing. With
-continuous guidance the integrator meets its edges to half a step.
+coasting = 0 holds position and velocity as last known, 1 is dead reckoning, as trackers do. Afterwards tracks are
+current again. Exact for obstacles with a prescribed trajectory; one with its own states (a cooperative one) is moved
+back along its present velocity instead. Static obstacles are not affected: use `blackout` to lose all obstacles. With
+continuous guidance the integrator resolves its edges to half a step.
 Source: Srikanthakumar, step 3 of section 1.3 (failure conditions of the sensors).
 """
 
@@ -19,9 +19,9 @@ from worker.kernels.views import Seen
 
 
 class Dropout(NamedTuple):
-    at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
-    duration: Annotated[float, Parameter("s", "How long it lasts", 0.0, 1e6)] = 0.0
-    coasting: Annotated[float, Parameter("", "Share of the last velocity with which tracks go on", 0.0, 1.0)] = 0.0
+    at: Annotated[float, Parameter("s", "Start time", 0.0, 1e6)] = 0.0
+    duration: Annotated[float, Parameter("s", "Duration", 0.0, 1e6)] = 0.0
+    coasting: Annotated[float, Parameter("", "Fraction of the last velocity in the extrapolation", 0.0, 1.0)] = 0.0
 
 
 @kernel

@@ -2,10 +2,10 @@
 
     seen  when  (c - q) . a >= |c - q| cos(alpha)
 
-c is the obstacle's centre, q where the vehicle believes to be, a its longitudinal axis (cos(theta) cos(psi),
-cos(theta) sin(psi), -sin(theta)) with heading psi and pitch theta as it believes, alpha the half angle of the cone:
-pi sees all around. In the plane the cone is a sector. Nothing is remembered of what leaves the view; how much of a
-large obstacle is in view does not matter. The sign of the pitch is that of a frame with z down (NED).
+c is the obstacle's centre, q the vehicle's own estimated position, a its longitudinal axis (cos(theta) cos(psi),
+cos(theta) sin(psi), -sin(theta)) with estimated heading psi and pitch theta, alpha the half angle of the cone:
+pi covers all directions. In the plane the cone is a sector. An obstacle that leaves the view is forgotten; how much of
+a large obstacle is in view does not matter. The sign of the pitch is that of a frame with z down (NED).
 Source: Srikanthakumar, step 3 of section 1.3; chapter 2 names limited visibility among the constraints of sensing.
 """
 

@@ -4,8 +4,8 @@
 
 D[k] is the demand of the latest sample before t. Exact for whole periods; between them it is interpolated linearly
 (first-order Lagrange fractional delay: Laakso et al., IEEE Signal Processing Magazine 13, 1996), so that the cost is
-continuous in the delay. Before the first demand comes through, the first one counts as all that were before it. Only
-for guidance with a period of its own; up to 4 periods. The inner loops are not delayed: `control_delay` does that.
+continuous in the delay. Before the first demand takes effect, it also stands for all earlier ones. Only
+for sampled guidance; up to 4 periods. The inner loops are not delayed: `control_delay` does that.
 Source: Srikanthakumar, step 3 of section 1.3 (hardware: computing delays).
 """
 

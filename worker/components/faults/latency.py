@@ -1,11 +1,11 @@
-"""Latency of tracks: obstacles are seen where they were, with the velocity they had.
+"""Latency of tracks: obstacles are detected at a past position, with their velocity at that time.
 
-    seen(t) = obstacle(t - tau), carried on by compensation * tau along that velocity
+    seen(t) = obstacle(t - tau), extrapolated by compensation * tau along that velocity
 
-With compensation 0 tracks are taken as current, as by a system without time stamps; 1 is dead reckoning over the whole
-latency. Before t = tau the obstacle is seen where its course had it before the start. Exact for obstacles whose course
-is known in time; one with states of its own (a cooperative one) is taken back along its present velocity instead.
-Standing obstacles are not affected: `ranging_latency` is the case of relative measurements.
+With compensation 0 tracks are treated as current, as by a system without time stamps; 1 is dead reckoning over the
+whole latency. Before t = tau the obstacle's trajectory is extended to before the start. Exact for obstacles with a
+prescribed trajectory; one with its own states (a cooperative one) is moved back along its present velocity instead.
+Static obstacles are not affected: `ranging_latency` is the case of relative measurements.
 Source: Srikanthakumar, step 3 of section 1.3 (hardware: sensor dynamics, computing delays).
 """
 
@@ -20,7 +20,7 @@ from worker.kernels.views import Seen
 
 class Latency(NamedTuple):
     tau: Annotated[float, Parameter("s", "Age of the tracks", 0.0, 1e3, symbol="τ")] = 0.0
-    compensation: Annotated[float, Parameter("", "Share of the latency that is reckoned over", 0.0, 1.0)] = 0.0
+    compensation: Annotated[float, Parameter("", "Fraction of the latency that is compensated", 0.0, 1.0)] = 0.0
 
 
 @kernel

@@ -2,8 +2,8 @@
 
     seen  when  gap <= range
 
-gap is the distance from where the vehicle believes to be to the obstacle's surface. Nothing is remembered of what
-leaves the range.
+gap is the distance from the vehicle's own estimated position to the obstacle's surface. An obstacle that leaves the
+range is forgotten.
 Source: Srikanthakumar, step 3 of section 1.3; chapter 2 names limited range among the constraints of sensing.
 """
 
@@ -17,7 +17,7 @@ from worker.kernels.views import Sight
 
 
 class LimitedRange(NamedTuple):
-    range: Annotated[float, Parameter("m", "Distance to the surface up to which it is seen", 0.0, 1e7)] = 1e7
+    range: Annotated[float, Parameter("m", "Largest distance to the surface at which it is detected", 0.0, 1e7)] = 1e7
 
 
 @kernel

@@ -1,9 +1,9 @@
-"""Missed detection: in each sample of the sensor an obstacle is overlooked with some probability.
+"""Missed detection: in each sample of the sensor an obstacle is missed with a given probability.
 
     not seen in sample k  when  n_k < P
 
-n_k is uniform on [0, 1) per obstacle and sample, from a hash of (seed, obstacle, number of the sample); samples are
-independent. What is not seen is not there for the avoider: nothing of it is kept.
+n_k is uniform on [0, 1) per obstacle and sample, from a hash of (seed, obstacle, sample index); samples are
+independent. For the avoider a missed obstacle does not exist; it is not remembered.
 Source: Bernoulli losses, as Sinopoli et al., Kalman filtering with intermittent observations (IEEE TAC 49, 2004);
 Srikanthakumar, step 3 of section 1.3 asks for sensor failures.
 """
@@ -18,7 +18,7 @@ from worker.kernels.views import Sight
 
 
 class MissedDetection(NamedTuple):
-    probability: Annotated[float, Parameter("", "Probability to miss an obstacle in a sample", 0.0, 1.0, "P")] = 0.0
+    probability: Annotated[float, Parameter("", "Probability of missing an obstacle in a sample", 0.0, 1.0, "P")] = 0.0
     period: Annotated[float, Parameter("s", "Period of the sensor", 1e-3, 1e3)] = 0.1
     seed: Annotated[float, Parameter("", "Which realisation", 0.0, 16777215.0)] = 0.0
 

@@ -1,9 +1,9 @@
-"""Navigation bias: the vehicle takes itself to be elsewhere, heading elsewhere, at another speed.
+"""Navigation bias: constant errors of the vehicle's own position, heading and speed.
 
     believed = true + (dx, dy, dz), heading + dpsi, speed + du
 
-Controller and avoider both work on what is believed; the criterion on what is true. What a speed error means is the
-vehicle's own (its forward speed). Constant all flight.
+Controller and avoider use the estimated values; the criterion uses the true ones. The speed error applies to the
+vehicle's own speed (its forward speed). Constant for the whole simulation.
 Source: Srikanthakumar, section 7.5 (u_A = u + du, psi = psi + dpsi) and step 3 of section 1.3.
 """
 

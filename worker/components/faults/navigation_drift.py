@@ -1,4 +1,4 @@
-"""Navigation drift: the errors of position and heading grow with time, as without outside fixes.
+"""Navigation drift: the errors of position and heading grow with time, as without external fixes.
 
     believed = true + (vx, vy, vz) (t - at), heading + rate (t - at)   for t > at
 
@@ -21,7 +21,7 @@ class NavigationDrift(NamedTuple):
     vy: Annotated[float, Parameter("m/s", "Drift of the own position, y", -1e3, 1e3)] = 0.0
     vz: Annotated[float, Parameter("m/s", "Drift of the own position, z", -1e3, 1e3)] = 0.0
     rate: Annotated[float, Parameter("rad/s", "Drift of the own heading, from x towards y", -10.0, 10.0)] = 0.0
-    at: Annotated[float, Parameter("s", "When it begins", 0.0, 1e6)] = 0.0
+    at: Annotated[float, Parameter("s", "Start time", 0.0, 1e6)] = 0.0
 
 
 @kernel

@@ -1,10 +1,10 @@
-"""Navigation noise: own position, heading and speed jitter anew with every sample of navigation.
+"""Navigation noise: random errors of own position, heading and speed, new in every navigation sample.
 
     believed = true + sigma n,  heading + sigma_psi n',  speed + sigma_u n''
 
 Independent standard normal numbers per quantity and sample, held for the period, from a hash of (seed, quantity,
-number of the sample); distribution and measured moments as in `sensor_noise`. Controller and avoider work on what is
-believed. Let the period be a whole number of steps: noise jumps between them.
+sample index); distribution and measured moments as in `sensor_noise`. Controller and avoider use the
+estimated values. Choose the period as a whole number of steps, because noise jumps between samples.
 Source: Srikanthakumar, section 7.5 and step 3 of section 1.3 (tolerances of the air data system).
 """
 

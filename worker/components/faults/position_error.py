@@ -1,8 +1,8 @@
-"""Position error of perception: obstacles are seen displaced from where they are.
+"""Position error of perception: obstacles are detected at displaced positions.
 
     seen position = true position + (dx, dy, dz)
 
-The same for every obstacle and all flight; shape and velocity are seen as they are. Displacements are in the world
+Constant, and the same for every obstacle; shape and velocity are measured correctly. Displacements are in the world
 frame; dz has no effect in the plane.
 Source: Srikanthakumar, section 3.3.6 (P_x0 = x_0 + dx, P_y0 = y_0 + dy).
 """

@@ -1,11 +1,11 @@
-"""Latency of a ranging sensor: the obstacle's place relative to the vehicle is old.
+"""Latency of a ranging sensor: the obstacle's position relative to the vehicle is out of date.
 
     seen = q(t) + c(t - tau) - q(t - tau)  ~  c(t) + (v - v_o) tau
 
-c is the obstacle's centre and v_o its velocity, q and v the vehicle's own as it believes. A standing obstacle too
-seems to move along with the vehicle that approaches it. The approximation takes both velocities as constant over tau:
-it errs by half the relative acceleration times tau^2. The velocity is seen as it is. `latency` is the case of tracks
-in the world frame, which are late by the obstacle's own motion alone.
+c is the obstacle's centre and v_o its velocity, q and v the vehicle's own estimates. Even a static obstacle seems to
+move along with the vehicle that approaches it. The approximation assumes constant velocities over tau: its error is
+half the relative acceleration times tau^2. The velocity is measured correctly. `latency` is the case of tracks in the
+world frame, which are late by the obstacle's own motion alone.
 Source: Srikanthakumar, step 3 of section 1.3 (hardware: sensor dynamics, computing delays).
 """
 

@@ -1,13 +1,13 @@
-"""Noise of perception: obstacles jitter about where they are, anew with every sample of the sensor.
+"""Noise of perception: random errors of the obstacles' positions and velocities, new in every sensor sample.
 
     seen position = true position + sigma n,   seen velocity = true velocity + sigma_v n'
 
 n, n' are independent standard normal numbers per axis, obstacle and sample, held for the sensor's period. They come
-from a hash of (seed, obstacle, axis, number of the sample): the same flight has the same noise whenever and wherever
-it is flown, and every evaluation of a campaign meets the same realisations (scenario.realisations).
-Distribution: normal by Box and Muller from 2^32 levels, so no sample is beyond 6.8 sigma. Measured over 8 million
-numbers: mean 0.0001, variance 1.0003, skewness -0.0006, kurtosis 3.0025, correlation of the axes 0.0002.
-Shape and extent are seen as they are. Let the period be a whole number of steps: noise jumps between them.
+from a hash of (seed, obstacle, axis, sample index): the same case has the same noise whenever and wherever it is
+simulated, and every evaluation of a campaign uses the same realisations (scenario.realisations). Distribution: normal
+by Box and Muller from 2^32 levels, so no sample is beyond 6.8 sigma. Measured over 8 million samples: mean 0.0001,
+variance 1.0003, skewness -0.0006, kurtosis 3.0025, correlation of the axes 0.0002. Shape and extent are measured
+correctly. Choose the period as a whole number of steps, because noise jumps between samples.
 Source: Srikanthakumar, step 3 of section 1.3 and the beginning of chapter 3 (sensor data of limited accuracy).
 """
 

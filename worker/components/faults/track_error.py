@@ -1,9 +1,9 @@
-"""Track error of perception: an obstacle's speed and the direction of its track are seen with an error.
+"""Track error of perception: an obstacle's speed and the direction of its track are measured with errors.
 
     seen velocity, horizontally = (1 + du0/|v|) Rot(dpsi0) v
 
 v is the obstacle's horizontal velocity, Rot turns from the x to the y axis (headings of both frames grow that way).
-An obstacle that stands has no track and is seen to stand; the vertical velocity is seen as it is.
+A static obstacle has no track and is detected as static; the vertical velocity is measured correctly.
 Source: Srikanthakumar, section 3.3.6 (Vv0 = v_obs + dv, Ppsi0 = psi0 + dpsi) and section 7.5 (u_B, psi_B).
 """
 

@@ -1,9 +1,9 @@
-"""Velocity error of perception: obstacles seem to move otherwise than they do.
+"""Velocity error of perception: obstacles are detected with wrong velocities.
 
     seen velocity = true velocity + (dvx, dvy, dvz)
 
-The same for every obstacle and all flight; positions are seen as they are. The world frame; dvz has no effect in the
-plane. An avoider that uses no velocities does not notice.
+Constant, and the same for every obstacle; positions are measured correctly. The world frame; dvz has no effect in the
+plane. An avoider that uses no velocities is not affected.
 Source: Srikanthakumar, step 3 of section 1.3 (sensor errors) and section 3.3.6 (V_v0 = v_obs + dv).
 """
 

@@ -1,7 +1,7 @@
 """Box: a static rectangle in the plane, turned by an angle about its centre.
 
 The gap is the distance to its edge, negative inside; the normal points away from the nearest point of the edge (inside:
-out of the nearest side). For avoiders that know discs only it is its circumscribed circle. `separation` reads
+out of the nearest side). Avoiders that handle only discs use its circumscribed circle. `separation` measures
 distances to its centre.
 """
 

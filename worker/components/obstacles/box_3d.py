@@ -1,8 +1,8 @@
 """Box in space: a static cuboid, turned by an angle about its vertical axis.
 
 The gap is the distance to its surface, negative inside; the normal points away from the nearest point of the surface
-(inside: out of the nearest face). For avoiders that know spheres only it is its circumscribed sphere. `separation`
-reads distances to its centre.
+(inside: out of the nearest face). Avoiders that handle only spheres use its circumscribed sphere. `separation`
+measures distances to its centre.
 """
 
 from __future__ import annotations

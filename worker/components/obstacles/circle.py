@@ -1,6 +1,6 @@
 """Circle: a static circular obstacle in the plane.
 
-Its radius is what an avoider keeps off; `separation` reads distances to its centre. Radius 0 is a point.
+Avoiders keep clear of its radius; `separation` measures distances to its centre. Radius 0 is a point.
 """
 
 from __future__ import annotations

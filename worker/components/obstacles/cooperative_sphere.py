@@ -2,10 +2,10 @@
 
     dc/dt = v,   dv/dt = (U - v) / T
 
-U is the velocity towards its goal, of `speed` on the way and k_goal times the distance near its end; in a conflict
-the one that vector sharing gives (worker/physics/closest.py), with the vehicle's true position and velocity. With
-sharing = 0 it makes the whole manoeuvre, with 1 its share by the rule; with clearance = 0 it gives way to nothing.
-Other obstacles are not in its way. T is a first-order lag; it has no turning circle.
+U is the velocity towards its goal, of `speed` and, near the goal, k_goal times the distance; in a conflict
+the one from vector sharing (worker/physics/closest.py), with the vehicle's true position and velocity. With
+sharing = 0 it makes the whole manoeuvre, with 1 its fraction by the rule; with clearance = 0 it never gives way.
+It ignores other obstacles. T is a first-order lag; there is no minimum turn radius.
 Source: Park, Oh and Tahk (2008); Srikanthakumar, equations 2.17 to 2.20.
 """
 
@@ -30,11 +30,11 @@ class CooperativeSphere(NamedTuple):
     goal_z: Annotated[float, Parameter("m", "Goal, z", -1e6, 1e6, "z_g", "goal.z")]
     speed: Annotated[float, Parameter("m/s", "Speed towards the goal", 0.0, 1e3, symbol="v_o")] = 20.0
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
-    clearance: Annotated[float, Parameter("m", "Distance it keeps, centre to centre", 0.0, 1e5)] = 75.0
-    horizon: Annotated[float, Parameter("s", "How far ahead it resolves conflicts", 1e-2, 1e5)] = 30.0
-    sharing: Annotated[float, Parameter("", "Share left to the vehicle: 0 nothing, 1 by the rule", 0.0, 1.0)] = 1.0
+    clearance: Annotated[float, Parameter("m", "Clearance, centre to centre", 0.0, 1e5)] = 75.0
+    horizon: Annotated[float, Parameter("s", "Time horizon of conflicts", 1e-2, 1e5)] = 30.0
+    sharing: Annotated[float, Parameter("", "Fraction left to the vehicle: 0 nothing, 1 by the rule", 0.0, 1.0)] = 1.0
     k_goal: Annotated[float, Parameter("1/s", "Speed per distance near the goal", 1e-3, 1e3)] = 1.0
-    lag: Annotated[float, Parameter("s", "Time in which it takes up a velocity", 1e-3, 1e3, symbol="T")] = 2.0
+    lag: Annotated[float, Parameter("s", "Time constant of its velocity", 1e-3, 1e3, symbol="T")] = 2.0
 
 
 State = tuple[float, float, float, float, float, float]
@@ -70,7 +70,7 @@ def move(t: float, o: State, q: Vector, v: Vector, p: CooperativeSphere) -> Stat
         Rules(p.clearance, p.horizon, p.sharing),
     )
     conflict = tau < NEVER
-    doubt = 0.0 * tau  # NaN where a conflict cannot be told
+    doubt = 0.0 * tau  # NaN if a conflict cannot be determined
     per_lag = 1.0 / p.lag
     return (
         o[3],

@@ -1,8 +1,8 @@
 """Cylinder: a static upright cylinder between two heights.
 
 The gap is the distance to its surface, negative inside; the normal points away from the nearest point of the surface
-(inside: out of the nearest one of side, top and bottom). Its centre, to which `separation` reads distances, is the
-nearest point of its axis: a flight at its own height is judged by the distance from the axis.
+(inside: out of the nearest one of side, top and bottom). Its centre, to which `separation` measures distances, is the
+nearest point of its axis: within its height the separation is the distance from the axis.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Circle on a straight way: leaves its position at t = 0, goes to its goal at constant speed, stops there.
+"""Circle on a straight path: starts at its position at t = 0, moves to its goal at constant speed, stops there.
 
     c(t) = position + speed t e,   e the unit vector to the goal, until it is reached
 
-Gives way to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its centre.
+It never gives way. Avoiders keep clear of its radius; `separation` measures distances to its centre.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from worker.physics.shapes import disc
 class MovingCircle(NamedTuple):
     position_x: Annotated[float, Parameter("m", "Centre at the start, x", -1e6, 1e6, symbol="x", name="position.x")]
     position_y: Annotated[float, Parameter("m", "Centre at the start, y", -1e6, 1e6, symbol="y", name="position.y")]
-    goal_x: Annotated[float, Parameter("m", "Where it stops, x", -1e6, 1e6, symbol="x_g", name="goal.x")]
-    goal_y: Annotated[float, Parameter("m", "Where it stops, y", -1e6, 1e6, symbol="y_g", name="goal.y")]
+    goal_x: Annotated[float, Parameter("m", "End of the path, x", -1e6, 1e6, symbol="x_g", name="goal.x")]
+    goal_y: Annotated[float, Parameter("m", "End of the path, y", -1e6, 1e6, symbol="y_g", name="goal.y")]
     speed: Annotated[float, Parameter("m/s", "Speed", 0.0, 1e3, symbol="v_o")] = 1.0
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
 
@@ -40,7 +40,7 @@ class Constants(NamedTuple):
 def derive(p: MovingCircle, trim: object) -> tuple[float, ...]:
     start, goal = (p.position_x, p.position_y, 0.0), (p.goal_x, p.goal_y, 0.0)
     vx, vy, _, _, stop = leg(start, goal, p.speed, 0.0, True)
-    # 0 times the velocity: what is not a number on the way is none at its end
+    # 0 times the velocity: a NaN during the motion stays a NaN at its end
     return p.position_x, p.position_y, vx, vy, stop, p.goal_x + 0.0 * vx, p.goal_y + 0.0 * vy, p.radius
 
 
@@ -58,7 +58,7 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
 
 component = Obstacle(
     name="moving_circle",
-    title="Circle, straight way",
+    title="Circle, straight path",
     dimension=2,
     parameters=MovingCircle,
     body=body,

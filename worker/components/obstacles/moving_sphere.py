@@ -1,9 +1,9 @@
-"""Sphere on a straight course: flies on at constant speed, heading and climb, and gives way to nothing.
+"""Sphere on a straight path: moves at constant speed, heading and climb, and never gives way.
 
     c(t) = position + speed t (cos(climb) cos(heading), cos(climb) sin(heading), -sin(climb))
 
-Axes with z down: heading from north (x) over east (y), a positive climb goes up. Its radius is what an avoider keeps
-off where that measures from a surface; `separation` reads distances to its centre.
+Axes with z down: heading from north (x) over east (y), a positive climb goes up. Avoiders keep clear of its
+radius if they measure from the surface; `separation` measures distances to its centre.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body3:
 
 component = Obstacle(
     name="moving_sphere",
-    title="Sphere, straight course",
+    title="Sphere, straight path",
     dimension=3,
     parameters=MovingSphere,
     body=body,

@@ -1,8 +1,8 @@
-"""Circle that goes round: its centre moves on a circle at constant speed, anticlockwise where the speed is positive.
+"""Orbiting circle: its centre moves on a circle at constant speed, anticlockwise if the speed is positive.
 
     c(t) = centre + R (cos phi, sin phi),   phi = phase + speed t / R
 
-Gives way to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its own centre.
+It never gives way. Avoiders keep clear of its radius; `separation` measures distances to its own centre.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from worker.physics.shapes import disc
 
 
 class OrbitingCircle(NamedTuple):
-    centre_x: Annotated[float, Parameter("m", "Centre of the way, x", -1e6, 1e6, symbol="x", name="centre.x")]
-    centre_y: Annotated[float, Parameter("m", "Centre of the way, y", -1e6, 1e6, symbol="y", name="centre.y")]
-    way: Annotated[float, Parameter("m", "Radius of the way", 1e-3, 1e6, symbol="R")] = 5.0
-    phase: Annotated[float, Parameter("rad", "Where it is at the start, from the x axis", -6.4, 6.4, "φ_0")] = 0.0
+    centre_x: Annotated[float, Parameter("m", "Centre of the path, x", -1e6, 1e6, symbol="x", name="centre.x")]
+    centre_y: Annotated[float, Parameter("m", "Centre of the path, y", -1e6, 1e6, symbol="y", name="centre.y")]
+    way: Annotated[float, Parameter("m", "Radius of the path", 1e-3, 1e6, symbol="R")] = 5.0
+    phase: Annotated[float, Parameter("rad", "Initial angle, from the x axis", -6.4, 6.4, "φ_0")] = 0.0
     speed: Annotated[float, Parameter("m/s", "Speed, positive anticlockwise", -1e3, 1e3, symbol="v_o")] = 1.0
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
 
@@ -47,7 +47,7 @@ def body(t: float, o: tuple[()], q: tuple[float, float], p: Constants) -> Body:
 
 component = Obstacle(
     name="orbiting_circle",
-    title="Circle, circular way",
+    title="Circle, circular path",
     dimension=2,
     parameters=OrbitingCircle,
     body=body,

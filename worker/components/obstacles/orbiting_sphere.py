@@ -1,9 +1,9 @@
-"""Sphere that goes round: its centre moves on a horizontal circle at constant speed, and along z at `climb`.
+"""Orbiting sphere: its centre moves on a horizontal circle at constant speed, and along z at `climb`.
 
     c(t) = centre + (R cos phi, R sin phi, climb t),   phi = phase + speed t / R
 
-phi counts from x towards y: with z down that is clockwise seen from above, and a positive `climb` goes down. Gives way
-to nothing. Its radius is what an avoider keeps off; `separation` reads distances to its own centre.
+phi is measured from x towards y: with z down that is clockwise seen from above, and a positive `climb` goes down. It
+never gives way. Avoiders keep clear of its radius; `separation` measures distances to its own centre.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from worker.physics.space import Vector, ball
 
 
 class OrbitingSphere(NamedTuple):
-    centre_x: Annotated[float, Parameter("m", "Centre of the way, x", -1e6, 1e6, symbol="x", name="centre.x")]
-    centre_y: Annotated[float, Parameter("m", "Centre of the way, y", -1e6, 1e6, symbol="y", name="centre.y")]
-    centre_z: Annotated[float, Parameter("m", "Centre of the way, z", -1e6, 1e6, symbol="z", name="centre.z")]
-    way: Annotated[float, Parameter("m", "Radius of the way", 1e-3, 1e6, symbol="R")] = 200.0
-    phase: Annotated[float, Parameter("rad", "Where it is at the start, from the x axis", -6.4, 6.4, "φ_0")] = 0.0
+    centre_x: Annotated[float, Parameter("m", "Centre of the path, x", -1e6, 1e6, symbol="x", name="centre.x")]
+    centre_y: Annotated[float, Parameter("m", "Centre of the path, y", -1e6, 1e6, symbol="y", name="centre.y")]
+    centre_z: Annotated[float, Parameter("m", "Centre of the path, z", -1e6, 1e6, symbol="z", name="centre.z")]
+    way: Annotated[float, Parameter("m", "Radius of the path", 1e-3, 1e6, symbol="R")] = 200.0
+    phase: Annotated[float, Parameter("rad", "Initial angle, from the x axis", -6.4, 6.4, "φ_0")] = 0.0
     speed: Annotated[float, Parameter("m/s", "Horizontal speed, positive from x towards y", -1e3, 1e3, "v_o")] = 20.0
     climb: Annotated[float, Parameter("m/s", "Speed along z", -1e3, 1e3, symbol="v_z")] = 0.0
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 25.0
@@ -53,7 +53,7 @@ def body(t: float, o: tuple[()], q: Vector, p: Constants) -> Body3:
 
 component = Obstacle(
     name="orbiting_sphere",
-    title="Sphere, circular way",
+    title="Sphere, circular path",
     dimension=3,
     parameters=OrbitingSphere,
     body=body,

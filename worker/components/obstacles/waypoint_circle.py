@@ -1,7 +1,7 @@
-"""Circle along waypoints: from its position over up to four waypoints at constant speed; it stops at the last.
+"""Circle along waypoints: from its position via up to four waypoints at constant speed; it stops at the last one.
 
-Turns at a waypoint take no time and no room. Gives way to nothing. `legs` says how many waypoints are flown to; what
-stands behind is not read. Its radius is what an avoider keeps off; `separation` reads distances to its centre.
+It turns instantly at a waypoint. It never gives way. `legs` is the number of waypoints used; the
+others are ignored. Avoiders keep clear of its radius; `separation` measures distances to its centre.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class WaypointCircle(NamedTuple):
     to3_y: Annotated[float, Parameter("m", "Waypoint 3, y", -1e6, 1e6, "y_3", "waypoint3.y")] = 0.0
     to4_x: Annotated[float, Parameter("m", "Waypoint 4, x", -1e6, 1e6, "x_4", "waypoint4.x")] = 0.0
     to4_y: Annotated[float, Parameter("m", "Waypoint 4, y", -1e6, 1e6, "y_4", "waypoint4.y")] = 0.0
-    legs: Annotated[float, Parameter("", "How many waypoints are flown to: 1 to 4, rounded", 1.0, 4.0)] = 4.0
+    legs: Annotated[float, Parameter("", "Number of waypoints used: 1 to 4, rounded", 1.0, 4.0)] = 4.0
     speed: Annotated[float, Parameter("m/s", "Speed", 0.0, 1e3, symbol="v_o")] = 1.0
     radius: Annotated[float, Parameter("m", "Radius", 0.0, 1e5, symbol="r")] = 0.5
 
@@ -57,7 +57,7 @@ def derive(p: WaypointCircle, trim: object) -> tuple[float, ...]:
     leg_2 = leg((p.to1_x, p.to1_y, 0.0), (p.to2_x, p.to2_y, 0.0), p.speed, leg_1[4], p.legs > 1.5)
     leg_3 = leg((p.to2_x, p.to2_y, 0.0), (p.to3_x, p.to3_y, 0.0), p.speed, leg_2[4], p.legs > 2.5)
     leg_4 = leg((p.to3_x, p.to3_y, 0.0), (p.to4_x, p.to4_y, 0.0), p.speed, leg_3[4], p.legs > 3.5)
-    # a comparison with NaN is False: 0 times the legs carries it on
+    # a comparison with NaN is False: 0 times the legs propagates it
     return (
         p.position_x + 0.0 * p.legs, p.position_y,
         leg_1[0], leg_1[1],

@@ -17,8 +17,8 @@
     N = Q S b (C_nb beta + C_np p b / 2V + C_nr r b / 2V + C_nda da + C_ndr dr) + x_a Y
 
 World axes north, east, down; body axes forward, right, down. u, v, w are over ground; V, alpha and beta are through the
-air: wind enters there, and the controller feels it. Inputs are held by the aircraft's own stops. The flight starts
-trimmed for level flight at the nominal parameters and start.speed.
+air: wind enters there and affects what the controller measures. Inputs are limited by the aircraft's own stops. The
+flight starts trimmed for level flight at the nominal parameters and start.speed.
 
 Source: Srikanthakumar, 3.38 to 3.43. Gravity in dv/dt and dw/dt has the sign for z down (printed: the
 opposite, with which no level flight exists); the propeller's signs are as printed. Source of the coefficients:
@@ -54,7 +54,7 @@ FixedWing = extended("FixedWing", Constants, Trimmed)
 
 
 def solve(values: Mapping[str, float]) -> Trimmed:
-    """Trim at the nominal parameters and start speed; NoTrim where there is none."""
+    """Trim at the nominal parameters and start speed; NoTrim if there is none."""
     return trim.trimmed(trim.airframe(values), values["start.speed"])
 
 

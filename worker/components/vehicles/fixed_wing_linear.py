@@ -10,16 +10,16 @@
 
 A prime is the difference from the trim at the reference speed; Z_q holds +u_0 and Y_r holds -u_0. The derivatives are
 central differences of the nonlinear aircraft (same airframe, same coefficients) at that trim, at the nominal values.
-Of a flight's own mass and coefficients only these count:
+Only these depend on the mass and coefficients of each evaluation:
 
     X_u, X_w, Z_u, Z_w, X_dt, Z_de, Y_v, Y_da, Y_dr in proportion to 1 / m;  X_dt to C_dt;  M_de to C_mde
 
-All others count at their nominal values: making them uncertain changes nothing. Weight does not change with the mass.
-Wind enters as the velocity through the air in u', v, w'. Inputs are held by the aircraft's stops. The flight starts
+All others keep their nominal values: making them uncertain has no effect. Weight does not change with the mass.
+Wind enters as the velocity through the air in u', v, w'. Inputs are limited by the aircraft's stops. The flight starts
 trimmed for level flight of the nonlinear aircraft at start.speed, which need not be the reference speed.
 Source: Srikanthakumar, equations 3.38, 3.39 and 3.44 and the text below it; coefficients as for the nonlinear one.
-Limits: it underestimates the effect of the mass, and of a disturbance that is not small it may tell the wrong sign:
-use it for comparison.
+Limits: it underestimates the effect of the mass, and for large disturbances the effect may have the wrong sign: use it
+only for comparison.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from worker.physics.space import attitude
 
 class Reference(NamedTuple):
     reference_speed: Annotated[
-        float, Parameter("m/s", "Speed of the level flight about which it is linear", 3.0, 100.0, symbol="V_0")
+        float, Parameter("m/s", "Speed of the level flight about which it is linearised", 3.0, 100.0, symbol="V_0")
     ] = 20.0
 
 

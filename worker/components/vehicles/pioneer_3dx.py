@@ -14,14 +14,14 @@ omega_ref [rad/s] go to the motors' PD controllers (3.17), which are part of the
     theta_3 = R_a/k_a m b R_t / (2 k_PT)              theta_4 = R_a/k_a (k_a k_b/R_a + B_e) / (r k_PT) + 1
     theta_5 = R_a/k_a m b R_t / (d k_PR)              theta_6 = R_a/k_a (k_a k_b/R_a + B_e) d / (2 r k_PR) + 1
 
-The speeds have stops: u stays within [u_min, u_max], omega within [-w_max, w_max]; at a stop what would push beyond it
-is taken away. They are the model's envelope: nothing outside them can be reached.
+The speeds have stops: u stays within [u_min, u_max], omega within [-w_max, w_max]; at a stop any acceleration beyond it
+is removed. They are the model's envelope: no state outside them can be reached.
 Source: Srikanthakumar, equations 3.17 to 3.20 and table 3.1 (every default); model of De La Cruz and Carelli (2006).
 Reconstructed: the input matrix of 3.18 with 1/theta_1 on the row of u and 1/theta_2 on the row of omega (printed as
 one row); delta_u and delta_w as independent constants (3.20 is not evaluated, table 3.2 varies them directly).
 Added: slope s of the ground along the heading and its rolling resistance c, as outside forces F_ex of 3.20 with the
 effective mass m_e = m + 2 I_e/(R_t r) + 2 k_DT k_a/(R_a R_t); g = 9.81 m/s2. Below the creeping speed u_c = 1 cm/s
-the resistance falls linearly to 0 at rest. A slope across the heading does nothing.
+the resistance falls linearly to 0 at rest. A slope across the heading has no effect.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def derive(p: Pioneer, trim: object) -> tuple[float, ...]:
     theta_4 = friction / (p.r * p.k_PT) + 1.0
     theta_5 = q * p.m * p.b * p.R_t / (p.d * p.k_PR)
     theta_6 = friction * p.d / (2.0 * p.r * p.k_PR) + 1.0
-    # what is not a number among the stops would be lost in comparisons: 0 times them carries it on
+    # comparisons would drop a NaN among the stops: 0 times them propagates it
     stops = 0.0 * (p.u_min + p.u_max + p.w_max)
     effective = p.m + 2.0 * p.I_e / (p.R_t * p.r) + 2.0 * p.k_DT / (q * p.R_t)
     return (
@@ -115,7 +115,7 @@ def derive(p: Pioneer, trim: object) -> tuple[float, ...]:
 
 
 def model(nominal: Mapping[str, float]) -> Constants:
-    """The nominal robot, as which a controller may know it."""
+    """The nominal robot, as a controller may model it."""
     given = Pioneer(*(nominal[f"vehicle.{field}"] for field in Pioneer._fields))
     return Constants(*plain(derive)(given, ()))
 
@@ -148,7 +148,7 @@ def derivative(t: float, x: State, u: tuple[float, float], env: Surroundings, p:
 
 @kernel
 def settle(x: State, p: Constants) -> State:
-    # 0 times the speed keeps what is not finite from ending as a stop
+    # 0 times the speed prevents a non-finite value from becoming a stop
     u = clip(x[3], p.u_min, p.u_max) + 0.0 * x[3]
     w = clip(x[4], -p.w_max, p.w_max) + 0.0 * x[4]
     return x[0], x[1], x[2], u, w
@@ -178,7 +178,7 @@ def outside(x: State, p: Constants) -> float:
 
 @kernel
 def measured(x: State, e: Errors, p: Constants) -> State:
-    # Within a step the integrator tries speeds beyond the stops, which the robot never has.
+    # Within a step the integrator evaluates speeds beyond the stops, which the robot never reaches.
     u = clip(x[3], p.u_min, p.u_max)
     w = clip(x[4], -p.w_max, p.w_max)
     return x[0] + e.x, x[1] + e.y, x[2] + e.heading, u + e.speed, w

@@ -1,1 +1,1 @@
-"""The search methods, one file each, found by presence; the contract is in `worker.search.base`."""
+"""The search methods, one file each, discovered automatically; their interface is `worker.search.base`."""

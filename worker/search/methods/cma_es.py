@@ -1,7 +1,7 @@
-"""CMA-ES with restarts: samples a normal distribution that learns the shape of the valley it is in, again and again.
+"""CMA-ES with restarts: samples from a normal distribution that adapts to the shape of its valley.
 
 Hansen and Ostermeier, Completely derandomized self-adaptation in evolution strategies (Evol. Comput. 9, 2001), as
-pycma; restarts with twice the population each time (Auger and Hansen, IPOP, CEC 2005) or, by default, in turns with
+pycma; restarts with twice the population each time (Auger and Hansen, IPOP, CEC 2005) or, by default, alternating with
 small ones (Hansen, BIPOP, GECCO 2009). A point without a value ranks last in its generation. Global by its restarts.
 """
 
@@ -19,35 +19,35 @@ from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search,
 from worker.search.parts.lowest import Lowest
 
 STEP = 1e-9
-"""A descent ends when its deviations are below this, as a share of every range."""
+"""A descent ends when its deviations are below this fraction of every range."""
 
-# pycma's words for why it stopped, in ours; the first that holds is told.
+# pycma's stopping conditions and their sentences; the first that holds is reported.
 STOPS = {
     "tolflatfitness": Ended("converged", "the cost is the same everywhere around"),
     "tolfun": Ended("converged", "the cost no longer changes"),
     "tolfunrel": Ended("converged", "the cost no longer changes"),
     "tolfunhist": Ended("converged", "the cost no longer changes"),
     "tolx": Ended("converged", "the step is within its tolerance"),
-    "tolstagnation": Ended("converged", "the cost got no better for long"),
+    "tolstagnation": Ended("converged", "the cost has not improved for long"),
     "tolxstagnation": Ended("converged", "the step is within its tolerance"),
-    "tolconditioncov": Ended("rounding", "the valley is too narrow for its numbers"),
+    "tolconditioncov": Ended("rounding", "the valley is too narrow for floating-point numbers"),
 }
 
 
 @dataclass(frozen=True)
 class Options:
-    """Deviations are shares of each parameter's range."""
+    """Deviations are fractions of each parameter's range."""
 
     restarts: Annotated[
-        Literal["bipop", "ipop"], Field(description="Small and growing populations in turns, or growing ones")
+        Literal["bipop", "ipop"], Field(description="Alternate small and growing populations, or only growing ones")
     ] = "bipop"
     population: Annotated[int, Field(ge=0, le=10_000, description="First population; 0: 4 + 3 ln(n)")] = 0
     deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.3
-    growth: Annotated[float, Field(ge=1, le=10, description="What the population grows by at a restart")] = 2.0
+    growth: Annotated[float, Field(ge=1, le=10, description="Growth factor of the population at a restart")] = 2.0
 
 
 def search(space: Space, options: Options) -> Search:
-    """One generation is one request; it goes on with restarts for as long as it is asked."""
+    """One generation is one request; it restarts until the budget ends."""
     default = max(options.population or 4 + int(3 * np.log(space.dimension)), 4)
     large, spent = default, {"large": 0, "small": 0}
     spent["large"] += yield from _descend(space, default, options.deviation)
@@ -85,7 +85,7 @@ def _descend(space: Space, population: int, deviation: float, most: float = np.i
                 text = next((said for word, said in STOPS.items() if word in stopped), "the strategy stopped")
                 break
         else:
-            text = "its share of evaluations is used up"
+            text = "its share of the evaluations is used up"
         return best.evaluations
     finally:
         best.report(space, text)
@@ -97,7 +97,7 @@ def _strategy(start: Floats, deviation: float, population: int, random: np.rando
     options = {
         "bounds": [0.0, 1.0],
         "popsize": population,
-        "randn": lambda *shape: random.standard_normal(shape),  # its own would be numpy's global stream
+        "randn": lambda *shape: random.standard_normal(shape),  # by default it would use numpy's global stream
         "seed": np.nan,
         "tolx": STEP,
         "verbose": -9,
@@ -123,7 +123,7 @@ method = Method(
     name="cma_es",
     title="CMA-ES",
     kind="global",
-    how="Global by restarts. Learns the valley's shape",
+    how="Global by restarts. Adapts to the valley's shape",
     source="Hansen and Ostermeier 2001, as pycma",
     evaluations=5000,
     options=Options,

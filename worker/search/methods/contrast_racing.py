@@ -1,11 +1,11 @@
-"""Contrast racing: local searches from points that are low for where they lie, raced against each other.
+"""Contrast racing: local searches from points that are low for their neighbourhood, raced against each other.
 
-The project's own method, for worst cases in basins a thousandth of a range wide. Where a local search starts matters
-more than which one it is: starts are ranked by their value less the median of their nearest sample points', not by the
-value, which falls for wide decoys. The searches race by successive halving (Li et al. 2020): each gets a few
-evaluations, the best third of those that came so far three times as many, and so on. A quarter of the starts are hops:
-recombined and mutated incumbents. The last fifth of the budget merges incumbents without a hill between them into
-valleys and polishes the best. Guarantees nothing. Its course depends on its budget: it cannot be continued.
+The project's own method, for worst cases in basins a thousandth of a range wide. The start of a local search
+matters more than its kind: starts are ranked by their value less the median of the nearest sample points, not by the
+value alone, which is misled by wide decoys. The searches race by successive halving (Li et al. 2020): each gets a few
+evaluations, the best third of those finished so far three times as many, and so on. A quarter of the starts are hops:
+recombined and mutated incumbents. The last fifth of the budget merges incumbents without a barrier between them into
+valleys and polishes the best. No guarantee. Its points depend on its budget, so it cannot be extended.
 Start reading at `search`.
 """
 
@@ -28,31 +28,31 @@ KINDS = ((COMPASS, 0.1, 0.03), (COMPASS, 0.1, 0.03), (NELDER_MEAD, 0.1, 0.03), (
 """Machine, its first step, and the deviation of the CMA-ES that follows it; drawn at random."""
 ETA = 3
 HOPPING = 10
-"""So many of the best incumbents hops are made of."""
+"""Hops combine so many of the best incumbents."""
 
 Steps = Generator[Floats, Batch, None]
 
 
 @dataclass(frozen=True)
 class Options:
-    """Counts are per parameter; distances are shares of each parameter's range (largest difference)."""
+    """Counts are per parameter; distances are fractions of each parameter's range (largest difference)."""
 
     first: Annotated[int, Field(ge=1, le=1000, description="Evaluations of a search before its first comparison")] = 10
     sample: Annotated[int, Field(ge=1, le=100_000, description="First sample, at most a tenth of the budget")] = 100
-    fresh: Annotated[int, Field(ge=1, le=1000, description="Sample points more per start")] = 5
-    neighbours: Annotated[int, Field(ge=1, le=50, description="Neighbours of the contrast")] = 2
+    fresh: Annotated[int, Field(ge=1, le=1000, description="Further sample points per start")] = 5
+    neighbours: Annotated[int, Field(ge=1, le=50, description="Neighbours for the contrast")] = 2
     apart: Annotated[float, Field(gt=0, le=0.5, description="Least distance of a start from earlier ones")] = 0.05
-    hops: Annotated[float, Field(ge=0, le=1, description="Share of starts that are hops")] = 0.25
-    reserve: Annotated[float, Field(ge=0, le=0.9, description="Share of the budget kept for the finish")] = 0.2
+    hops: Annotated[float, Field(ge=0, le=1, description="Fraction of starts that are hops")] = 0.25
+    reserve: Annotated[float, Field(ge=0, le=0.9, description="Fraction of the budget reserved for the finish")] = 0.2
     hill: Annotated[
-        float, Field(ge=0, le=1, description="Height of a hill, as a share of the sample's median less the best")
+        float, Field(ge=0, le=1, description="Height of a barrier, relative to the sample's median less the best")
     ] = 0.05
     polished: Annotated[int, Field(ge=1, le=100, description="Valleys polished at the end")] = 3
     abreast: Annotated[int, Field(ge=1, le=1024, description="Searches advanced side by side")] = 8
 
 
 def search(space: Space, options: Options) -> Search:
-    """Race, then finish; where it is asked for more than its budget, the same again with twice as much."""
+    """Race, then finish; if called beyond its budget, repeat with twice the budget."""
     race = Race(space, options)
     finish = racing_finish.Finish(race.pool)
     total = space.budget
@@ -106,7 +106,7 @@ class Race:
     def _fill(self) -> None:
         """Promote, the top rung first, or open new searches, until as many are under way as may be.
 
-        Few at first: the more are under way, the less the next start knows of the others.
+        Few at first: the more are running, the less the next start can use their results.
         """
         while len(self.running) + len(self.openings) < min(self.options.abreast, 2 + self.pool.count // 8):
             promoted = self._promoted()

@@ -1,8 +1,8 @@
-"""Differential evolution: every member of a population is tried against a mix of others, by their differences.
+"""Differential evolution: every member of a population is compared with a combination of others, by their differences.
 
 Storn and Price, Differential evolution (J. Global Optimization 11, 1997), as SciPy's differential_evolution with its
-defaults, one generation a batch. A point without a value loses to every point that has one. It ends when the
-population has gathered in one valley, and that may be the wrong one; restarts help.
+defaults, one generation per batch. A point without a value loses to every point with one. It ends when the population
+has converged to one valley, which may be the wrong one; restarts help.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ class Options:
     population: Annotated[int, Field(ge=1, le=1000, description="Members per parameter; at least 5 in all")] = 15
     mutation: Annotated[float, Field(ge=0, le=1, description="Weight of a difference, at least")] = 0.5
     dither: Annotated[float, Field(ge=0, le=0.99, description="Random amount added to it each generation")] = 0.5
-    recombination: Annotated[float, Field(ge=0, le=1, description="Share of parameters taken from the mix")] = 0.7
+    recombination: Annotated[float, Field(ge=0, le=1, description="Fraction of parameters from the combination")] = 0.7
     tolerance: Annotated[
-        float, Field(ge=0, le=1, description="Stop when the costs' deviation is below this share of their mean")
+        float, Field(ge=0, le=1, description="Stop when the costs' deviation is below this fraction of their mean")
     ] = 0.01
-    restarts: Annotated[int, Field(ge=0, le=1_000_000, description="Begins anew so often after such a stop")] = 0
+    restarts: Annotated[int, Field(ge=0, le=1_000_000, description="Number of restarts after such a stop")] = 0
 
 
 def search(space: Space, options: Options) -> Search:
@@ -48,7 +48,7 @@ def search(space: Space, options: Options) -> Search:
         text
         if options.restarts == 0
         else Ended(
-            "iterations", "did the {restarts} restarts asked for, at last {last}", restarts=options.restarts, last=text
+            "iterations", "completed the {restarts} restarts; finally {last}", restarts=options.restarts, last=text
         )
     )
 
@@ -90,7 +90,7 @@ def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:
         rng=space.random,
     )
     return Ended(
-        "converged", "the population gathered in one valley after {generations} generations", generations=done.nit
+        "converged", "the population converged to one valley after {generations} generations", generations=done.nit
     )
 
 
@@ -98,7 +98,7 @@ method = Method(
     name="differential_evolution",
     title="Differential evolution",
     kind="global",
-    how="Global. A population led by its differences",
+    how="Global. A population guided by its differences",
     source="Storn and Price 1997, as SciPy",
     evaluations=5000,
     options=Options,

@@ -25,15 +25,15 @@ MOST = 10_000_000
 """Iterations: each makes two evaluations or more."""
 
 TIE = 1e-12
-"""Values this close, relatively, are ties: rounding alone would tell mirrored rectangles apart."""
+"""Values this close, relatively, are ties: otherwise rounding would distinguish mirrored rectangles."""
 
 
 @dataclass(frozen=True)
 class Options:
     """Stops at the first of: iterations, smallest size, budget."""
 
-    iterations: Annotated[int, Field(ge=1, le=MOST, description="Iterations at most")] = 10_000
-    epsilon: Annotated[float, Field(ge=0, le=1, description="Jones' eps: least improvement worth a division")] = 1e-4
+    iterations: Annotated[int, Field(ge=1, le=MOST, description="Maximum number of iterations")] = 10_000
+    epsilon: Annotated[float, Field(ge=0, le=1, description="Jones' eps: smallest improvement worth a division")] = 1e-4
     smallest: Annotated[
         float, Field(ge=0, lt=1, description="Stop when the best rectangle's half diagonal is below this")
     ] = 0.0
@@ -50,7 +50,7 @@ class Boxes:
         self.value: Floats = np.empty(capacity)
         self.lost: NDArray[np.bool_] = np.empty(capacity, dtype=np.bool_)
         self.near: Floats = np.empty(capacity)
-        """Of a lost one: the lowest value that exists nearby, infinity where there is none."""
+        """Of one without a value: the lowest value nearby, infinity if there is none."""
 
     def add(self, centre: Floats, depth: Ints, value: Floats) -> None:
         """Append m rectangles."""
@@ -130,8 +130,8 @@ def search(space: Space, options: Options) -> Search:
 
 
 def divided(boxes: Boxes, options: Options, biased: bool = False) -> Search:
-    """One iteration is one request: the new centres of every potentially optimal rectangle. `boxes` are still empty;
-    whoever keeps them sees how the box was divided. biased: as in `promising`."""
+    """One iteration is one request: the new centres of every potentially optimal rectangle. `boxes` is empty at
+    first; the caller can read the division of the box from it. biased: as in `promising`."""
     n = boxes.centre.shape[1]
     centre = np.full((1, n), 0.5)
     batch = yield centre
@@ -142,7 +142,7 @@ def divided(boxes: Boxes, options: Options, biased: bool = False) -> Search:
         if len(parents) == 0:
             return Ended(
                 "resolution",
-                "every rectangle is as small as numbers allow after {iterations} iterations",
+                "every rectangle is as small as floating-point numbers allow after {iterations} iterations",
                 iterations=done - 1,
             )
         points, owners, sides = _new_centres(boxes, parents)
@@ -159,7 +159,7 @@ def divided(boxes: Boxes, options: Options, biased: bool = False) -> Search:
                     smallest=options.smallest,
                     iterations=done,
                 )
-    return Ended("iterations", "did the {iterations} iterations asked for", iterations=options.iterations)
+    return Ended("iterations", "completed the {iterations} iterations", iterations=options.iterations)
 
 
 def _new_centres(boxes: Boxes, parents: Ints) -> tuple[Floats, Ints, Ints]:
@@ -198,8 +198,8 @@ def _divide(boxes: Boxes, parents: Ints, points: Floats, owners: Ints, sides: In
 def _rescue(boxes: Boxes, divided: Ints, first: int) -> None:
     """Rank the rectangles whose centre has no value, after Gablonsky (2001, section 3.4.3).
 
-    Such a rectangle takes the lowest value among the feasible centres inside it at twice its size, a touch raised: it
-    is divided in turn but never before that neighbour. Where there is none, it takes more than the highest value seen.
+    Such a rectangle takes the lowest value among the feasible centres inside it at twice its size, slightly raised: it
+    is divided in turn but never before that neighbour. If there is none, it takes more than the highest value so far.
     `divided` have shrunk and those from `first` on are new since the last time; the others' neighbours stand.
     """
     lost = np.flatnonzero(boxes.lost[: boxes.count])

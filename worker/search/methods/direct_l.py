@@ -1,8 +1,8 @@
-"""DIRECT-L: DIRECT that looks closer around the best it knows and less into the wide.
+"""DIRECT-L: DIRECT with a bias towards the neighbourhood of its best point.
 
 Gablonsky, Kelley, A locally-biased form of the DIRECT algorithm (J. Global Optim. 21, 2001): a rectangle's size is its
 longest side, which makes fewer sizes, and of every size a single rectangle is divided, the oldest of ties. Quicker
-where there are few local minima; otherwise as `direct`, which it is made of.
+where there are few local minima; otherwise as `direct`, on which it is based.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ method = Method(
     name="direct_l",
     title="DIRECT-L",
     kind="global",
-    how="Global, deterministic. Divides the box, near the best",
+    how="Global, deterministic. Divides the box near the best point",
     source="Gablonsky, Kelley 2001",
     evaluations=2000,
     options=Options,

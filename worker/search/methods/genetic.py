@@ -1,9 +1,9 @@
-"""Genetic algorithm: a population of points bred over generations, the better ones more often.
+"""Genetic algorithm: breeds a population of points over generations, the better ones more often.
 
 Goldberg, Genetic algorithms in search, optimization and machine learning (1989); operators and defaults as published
 with MATLAB's ga: population 20, elite 2, crossover fraction 0.8 scattered, roulette selection on fitness 1/sqrt(rank),
 Gaussian mutation shrinking to nothing over 100 generations, tolerance 1e-6 over 50 stalled generations. A generation
-is one batch; a child equal to a parent keeps its parent's cost. Failed points rank last. Guarantees nothing.
+is one batch; a child equal to a parent keeps its parent's cost. Failed points rank last. No guarantee.
 """
 
 from __future__ import annotations
@@ -21,34 +21,34 @@ from worker.search.parts import breeding
 
 @dataclass(frozen=True)
 class Options:
-    """The published settings. Starts that the campaign gives take the first places of the first population."""
+    """The published settings. Starts given in the campaign are the first members of the first population."""
 
     population: Annotated[int, Field(ge=2, le=10_000, description="Points in a generation")] = 20
-    elite: Annotated[int, Field(ge=0, le=10_000, description="Best points that live on unchanged")] = 2
+    elite: Annotated[int, Field(ge=0, le=10_000, description="Best points that survive unchanged")] = 2
     crossover_fraction: Annotated[
-        float, Field(ge=0, le=1, description="Share of the other children that come from two parents")
+        float, Field(ge=0, le=1, description="Fraction of the other children that come from two parents")
     ] = 0.8
-    generations: Annotated[int, Field(ge=1, le=1_000_000, description="Generations at most")] = 100
+    generations: Annotated[int, Field(ge=1, le=1_000_000, description="Maximum number of generations")] = 100
     stall_generations: Annotated[
         int, Field(ge=1, le=1_000_000, description="Generations over which the best cost must change")
     ] = 50
     stall: Literal["cumulative", "weighted"] = "cumulative"
     tolerance: Annotated[
-        float, Field(ge=0, le=1, description="Relative change of the best cost over them that counts as none")
+        float, Field(ge=0, le=1, description="Relative change of the best cost over them that counts as no change")
     ] = 1e-6
     selection: Literal["roulette", "stochastic_uniform", "tournament"] = "roulette"
     entrants: Annotated[int, Field(ge=2, le=1000, description="Points in a tournament")] = 4
     crossover: Literal["scattered", "two_point", "intermediate", "heuristic"] = "scattered"
-    ratio: Annotated[float, Field(ge=0, le=2, description="Of intermediate crossover: reach towards the other")] = 1.0
+    ratio: Annotated[float, Field(ge=0, le=2, description="Of intermediate crossover: range towards the other")] = 1.0
     beyond: Annotated[float, Field(ge=1, le=2, description="Of heuristic crossover: 1 ends at the better one")] = 1.2
     mutation: Literal["gaussian", "uniform", "adaptive"] = "gaussian"
     scale: Annotated[
-        float, Field(gt=0, le=10, description="Deviation of the first mutations, in shares of the ranges")
+        float, Field(gt=0, le=10, description="Deviation of the first mutations, in fractions of the ranges")
     ] = 1.0
-    shrink: Annotated[float, Field(ge=0, le=1, description="Share of the deviation lost by the last generation")] = 1.0
-    rate: Annotated[float, Field(ge=0, le=1, description="Of uniform mutation: share of parameters drawn anew")] = 0.01
+    shrink: Annotated[float, Field(ge=0, le=1, description="Fraction of the deviation lost at the end")] = 1.0
+    rate: Annotated[float, Field(ge=0, le=1, description="Of uniform mutation: fraction of parameters redrawn")] = 0.01
     schedules: Annotated[
-        int, Field(ge=1, le=1_000_000, description="Times the generations are run, on the same population")
+        int, Field(ge=1, le=1_000_000, description="Number of repetitions of the generations, on the same population")
     ] = 1
 
 
@@ -76,7 +76,7 @@ def search(space: Space, options: Options) -> Search:
         population, said = yield from _schedule(space, options, population)
     if options.schedules == 1:
         return said
-    return Ended("iterations", "{schedule}, {times} times over", schedule=said, times=options.schedules)
+    return Ended("iterations", "{schedule}, {times} times", schedule=said, times=options.schedules)
 
 
 def _schedule(
@@ -96,9 +96,7 @@ def _schedule(
             return population, Ended(
                 "converged", "the best cost no longer changes after {generations} generations", generations=generation
             )
-    return population, Ended(
-        "iterations", "did the {generations} generations asked for", generations=options.generations
-    )
+    return population, Ended("iterations", "completed the {generations} generations", generations=options.generations)
 
 
 def _adapted(length: float, improved: bool, options: Options) -> float:

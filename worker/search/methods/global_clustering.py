@@ -1,10 +1,10 @@
-"""GLOBAL: samples, keeps the best, clusters them, and starts a local search from every one that stays alone.
+"""GLOBAL: samples, selects the best points, clusters them, and starts a local search from every unclustered one.
 
 Boender, Rinnooy Kan, Timmer, Stougie, A stochastic method for global optimization (Math. Programming 22, 1982);
-Csendes, Nonlinear parameter estimation by global optimization (Acta Cybernetica 8, 1988), whose rules these are;
+Csendes, Nonlinear parameter estimation by global optimization (Acta Cybernetica 8, 1988), whose rules are used;
 Csendes, Pal, Sendin, Banga, The GLOBAL optimization method revisited (Optimization Letters 2, 2008). Single linkage in
 the maximum norm with critical distance b = (1 - alpha^(1/(N-1)))^(1/n), alpha = 0.01, N points sampled so far, on a box
-of side 2. Stops when a cycle finds no new minimum: with growing probability all are known, and nothing is certain.
+of side 2. Stops when a cycle finds no new minimum: the probability that all are known grows, but is never 1.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from worker.search.parts.unirandi import unirandi
 ALPHA = 0.01
 ALONE = -1
 IN_VAIN = 10
-"""Cycles in a row without a single value after which it gives up."""
+"""Consecutive cycles without a single value after which it stops."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """The six parameters as published; zero stands for the published default, which depends on the dimension n."""
+    """The six parameters as published; zero selects the published default, which depends on the dimension n."""
 
     samples: Annotated[int, Field(ge=0, le=100_000, description="Points drawn in a cycle (N100); 0: 10 n")] = 0
     selected: Annotated[
@@ -38,12 +38,12 @@ class Options:
     ] = 0
     digits: Annotated[int, Field(ge=1, le=12, description="Accuracy of a local search, in digits (NSIG)")] = 6
     local_evaluations: Annotated[
-        int, Field(ge=0, le=10_000_000, description="Evaluations of a local search at most (MAXFN); 0: 100 n")
+        int, Field(ge=0, le=10_000_000, description="Maximum evaluations of a local search (MAXFN); 0: 100 n")
     ] = 0
-    minima: Annotated[int, Field(ge=1, le=100_000, description="Stop at so many local minima (MAXNLM)")] = 50
+    minima: Annotated[int, Field(ge=1, le=100_000, description="Stop at this number of local minima (MAXNLM)")] = 50
     local: Literal["unirandi", "bfgs"] = "unirandi"
     at_once: Annotated[
-        bool, Field(description="Advance a cycle's local searches side by side: more of them, in larger batches")
+        bool, Field(description="Run a cycle's local searches side by side: more of them, in larger batches")
     ] = False
 
 
@@ -140,7 +140,7 @@ def search(space: Space, options: Options) -> Search:
         known = len(minima)
         yield from _search_locally(space, options, clusters)
         if len(minima) >= options.minima:
-            return Ended("found", "found the {minima} local minima asked for", minima=options.minima)
+            return Ended("found", "found the requested {minima} local minima", minima=options.minima)
         if len(minima) == known:
             return Ended(
                 "exhausted",

@@ -1,9 +1,9 @@
 """Hybrid DIRECT: DIRECT divides the box, then SQP descends from its best point and from its other promising centres.
 
-Jones, Perttunen, Stuckman (1993) and Kraft (1988), joined as H-DIRECT: DIRECT soon comes near the best valleys and
-takes long to reach their bottoms, above all on a bound, which centres of rectangles never touch; SQP is the reverse.
+Jones, Perttunen, Stuckman (1993) and Kraft (1988), joined as H-DIRECT: DIRECT quickly gets near the best valleys but
+is slow to reach their minima, above all on a bound, which centres of rectangles never touch; SQP is the opposite.
 DIRECT ends by its own rules or when its share of the budget is spent, so a larger budget changes the points: a finished
-search cannot be continued. The best centre goes first and alone, the others follow side by side: low ones, far from
+search cannot be extended. The best centre goes first and alone, the others follow side by side: low ones, far from
 anything lower.
 """
 
@@ -25,12 +25,12 @@ from worker.search.parts import basins
 class Options(direct.Options):
     """DIRECT's own, how much of the budget it may use, and what the descents need."""
 
-    share: Annotated[float, Field(gt=0, le=1, description="DIRECT's share of the budget at most")] = 0.7
+    share: Annotated[float, Field(gt=0, le=1, description="DIRECT's largest share of the budget")] = 0.7
     biased: Annotated[bool, Field(description="Divide as DIRECT-L does")] = False
-    centres: Annotated[int, Field(ge=1, le=1000, description="Centres to descend from, the best among them")] = 5
+    centres: Annotated[int, Field(ge=1, le=1000, description="Centres to descend from, including the best")] = 5
     differences: Literal["central", "forward"] = "central"
-    difference: Annotated[float, Field(gt=0, le=0.1, description="Step of the differences")] = 1e-5
-    gradients: Annotated[int, Field(ge=1, le=100_000, description="Gradients per descent at most")] = 200
+    difference: Annotated[float, Field(gt=0, le=0.1, description="Step of the finite differences")] = 1e-5
+    gradients: Annotated[int, Field(ge=1, le=100_000, description="Maximum gradients per descent")] = 200
 
 
 def search(space: Space, options: Options) -> Search:

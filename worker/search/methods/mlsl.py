@@ -1,9 +1,9 @@
-"""MLSL: a local search from every low sample point that has no lower one near, in a sample that grows for ever.
+"""MLSL: a local search from every low sample point without a lower one nearby, in a sample that keeps growing.
 
 Rinnooy Kan and Timmer, Stochastic global optimization methods II: multi level methods (Math. Programming 39, 1987),
-with Sobol points (Kucherenko and Sytsko 2005), as NLopt's G_MLSL_LDS. Finds, in the limit, every local minimum, from
-each once. The library asks for one point at a time, does not tell where a local search ends, and takes a thread's
-turn per point: tens of microseconds each, and simulators that fly batches stand idle. Only the lowest is reported.
+with Sobol points (Kucherenko and Sytsko 2005), as NLopt's G_MLSL_LDS. In the limit it finds every local minimum,
+each from one start. The library requests one point at a time, does not report where a local search ends, and needs a
+thread switch per point (tens of microseconds), so batch simulators are used poorly. Only the lowest is reported.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ class Options:
     ] = "bobyqa"
     sample: Annotated[int, Field(ge=0, le=100_000, description="Points per round; 0: NLopt's own 4")] = 0
     tolerance: Annotated[
-        float, Field(gt=0, le=0.1, description="A local search ends at this step, as a share of each range")
+        float, Field(gt=0, le=0.1, description="A local search ends at this step, as a fraction of each range")
     ] = 1e-5
 
 
 def search(space: Space, options: Options) -> Search:
-    """One point is one request; it goes on for as long as it is asked."""
+    """One point is one request; it runs until the budget ends."""
 
     def build() -> Any:
         local = nlopt.opt(LOCAL[options.local], space.dimension)

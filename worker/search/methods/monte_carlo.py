@@ -1,13 +1,13 @@
-"""Monte Carlo: random points from the campaign's distributions, one after another from one stream of numbers.
+"""Monte Carlo: random points from the campaign's distributions, drawn from one random stream.
 
 Metropolis and Ulam, The Monte Carlo method (1949); Latin hypercubes: McKay, Beckman, Conover (Technometrics 21, 1979);
-scrambled Sobol points: Owen (1998). Guarantees nothing of the worst case. Plain points are an independent sample, so a
-statement on P(violation) may rest on them (Clopper and Pearson 1934); the two others fill the space more evenly and
-allow none. An excluded point is drawn again and counted; a failed one is counted and never replaced.
+scrambled Sobol points: Owen (1998). No guarantee about the worst case. Plain points are an independent sample and
+support a bound on P(violation) (Clopper and Pearson 1934); the other two fill the space more evenly and support none.
+An excluded point is drawn again and counted; a failed one is counted and never replaced.
 
-A sample that stops when its interval is narrow enough was looked at before it ended: an interval for a fixed size would
-hold too seldom. So look k may err with a share 1 / (k (k + 1)) of the error allowed, which adds up to all of it however
-many looks there are (Bonferroni), and the looks come at sizes that grow by half.
+Early stopping, when the interval is narrow enough, needs interim analyses: an interval for a fixed size would hold too
+rarely. Analysis k may therefore spend a fraction 1 / (k (k + 1)) of the permitted error (alpha spending), which adds up
+to at most the whole for any number of analyses (Bonferroni). The sample sizes at the analyses grow by half.
 """
 
 from __future__ import annotations
@@ -33,14 +33,12 @@ class Options:
 
     sampling: Annotated[
         Literal["plain", "latin_hypercube", "sobol"],
-        Field(description="Only plain points are an independent sample, from which a bound follows"),
+        Field(description="Only plain points are an independent sample, which gives a bound"),
     ] = "plain"
     interval: Annotated[
-        float, Field(ge=0, lt=1, description="Stop when the interval of P(violation) is narrower; 0: never")
+        float, Field(ge=0, lt=1, description="Stop when the interval of P(violation) is narrower than this; 0: never")
     ] = 0.0
-    continued: Annotated[
-        bool, Field(description="Goes on with a sample whose result was seen: no bound follows from it")
-    ] = False
+    continued: Annotated[bool, Field(description="Extends a sample whose result was seen: gives no bound")] = False
 
 
 def search(space: Space, options: Options) -> Search:
@@ -61,12 +59,12 @@ def search(space: Space, options: Options) -> Search:
                     width=high - low,
                     draws=drawn,
                 )
-    return Ended("drawn", "drew the {samples} samples asked for", samples=drawn)
+    return Ended("drawn", "drew all {samples} samples", samples=drawn)
 
 
 def looked(drawn: int, confidence: float) -> tuple[int, float]:
-    """How often a sample that may stop early was looked at until its end after so many draws, and the confidence that
-    this look must be made with for all of them to hold together."""
+    """The number of interim analyses of a sample with early stopping after so many draws, and the confidence that the
+    last one needs for all of them to hold jointly."""
     sizes = _sizes()
     looks = next(k for k, size in enumerate(sizes, 1) if size >= drawn)
     return looks, 1.0 - (1.0 - confidence) / (looks * (looks + 1))
@@ -83,23 +81,23 @@ def interval(violations: int, samples: int, confidence: float) -> tuple[float, f
 
 
 def extend(options: Options, more: int) -> Options:
-    """Goes on with the next numbers of the stream, as a sample known to be continued; raises `ValueError` where that
-    would be another sample."""
+    """Extends the sample with the next random numbers and marks it as extended; raises `ValueError` if that would be a
+    different sample."""
     if options.sampling == "latin_hypercube":
         raise ValueError(
-            "a Latin hypercube is laid out for its number of samples and cannot go on; run it anew with the larger "
-            "budget, or sample plain"
+            "a Latin hypercube is designed for its number of samples and cannot be extended; start again with the "
+            "larger budget, or sample plain"
         )
     if options.interval > 0.0:
         raise ValueError(
-            "this sample was to stop once its interval is narrow enough; to know it better, run it anew with a "
-            "narrower interval"
+            "this sample stops once its interval is narrow enough; for more precision, start it again with a narrower "
+            "interval"
         )
     return replace(options, continued=True)
 
 
 def _sizes() -> Iterator[int]:
-    """Draws at which a sample that may stop early is looked at."""
+    """Draws at which a sample with early stopping has an interim analysis."""
     size = float(FIRST_LOOK)
     while True:
         yield math.ceil(size)
@@ -107,7 +105,7 @@ def _sizes() -> Iterator[int]:
 
 
 def _violations(batch: Batch, threshold: float) -> int:
-    """Failed flights are violations: nobody knows how they would have ended."""
+    """Failed evaluations count as violations, because their outcome is unknown."""
     clear = (batch.status == OK) & (batch.costs[:, 0] > threshold)
     return _samples(batch) - int(np.count_nonzero(clear))
 
@@ -117,7 +115,7 @@ def _samples(batch: Batch) -> int:
 
 
 def _points(space: Space, sampling: str) -> Iterator[Floats]:
-    """Numbers uniform on [0, 1), one point after another; blocks are for speed alone."""
+    """Uniform samples on [0, 1), one point after another; blocks are only for speed."""
     from scipy.stats import qmc
 
     if sampling == "latin_hypercube":

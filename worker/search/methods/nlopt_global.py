@@ -2,9 +2,9 @@
 
 Johnson, The NLopt nonlinear-optimization package (2007): crs2_lm, controlled random search (Kaelo and Ali 2006);
 isres, an evolution strategy (Runarsson and Yao 2005); esch, another (da Silva Santos 2010); ags, space-filling curves
-(Sergeyev and Markin 1995), up to 10 parameters; direct and its variants, beside the project's own. The library asks
-for one point at a time and takes a thread's turn for each: tens of microseconds, and simulators that fly batches
-stand idle. It may end by itself; what it promises is what its papers say.
+(Sergeyev and Markin 1995), up to 10 parameters; direct and its variants, besides the project's own. The library
+requests one point at a time with a thread switch for each (tens of microseconds), so batch simulators are used poorly.
+It may end by itself; see the papers for its guarantees.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Options:
     ] = "crs2_lm"  # fmt: skip
     population: Annotated[int, Field(ge=0, le=100_000, description="Of crs2_lm, isres and esch; 0: NLopt's own")] = 0
     tolerance: Annotated[
-        float, Field(ge=0, le=0.1, description="Stop at this step, as a share of each range; 0: never")
+        float, Field(ge=0, le=0.1, description="Stop at this step, as a fraction of each range; 0: never")
     ] = 1e-10
 
 

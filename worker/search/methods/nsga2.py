@@ -1,11 +1,11 @@
-"""NSGA-II: a population bred towards the front of several criteria, where none can be lowered but by raising another.
+"""NSGA-II: breeds a population towards the Pareto front of several criteria, where none can improve alone.
 
 Deb, Pratap, Agarwal and Meyarivan, A fast and elitist multiobjective genetic algorithm: NSGA-II (IEEE Transactions on
 Evolutionary Computation 6, 2002), as pymoo: tournaments by front and crowding distance, simulated binary crossover,
 polynomial mutation; population 100, 250 generations, crossover 0.9, mutation 1/n, both indices 20. A generation is one
 batch; children equal to a point of the population are bred again. Failed and excluded points rank behind all others,
-by the paper's rule for constraints, and are given no number. With one criterion it is a genetic algorithm. Guarantees
-nothing: its front is the best it has seen.
+by the paper's rule for constraints, and get no value. With one criterion it is a genetic algorithm. No guarantee: its
+front is the best found so far.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search,
 
 @dataclass(frozen=True)
 class Options:
-    """The published settings. Starts that the campaign gives take the first places of the first population."""
+    """The published settings. Starts given in the campaign are the first members of the first population."""
 
     population: Annotated[int, Field(ge=2, le=10_000, description="Points in a generation")] = 100
-    generations: Annotated[int, Field(ge=1, le=10_000_000, description="Generations at most")] = 250
-    crossover: Annotated[float, Field(ge=0, le=1, description="Share of the pairs that are crossed")] = 0.9
+    generations: Annotated[int, Field(ge=1, le=10_000_000, description="Maximum number of generations")] = 250
+    crossover: Annotated[float, Field(ge=0, le=1, description="Fraction of the pairs that are crossed")] = 0.9
     crossover_index: Annotated[
         float, Field(ge=0, le=1000, description="The larger, the nearer children are to their parents")
     ] = 20.0
-    mutation: Annotated[float | None, Field(gt=0, le=1, description="Share of parameters mutated; null: 1/n")] = None
+    mutation: Annotated[float | None, Field(gt=0, le=1, description="Fraction of parameters mutated; null: 1/n")] = None
     mutation_index: Annotated[float, Field(ge=0, le=1000, description="The larger, the smaller mutations are")] = 20.0
 
 
@@ -39,7 +39,7 @@ def search(space: Space, options: Options) -> Search:
     points = space.random.random((options.population, space.dimension))
     given = space.starts[: options.population]
     points[: len(given)] = given
-    points = points[np.sort(np.unique(points, axis=0, return_index=True)[1])]  # the library leaves out what is twice
+    points = points[np.sort(np.unique(points, axis=0, return_index=True)[1])]  # the library drops duplicates
     batch = yield points.copy()
     breeder = _breeder(space, options, points, batch.costs.shape[1])
     breeder.tell(infills=_evaluated(breeder, breeder.ask(), batch))
@@ -49,7 +49,7 @@ def search(space: Space, options: Options) -> Search:
             return Ended("exhausted", "bred no new point after {generations} generations", generations=generation)
         batch = yield np.clip(children.get("X").astype(np.float64), 0.0, 1.0)
         breeder.tell(infills=_evaluated(breeder, children, batch))
-    return Ended("iterations", "did the {generations} generations asked for", generations=options.generations)
+    return Ended("iterations", "completed the {generations} generations", generations=options.generations)
 
 
 def _breeder(space: Space, options: Options, points: Floats, criteria: int) -> Any:
@@ -92,7 +92,7 @@ method = Method(
     name="nsga2",
     title="NSGA-II",
     kind="multi",
-    how="Several criteria, random. Breeds their front",
+    how="Several criteria, random. Breeds their Pareto front",
     source="Deb et al. 2002",
     evaluations=5000,
     options=Options,

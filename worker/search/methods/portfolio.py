@@ -1,12 +1,13 @@
-"""Portfolio: several methods share one budget, side by side; who is about to overtake the best gets more of it.
+"""Portfolio: several methods share one budget, side by side; those likely to improve the best value get more of it.
 
-No method is best everywhere, so none need be chosen beforehand (Baudis and Posik, Online black-box algorithm
+No method is best everywhere, so none needs to be chosen beforehand (Baudis and Posik, Online black-box algorithm
 portfolios for continuous optimization, PPSN 2014). Members: contrast racing, DIRECT, GLOBAL, differential evolution,
-CMA-ES, MLSL, and SQP, which begins at the lowest point that any of them found apart from its earlier starts.
-The rule: at first all get the same. Then a member has a small part of its own, and up to 1 more by how soon it would
-overtake the best cost at its pace; one that got no lower for long loses both, but those that go on looking elsewhere
-keep their own. A member that ends begins anew with other random numbers; a descent without promise is given up for a
-lower start. The record tells who asked for what. Guarantees no more than its members do. Start reading at `search`.
+CMA-ES, MLSL, and SQP, which starts at the lowest point found by any of them away from its earlier starts.
+The rule: at first all get the same share. Later a member has a small base share, and up to 1 more depending on how soon
+it would reach the best cost at its rate of improvement. A member that has not improved for long loses both, but members
+that keep exploring retain their base share. A member that ends restarts with other random numbers; an unpromising
+descent is stopped in favour of a lower start. The record states which member requested which evaluation. It guarantees
+no more than its members do. Start reading at `search`.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ class Options:
 
 
 def search(space: Space, options: Options) -> Search:
-    """One request holds the points of every member whose turn it is; it goes on for as long as it is asked."""
+    """One request contains the points of every member whose turn it is; it runs until the budget ends."""
     record = Record(space.dimension)
     members = [Member(part, space) for part in MEMBERS]
     try:

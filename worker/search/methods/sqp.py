@@ -1,8 +1,8 @@
 """SQP multistart: sequential quadratic programming from every start, all starts side by side.
 
 Kraft, A software package for sequential quadratic programming (DFVLR-FB 88-28, 1988), as NLopt's LD_SLSQP or, as a
-cross-check, SciPy's SLSQP. Gradients by finite differences, a point and its differences go out as one batch. Finds the
-local minimum of each start's valley and guarantees nothing of the others. Without given starts it takes scrambled
+cross-check, SciPy's SLSQP. Gradients by finite differences; a point and its differences are one batch. Finds the
+local minimum of each start's valley, with no guarantee about other valleys. Without given starts it takes scrambled
 Sobol points.
 """
 
@@ -20,17 +20,17 @@ from worker.search.parts.descent import Settings, descend
 
 @dataclass(frozen=True)
 class Options:
-    """Differences and tolerances are shares of each parameter's range and of the cost."""
+    """Differences and tolerances are fractions of each parameter's range and of the cost."""
 
-    starts: Annotated[int, Field(ge=1, le=10_000, description="Sobol starts where the campaign gives none")] = 8
+    starts: Annotated[int, Field(ge=1, le=10_000, description="Number of Sobol starts if the campaign gives none")] = 8
     implementation: Literal["nlopt", "scipy"] = "nlopt"
     differences: Literal["central", "forward"] = "central"
-    difference: Annotated[float, Field(gt=0, le=0.1, description="Step of the differences")] = 1e-5
+    difference: Annotated[float, Field(gt=0, le=0.1, description="Step of the finite differences")] = 1e-5
     step_tolerance: Annotated[float, Field(gt=0, le=0.1, description="Stop when a step is smaller (NLopt's only)")] = (
         1e-7
     )
     cost_tolerance: Annotated[float, Field(ge=0, le=0.1, description="Stop when the cost changes less")] = 1e-10
-    iterations: Annotated[int, Field(ge=1, le=100_000, description="Gradients per start at most")] = 200
+    iterations: Annotated[int, Field(ge=1, le=100_000, description="Maximum gradients per start")] = 200
 
 
 def search(space: Space, options: Options) -> Search:

@@ -1,1 +1,1 @@
-"""What search methods share: local descents, clustering, evolutionary operators, adapters to libraries."""
+"""Shared parts of the search methods: local descents, clustering, evolutionary operators, adapters to libraries."""

@@ -1,4 +1,4 @@
-"""Which local minima are distinct: descents from many points, then a test whether a hill lies between two ends.
+"""Which local minima are distinct: descents from many points, then a test for a barrier between their ends.
 
 Ursem, Multinational evolutionary algorithms (CEC 1999), for the hill-valley test; Preuss, Niching the CMA-ES via
 nearest-better clustering (GECCO 2010), for the choice of points to descend from. Start reading at `distinct`.
@@ -16,9 +16,9 @@ from worker.search.base import Batch, Floats, Search, side_by_side
 from worker.search.parts.descent import Settings, descend
 
 BETWEEN = np.array([0.5, 0.25, 0.75])
-"""Where on the straight line between two minima a hill is looked for."""
+"""Positions on the straight line between two minima at which a barrier is tested."""
 NEAREST = 3
-"""A minimum is held against so many of the others, the nearest ones."""
+"""A minimum is compared with so many of the others, the nearest ones."""
 LOOKED_AT = 2000
 """The lowest evaluations among which points to descend from are chosen: the choice compares every pair."""
 ROUGH = Settings(differences="forward", iterations=25)
@@ -29,8 +29,8 @@ FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60)
 
 @dataclass(frozen=True)
 class Rules:
-    """When two minima are one: nearer than `distance` (largest share of any range), or no hill above `barrier`
-    (in the cost's unit) between them; `at_most` are kept."""
+    """When two minima are one: nearer than `distance` (largest fraction of any range), or no barrier above
+    `barrier` (in the cost's unit) between them; `at_most` are retained."""
 
     distance: float
     barrier: float
@@ -70,7 +70,7 @@ def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]
 def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) -> Generator[Floats, Batch, str]:
     """Descend from candidates points (c, n) of known costs (c,), merge what ends in one basin, polish each.
 
-    `found` holds the basins as they stand after every step, the lowest first, so that a budget's end loses none.
+    `found` contains the current basins after every step, the lowest first, so that none is lost when the budget ends.
     """
     ends = [Basin(p.copy(), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))]
     found[:] = _close(ends, rules.distance / 3)
@@ -110,7 +110,7 @@ def _lowered(basin: Basin, settings: Settings) -> Search:
 
 
 def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
-    """From the lowest on: a basin joins one of the nearest lower ones unless a hill lies between."""
+    """From the lowest on: a basin joins one of the nearest lower ones unless there is a barrier between them."""
     waiting = _close(found, rules.distance)
     kept: list[Basin] = []
     while waiting:

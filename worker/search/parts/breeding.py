@@ -1,4 +1,5 @@
-"""What a genetic algorithm does to a population of points of the unit cube: scaling, selection, crossover, mutation.
+"""The operators of a genetic algorithm on a population of points of the unit cube: scaling, selection, crossover,
+mutation.
 
 Each operator draws for all children at once. Named as in Chipperfield and Fleming (1995) and Goldberg (1989).
 Start reading at `SELECT` and `CROSS`.
@@ -17,7 +18,7 @@ Rows = NDArray[np.intp]
 
 
 def expectation(costs: Floats) -> Floats:
-    """Expected share of the parents: 1 / sqrt(rank), the lowest cost first; sums to 1.
+    """Expected fraction of the parents: 1 / sqrt(rank), the lowest cost first; sums to 1.
 
     Only the order counts, so what has no cost (infinity) ranks last without needing a number.
     """
@@ -31,12 +32,12 @@ def _on_wheel(share: Floats, places: Floats) -> Rows:
 
 
 def roulette(random: np.random.Generator, share: Floats, count: int, entrants: int) -> Rows:
-    """Every parent by its own spin of a wheel whose slots are as wide as the shares."""
+    """Every parent by its own spin of a wheel whose slots are as wide as the fractions."""
     return _on_wheel(share, random.random(count))
 
 
 def stochastic_uniform(random: np.random.Generator, share: Floats, count: int, entrants: int) -> Rows:
-    """Equal steps along the wheel from one random place: a share of 10 % gets 10 % of the parents."""
+    """Equal steps along the wheel from one random position: a fraction of 10 % gets 10 % of the parents."""
     return random.permutation(_on_wheel(share, (random.random() + np.arange(count)) / max(count, 1)))
 
 
@@ -58,7 +59,7 @@ def scattered(random: np.random.Generator, better: Floats, worse: Floats, ratio:
 
 
 def two_point(random: np.random.Generator, better: Floats, worse: Floats, ratio: float) -> Floats:
-    """The parameters between two random places from one parent, the others from the other."""
+    """The parameters between two random positions from one parent, the others from the other."""
     m, n = better.shape
     cuts = np.sort(random.integers(n + 1, size=(m, 2)), axis=1)
     at = np.arange(n)
@@ -66,7 +67,7 @@ def two_point(random: np.random.Generator, better: Floats, worse: Floats, ratio:
 
 
 def intermediate(random: np.random.Generator, better: Floats, worse: Floats, ratio: float) -> Floats:
-    """Each parameter at a random place between the parents' or, with a ratio above 1, beyond the one."""
+    """Each parameter at a random position between the parents' or, with a ratio above 1, beyond the one."""
     return better + ratio * random.random(better.shape) * (worse - better)
 
 
@@ -82,17 +83,17 @@ CROSS: dict[str, Cross] = {
 
 
 def gaussian(random: np.random.Generator, parents: Floats, deviation: float) -> Floats:
-    """Every parameter of every parent moved by a normal step of this deviation, in shares of its range."""
+    """Every parameter of every parent moved by a normal step of this deviation, in fractions of its range."""
     return parents + deviation * random.standard_normal(parents.shape)
 
 
 def uniform(random: np.random.Generator, parents: Floats, rate: float) -> Floats:
-    """Every parameter drawn anew from its range with this probability."""
+    """Every parameter redrawn from its range with this probability."""
     anew = random.random(parents.shape) < rate
     return np.where(anew, random.random(parents.shape), parents)
 
 
 def directed(random: np.random.Generator, parents: Floats, length: float) -> Floats:
-    """Every parent moved by this length, in shares of the ranges, along a random direction."""
+    """Every parent moved by this length, in fractions of the ranges, along a random direction."""
     direction = random.standard_normal(parents.shape)
     return np.asarray(parents + length * direction / np.linalg.norm(direction, axis=1, keepdims=True))

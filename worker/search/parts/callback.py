@@ -1,6 +1,6 @@
 """Turns a library that calls back for every evaluation into a generator that yields batches.
 
-The library runs in a thread of its own; it and the generator take turns, so nothing ever runs at the same time.
+The library runs in its own thread; it and the generator take turns, so they never run at the same time.
 Start reading at `called_back`.
 """
 
@@ -20,7 +20,7 @@ Ask = Callable[[Floats], Batch]
 
 
 class Abandoned(BaseException):
-    """Raised inside the library's thread when the driver wants no more of it; no `except Exception` keeps it."""
+    """Raised inside the library's thread when the driver closes it; not caught by `except Exception`."""
 
 
 class _Raised:
@@ -34,7 +34,7 @@ class _Returned:
 
 
 def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
-    """Run `run(ask)` in a thread and yield whatever points (m, n) it asks for; returns what `run` returns.
+    """Run `run(ask)` in a thread and yield the points (m, n) that it requests; returns the result of `run`.
 
     When the generator is closed, `ask` raises `Abandoned` in the thread and the thread ends before close returns.
     """
@@ -67,7 +67,7 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
                 raise request.error
             answers.put((yield request))
     finally:
-        # An interrupt may come at any moment: whether the thread waits for an answer now or will ask again, it ends.
+        # An interrupt may come at any moment: the thread ends whether it waits for an answer or has yet to ask.
         abandoned.set()
         answers.put(nothing)
         thread.join()

@@ -25,7 +25,7 @@ LARGE = 1e3
 
 
 class End(NamedTuple):
-    """Where a local search ended: point (n,), its cost (infinity for none), the evaluations it asked for, and why."""
+    """The end of a local search: point (n,), its cost (infinity if none), the evaluations it used, and the reason."""
 
     point: Floats
     cost: float
@@ -35,7 +35,7 @@ class End(NamedTuple):
 
 @dataclass(frozen=True)
 class Settings:
-    """Differences and tolerances are shares of each parameter's range and of the cost. most: evaluations at most."""
+    """Differences and tolerances are fractions of each parameter's range and of the cost. most: evaluations at most."""
 
     library: Library = "nlopt"
     differences: Literal["central", "forward"] = "central"
@@ -47,7 +47,7 @@ class Settings:
 
 
 def descend(start: Floats, settings: Settings) -> Generator[Floats, Batch, End]:
-    """Descend from a start: a request holds a point and its differences, so that points may come twice."""
+    """Descend from a start: a request contains a point and its differences, so points may repeat."""
     return called_back(lambda ask: _run(ask, start, settings))
 
 
@@ -60,7 +60,7 @@ class _Spent(Exception):
 
 
 class _Trail:
-    """What one descent has seen: its lowest point, the distinct points it asked for, the unit of its costs."""
+    """The history of one descent: its lowest point, the distinct points it requested, the unit of its costs."""
 
     def __init__(self, ask: Ask, start: Floats, settings: Settings) -> None:
         self.ask, self.settings = ask, settings
@@ -181,7 +181,7 @@ def stencil(x: Floats, settings: Settings) -> tuple[Floats, Floats]:
 
 
 def gradient(values: Floats, steps: Floats) -> Floats:
-    """Differences from the values that exist; where neither neighbour has one the slope is taken as level."""
+    """Differences from the values that exist; if neither neighbour has one the slope is 0."""
     n = steps.shape[1]
     centre = values[0]
     around = values[1:].reshape(len(steps), n)

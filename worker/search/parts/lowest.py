@@ -1,4 +1,4 @@
-"""Keeps the lowest point of a search or of one descent of it, to report it as a minimum however the search ends."""
+"""Tracks the lowest point of a search or of one of its descents, to report it as a minimum however the search ends."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from worker.search.base import Floats, Minimum, Space
 
 
 class Lowest:
-    """The lowest point seen so far, its cost (infinity: none), and how many evaluations were seen."""
+    """The lowest point so far, its cost (infinity: none), and the number of evaluations."""
 
     def __init__(self, start: Floats | None = None) -> None:
         self.start = start
@@ -24,6 +24,6 @@ class Lowest:
             self.cost, self.point = float(values[low]), points[low].copy()
 
     def report(self, space: Space, text: str) -> None:
-        """Hand it over, where there is one."""
+        """Report it, if there is one."""
         if self.point is not None:
             space.report(Minimum(self.point, self.cost, self.start, self.evaluations, text))

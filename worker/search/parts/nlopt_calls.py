@@ -1,7 +1,7 @@
 """Runs an optimiser of NLopt, which asks for one point at a time, as a search. Start reading at `optimised`.
 
-NLopt wants a number for every point. One without a value gets the highest cost seen so far; that number stays inside
-the library: what is counted, kept and reported comes from the evaluations themselves.
+NLopt needs a number for every point. One without a value gets the highest cost so far; that number stays inside the
+library: everything counted, stored and reported comes from the evaluations themselves.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
 
     def cost(x: Floats, gradient: Floats) -> float:
         nonlocal highest
-        # A model spoilt by rounding may ask for no point at all: then the middle.
+        # A model spoilt by rounding may request NaN: use the centre instead.
         point = np.where(np.isfinite(x), np.clip(x, 0.0, 1.0), 0.5)[None, :]
         values = ask(point.copy()).ranked()
         best.see(point, values)

@@ -1,4 +1,4 @@
-"""What the members of a portfolio know of each other: how costs are spread, and the lowest points found.
+"""The information shared by the members of a portfolio: the spread of costs, and the lowest points found.
 
 Start reading at `Record.start`.
 """
@@ -10,12 +10,12 @@ import numpy as np
 from worker.search.base import Floats
 
 APART = 0.05
-"""Starts lie at least this far (largest difference of a parameter) from earlier ones and from where those ended."""
+"""Starts are at least this far (largest difference of a parameter) from earlier ones and from where those ended."""
 KEPT = 256
 
 
 class Record:
-    """The lowest points that lie apart from every start so far, and the first costs seen."""
+    """The lowest points away from every start so far, and the first costs."""
 
     def __init__(self, dimension: int) -> None:
         self.dimension = dimension
@@ -46,11 +46,11 @@ class Record:
         return float(np.median(self.first)) - self.lowest if self.first else 0.0
 
     def lowest_start(self) -> float:
-        """The cost of the start to come; infinity where there is none."""
+        """The cost of the next start; infinity if there is none."""
         return float(self.values[0]) if len(self.values) else float("inf")
 
     def start(self) -> Floats | None:
-        """The lowest point (n,) apart from all starts before it; None where there is none. It is a start now."""
+        """Take the lowest point (n,) away from all earlier starts as a start; None if there is none."""
         if len(self.points) == 0:
             return None
         chosen: Floats = self.points[0].copy()
@@ -58,7 +58,7 @@ class Record:
         return chosen
 
     def take(self, point: Floats) -> None:
-        """No start is to lie near this point any more."""
+        """Exclude further starts near this point."""
         self.taken = np.concatenate([self.taken, point[None, :]])
         free = np.abs(self.points - point).max(axis=1) >= APART
         self.points, self.values = self.points[free], self.values[free]

@@ -1,4 +1,4 @@
-"""UNIRANDI: a local search along random directions that asks for nothing but values.
+"""UNIRANDI: a local search along random directions that uses only values.
 
 Jarvi, A random search optimizer (University of Turku, 1973), as in GLOBAL (Csendes 1988): a step along a random
 direction or against it; a success is doubled until it fails, two failures halve the step. Start at `unirandi`.
@@ -15,7 +15,7 @@ from worker.search.base import Batch, Ended, Floats
 from worker.search.parts.descent import End
 
 STEP = 0.0005
-"""The first step in shares of the ranges: 0.001 on the original's box from -1 to 1."""
+"""The first step in fractions of the ranges: 0.001 on the original's box from -1 to 1."""
 BLOCK = 64
 TINY = 1e-300
 

@@ -1,4 +1,4 @@
-"""CMA-ES as a compiled state machine, many side by side: (mu/mu_w, lambda), begun anew at its best point for ever.
+"""CMA-ES as a compiled state machine, many side by side: (mu/mu_w, lambda), restarted at its best point without end.
 
 Hansen, The CMA evolution strategy: a tutorial (arXiv:1604.00772, 2016), its constants; with a Cholesky factor in place
 of the symmetric square root (Suttorp, Hansen, Igel, Machine Learning 75, 2009). Points are reflected at the box's
@@ -15,12 +15,12 @@ from worker.search.racing.state import BEGIN, CMA, Ints, State, compiled
 Random = np.random.Generator
 
 FINEST = 1e-6
-"""A strategy whose deviations are all below this begins anew."""
+"""A strategy whose deviations are all below this restarts."""
 FLAT, REDRAWS = 10, 5
 
 
 def tell(s: State, rows: Ints, random: Random) -> None:
-    """Go on with those of these searchers that are CMA-ES, until each wants points."""
+    """Advance those of these searchers that are CMA-ES, until each requests points."""
     _tell(s, rows, random)
 
 
@@ -155,7 +155,7 @@ def _solved(factor: Floats, y: Floats) -> Floats:
 
 @compiled
 def _factorise(s: State, t: int) -> None:
-    """Cholesky; a covariance that rounding has spoilt gets a step of 0, which begins anew."""
+    """Cholesky; a covariance spoilt by rounding gets a step of 0, which causes a restart."""
     n = s.best.shape[1]
     for a in range(n):
         for b in range(a + 1):

@@ -1,4 +1,4 @@
-"""The finish of contrast racing: incumbents without a hill between them are one valley; the best valleys are polished.
+"""The finish of contrast racing: incumbents without a barrier between them form one valley; the best are polished.
 
 Hill-valley test: Ursem, Multinational evolutionary algorithms (CEC 1999). Start reading at `Finish.run`.
 """
@@ -18,13 +18,13 @@ from worker.search.racing.state import COMPASS, Ints
 CANDIDATES, VALLEYS, COMPARED = 30, 12, 3
 """Best incumbents merged; valleys kept; nearest valleys each is compared with."""
 CAP = 0.04
-"""Share of the budget that merging may take."""
+"""Fraction of the budget that merging may use."""
 LAST = 1_000_000
 """The rung of those that are polished: above every other."""
 
 
 class Asked(Protocol):
-    """What the finish must know of the options."""
+    """The options of the finish."""
 
     @property
     def first(self) -> int: ...
@@ -69,7 +69,7 @@ class Finish:
         return spent
 
     def _same(self, c: int, valleys: Ints, scale: float) -> Generator[Floats, Batch, tuple[bool, int]]:
-        """Whether no hill lies between c and one of these: the middle first, the quarters only where it is low."""
+        """Whether there is no barrier between c and one of these: the middle first, the quarters only if it is low."""
         pool, spent = self.pool, 0
         for shares in ((0.5,), (0.25, 0.75)):
             if len(valleys) == 0:
@@ -84,7 +84,7 @@ class Finish:
         return len(valleys) > 0, spent
 
     def _polish(self, room: int, asked: Asked) -> Generator[Floats, Batch, int]:
-        """Go on from the best valleys, those first that had the fewest evaluations."""
+        """Polish the best valleys, those with the fewest evaluations first."""
         pool, spent = self.pool, 0
         n = pool.best.shape[1]
         self.polished = [self._polisher(t) for t in self.valleys[: asked.polished]]
@@ -118,6 +118,6 @@ class Finish:
             if t in self.polished:
                 text = "polished to the end of the search"
             else:
-                text = "a valley of its own, not polished" if merged else "the search ended before it was polished"
+                text = "a separate valley, not polished" if merged else "the search ended before it was polished"
             evaluations = int(pool.state.evaluations[t])
             space.report(Minimum(pool.best[t].copy(), float(pool.cost[t]), pool.starts[t], max(evaluations, 1), text))

@@ -1,4 +1,4 @@
-"""Compass search and Nelder-Mead as compiled state machines, many side by side; both hand over to CMA-ES.
+"""Compass search and Nelder-Mead as compiled state machines, many side by side; both are followed by CMA-ES.
 
 Compass: Kolda, Lewis, Torczon, Optimization by direct search (SIAM Review 45, 2003), over random bases; Nelder and Mead
 (Computer Journal 7, 1965) with the coefficients of Gao and Han (Comput. Optim. Appl. 51, 2012), which suit any

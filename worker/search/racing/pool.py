@@ -1,6 +1,6 @@
-"""The searchers of contrast racing: where each began, what it has reached, on which rung of the race it stands.
+"""The searchers of contrast racing: their starts, their results so far, and their rungs in the race.
 
-Start reading at `Pool.begin`; the searching itself is in `racing_moves` and `racing_cma`.
+Start reading at `Pool.begin`; the search steps are in `moves` and `cma`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from worker.search.racing import moves as racing_moves
 from worker.search.racing.state import BEGIN, Ints, grown, receive, room, wanted
 
 NEAR = 0.03
-"""Incumbents closer than this (largest difference of a parameter) are taken for one valley until tested."""
+"""Incumbents closer than this (largest difference of a parameter) count as one valley until tested."""
 
 
 class Pool:
@@ -56,7 +56,7 @@ class Pool:
         return t
 
     def wanted(self, rows: Ints) -> Floats:
-        """The points these searchers want."""
+        """The points that these searchers request."""
         return wanted(self.state, rows)
 
     def tell(self, rows: Ints, values: Floats) -> None:
@@ -79,7 +79,7 @@ class Pool:
         return chosen
 
     def follows(self, t: int) -> bool:
-        """Whether it is near a better one that stands on a higher rung."""
+        """Whether it is near a better one on a higher rung."""
         above = (self.rung[: self.count] > self.rung[t]) & (self.cost < self.cost[t])
         return bool((np.abs(self.best[above] - self.best[t]).max(axis=1) < NEAR).any()) if above.any() else False
 

@@ -1,7 +1,7 @@
 """The sample that contrast racing takes its starts from: Sobol points, their values, and their contrast.
 
 The contrast of a point is its value less the median of its nearest neighbours' in the sample: a point that is low for
-where it lies. Start reading at `Samples.start`.
+its neighbourhood. Start reading at `Samples.start`.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from worker.search.base import Floats
 from worker.search.racing.state import compiled
 
 BLOCK = 1024
-"""So many Sobol points are drawn at a time: a power of 2, as the sequence wants it."""
+"""So many Sobol points are drawn at a time: a power of 2, as the sequence requires."""
 CLOSEST = 1e-6
-"""Starts never lie closer than this."""
+"""Starts are never closer than this."""
 
 
 class Samples:

@@ -1,1 +1,1 @@
-"""What stages share: the driver, the store, samples, findings, confirmation. Start reading at `base.drive`."""
+"""Shared parts of the stages: the driver, the store, samples, findings, confirmation. Start reading at `base.drive`."""

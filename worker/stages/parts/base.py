@@ -1,7 +1,7 @@
-"""What stages share: the context of a run, and the driver between a method and whatever evaluates.
+"""Shared by the stages: the context of a run, and the driver between a method and the system that evaluates.
 
-The driver counts, answers repeated points from memory, stores, stops at the budget or at a cancel, keeps the best
-point, and replays what a resumed stage has stored already. Start reading at `drive`.
+The driver counts evaluations, answers repeated points from memory, stores results, stops at the budget or when the run
+is cancelled, tracks the best point, and replays the stored evaluations of a resumed stage. Start reading at `drive`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ FLUSH_ROWS = 4096
 
 
 class Seeded(NamedTuple):
-    """A request of a stage: points (m, n), each under the noise realisation of its own seed (m,)."""
+    """A request of a stage: points (m, n), each with the noise realisation of its own seed (m,)."""
 
     points: Floats
     seeds: Seeds
@@ -43,11 +43,11 @@ Asking = Generator[Request, Batch, Result]
 
 
 class Cancelled(Exception):
-    """The run was asked to stop."""
+    """The run was cancelled."""
 
 
 class ReplayMismatch(RuntimeError):
-    """A resumed stage does not ask for the points it stored: the code or the machine changed under the run.
+    """A resumed stage requests other points than it stored: the code or the machine has changed during the run.
 
     Start the campaign again as a new run.
     """
@@ -55,13 +55,14 @@ class ReplayMismatch(RuntimeError):
     def __init__(self, position: int, index: int) -> None:
         super().__init__(
             f"stage {position} was resumed, but its method no longer asks for the point stored as evaluation {index}: "
-            "the code or the machine changed in between; run the campaign again as a new run"
+            "the code or the machine changed in between; start the campaign again as a new run"
         )
 
 
 @dataclass
 class Context:
-    """One run in progress: what is asked, what flies it, where results go, and what the finished stages found."""
+    """One run in progress: its campaign, the system that evaluates it, its store, and the results of finished
+    stages."""
 
     campaign: Campaign
     problem: Problem
@@ -75,7 +76,7 @@ class Context:
 
     @property
     def nominal_cost(self) -> float | None:
-        """Of the nominal stage; None where it has none yet."""
+        """Result of the nominal stage; None until it is done."""
         nominal = self.results.get(0)
         return nominal.cost if isinstance(nominal, NominalResult) else None
 
@@ -118,7 +119,7 @@ class Driven:
 
 
 def drive(context: Context, position: int, search: Search | Asking[str], budget: int, repeats: bool = False) -> Driven:
-    """Let a search choose points until its own rule, the budget or a cancel ends it; raises `Cancelled`."""
+    """Evaluate what a search requests until its own rule or the budget ends it; raises `Cancelled`."""
     driver = _Driver(context, position, budget, repeats)
     try:
         points = next(search)
@@ -184,7 +185,7 @@ class _Driver:
         columns = join(self.unsaved)
         if columns is not None:
             first = self.tally.evaluations - len(columns.status)
-            self.unsaved = []  # never twice: a store that raises may have kept them
+            self.unsaved = []  # never twice: a store that raises may have stored them
             self.context.store.append(self.position, first, columns)
         self.saved = time.perf_counter()
         self.context.progress(self.position, self.tally)
@@ -208,7 +209,7 @@ class _Driver:
         return batch, spent
 
     def _stored(self, points: Floats) -> Columns | None:
-        """The next evaluations as they were stored by an earlier attempt, if there are any left."""
+        """The next evaluations as stored by an earlier attempt, if any are left."""
         index = self.tally.evaluations
         if self.stored is None or index >= len(self.stored.status):
             return None
@@ -260,7 +261,7 @@ def _no_status() -> NDArray[np.uint8]:
 
 
 def once(points: Floats, text: str) -> Search:
-    """A search that asks for these points and ends."""
+    """A search that requests these points and ends."""
     yield points
     return text
 

@@ -1,8 +1,8 @@
-"""How far from nominal the boundary of a violation lies: along each parameter, and straight towards the worst case.
+"""How far from nominal the boundary of a violation is: along each parameter, and straight towards the worst case.
 
-Every ray is looked at in equal steps and then halved between the last flight that keeps clear and the first that does
-not; a violation between two looks may be missed, and that is said. Start reading at `boundary`; `after` is all that is
-told of a finding beside its own flight.
+Every ray is sampled in equal steps; the interval between the last clear evaluation and the first violation is then
+halved. A violation between two samples may be missed; the result states the number of steps. `after` is everything that
+is evaluated around a finding.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ LOOKS = 20
 """On every ray."""
 
 TOLERANCE = 1e-5
-"""Share of each range to which a boundary is told."""
+"""Fraction of each range to which a boundary is located."""
 
 
 @dataclass
 class _Ray:
-    """From the nominal point to `end`; the boundary lies between the shares `clear` and `beyond` of the way."""
+    """From the nominal point to `end`; the boundary is between the fractions `clear` and `beyond` of the ray."""
 
     end: Floats
     path: str
@@ -45,7 +45,7 @@ Around = tuple[Slices, Boundary | None]
 
 
 def after(problem: Problem, point: Floats, cost: float) -> Generator[Floats, Batch, Around]:
-    """Slices through a finding and, where it violates, the distances to the boundary; None where it does not."""
+    """Slices through a finding and, if it violates, the distances to the boundary, otherwise None."""
     through = yield from slices.slices(problem, point)
     violated = cost <= problem.threshold
     return through, (yield from boundary(problem, point)) if violated else None
@@ -67,7 +67,7 @@ def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Bounda
     batch = yield looks
     beyond = _beyond(batch, problem.threshold)
     if beyond[0]:
-        said = say(f"the nominal {problem.words.one} itself does not keep clear")
+        said = say("the nominal case itself violates the criterion or fails")
         return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=[], line=None, said=said)
     costs = batch.costs[1:, 0].reshape(len(rays), LOOKS)
     for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), LOOKS), costs, strict=True):
@@ -94,7 +94,7 @@ def _at(nominal: Floats, ray: _Ray, shares: Floats) -> Floats:
 
 
 def _beyond(batch: Batch, threshold: float) -> NDArray[np.bool_]:
-    """Violated or failed; an excluded flight is neither."""
+    """Violated or failed; an excluded evaluation is neither."""
     known = (batch.status == EXCLUDED) | (batch.status == OK)
     return np.asarray(~known | (batch.costs[:, 0] <= threshold))
 
@@ -115,24 +115,24 @@ def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Fl
 def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     *single, line = [_ray(problem, nominal, ray) for ray in rays]
     hits = [(ray.share, ray) for ray in single if ray.share is not None and ray.value is not None]
-    said = say("no violation was seen along any one parameter alone, looked at in ", count(LOOKS), " steps")
+    said = say("no violation was found along any single parameter, sampled in ", count(LOOKS), " steps")
     if hits:
         share, near = min(hits, key=lambda hit: hit[0])
         assert near.value is not None
         parameter = problem.signs[near.path]
         said = say(
-            *("the nearest boundary along one parameter alone is ", parameter, " = ", number(near.value)),
+            *("the nearest boundary along a single parameter is at ", parameter, " = ", number(near.value)),
             *(", ", percent(share), " of its range from nominal"),
         )
     if line.way is not None:
-        crossed = "; on the straight line to the worst case it is crossed after "
-        said = say(said, crossed, percent(line.way), " of the way")
+        crossed = "; on the straight line to the worst case it is crossed at "
+        said = say(said, crossed, percent(line.way), " of the distance")
     return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=single, line=line, said=said)
 
 
 def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> Ray:
-    """Where the first flight beyond the boundary lies: `share` of the range, `way` along the ray, value, cost (None
-    for a flight that failed)."""
+    """The first evaluation beyond the boundary: `share` of the range, `way` along the ray, value, cost (None if it
+    failed)."""
     if not np.isfinite(ray.beyond):
         return Ray(path=ray.path, towards=ray.towards)
     point = _at(nominal, ray, np.array([ray.beyond]))[0]

@@ -1,8 +1,8 @@
-"""What a random sample allows to claim, as numbers; the sentences are in `worker.stages.parts.sample`.
+"""What may be claimed from a random sample, as numbers; the sentences are in `worker.stages.parts.sample`.
 
 Clopper and Pearson, The use of confidence or fiducial limits (Biometrika 26, 1934); Wilks, Determination of sample
 sizes for setting tolerance limits (Annals of Mathematical Statistics 12, 1941); Massart, The tight constant in the
-Dvoretzky-Kiefer-Wolfowitz inequality (Annals of Probability 18, 1990). Start reading at `bound`.
+Dvoretzky-Kiefer-Wolfowitz inequality (Annals of Probability 18, 1990).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from scipy import stats
 
 
 def bound(violations: int, samples: int, confidence: float) -> float:
-    """Upper Clopper-Pearson bound on a probability of which `violations` of `samples` were seen, one-sided."""
+    """One-sided upper Clopper-Pearson bound on a probability, given `violations` among `samples`."""
     if samples == 0 or violations >= samples:
         return 1.0
     return float(stats.beta.ppf(confidence, violations + 1, samples - violations))

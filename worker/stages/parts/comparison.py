@@ -1,7 +1,4 @@
-"""The methods side by side: best, work, when each came near the best known, which findings it reached, how it ended.
-
-Start reading at `compare`.
-"""
+"""The methods side by side: best, effort, when each came near the best known, findings reached, how it ended."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ from worker.stages.parts.findings import SAME_COST, Found, scale
 
 def compare(context: Context, findings: Sequence[Finding], found: Found, labels: list[str]) -> list[Compared]:
     """A row per search stage; `to_near_best`: evaluations until within 1 % of nominal minus worst of it; `basin`: the
-    finding whose basin holds the stage's best, by the labels of the basins that were found."""
+    finding whose basin contains the stage's best, by the labels of the basins that were found."""
     searched = context.searched
     worst = min((f.cost for f in findings), default=None)
     rows = []

@@ -1,7 +1,7 @@
 """Confirm: evaluate cases again by the other means that the system has, such as half the step and another integrator.
 
 A case agrees when all differences are within tolerance and all values lie on the same side of the threshold. It is a
-confirmed violation when all of them violate, however far they are apart. Either way it is validated. Tolerances have
+confirmed violation when all of them violate, however much they differ. Either way it is validated. Tolerances have
 a floor taken from the scale of the threshold, because a fraction of 0 is 0. Start reading at `cases`.
 """
 
@@ -24,7 +24,7 @@ FLOOR = 1e-6
 
 @dataclass(frozen=True)
 class Case:
-    """What is simulated again: a name, a point (n,) and, where it drew its own noise, the seed."""
+    """A case to simulate again: a name, a point (n,) and, if it drew its own noise, the seed."""
 
     name: str
     point: Floats
@@ -32,7 +32,7 @@ class Case:
 
 
 def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
-    """Every case as the campaign asks, and by every other means that the system has. Raises `Cancelled`."""
+    """Every case as the campaign specifies, and by every other means that the system has. Raises `Cancelled`."""
     if not asked:
         return []
     found = context.problem.system.confirm(*_asked(context, asked), context.cancelled)
@@ -42,7 +42,7 @@ def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
 
 
 def reference(context: Context, asked: Sequence[Case]) -> list[Comparison]:
-    """Every case, all of which have a cost, by the strongest of the other means. Raises `Cancelled`."""
+    """Every case, all with a cost, by the strongest of the other means. Raises `Cancelled`."""
     if not asked:
         return []
     found = context.problem.system.compare(*_asked(context, asked), context.cancelled)
@@ -84,7 +84,7 @@ def _case(context: Context, case: Case, found: Confirmed) -> Validation:
 
 
 def _stored(other: Comparison, difference: float | None) -> Any:
-    """A comparison as a validation holds it."""
+    """A comparison as stored in a validation."""
     if other.kind == "half_step":
         return HalfStep(step=other.step or 0.0, cost=other.cost, difference=difference)
     kind = ReferenceCost if other.kind == "integrator" else Repeated
@@ -94,5 +94,5 @@ def _stored(other: Comparison, difference: float | None) -> Any:
 def _allowed(context: Context, cost: float) -> float:
     tolerance = context.campaign.stages.validate_.tolerance
     margin = abs(cost - context.problem.threshold)
-    floor = min(FLOOR, tolerance) * scale(context)  # an author may ask for less than rounding
+    floor = min(FLOOR, tolerance) * scale(context)  # the requested tolerance may be below rounding
     return max(min(tolerance * abs(cost), FRACTION_OF_MARGIN * margin), floor)

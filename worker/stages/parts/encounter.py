@@ -1,9 +1,8 @@
-"""Encounter: what shows that the avoidance was put to the test at all, as values; what follows is the verdict's.
+"""Encounter: evidence that the avoidance was tested at all, as values; the verdict draws the conclusions.
 
-When the closest approach of nominal and findings took place, how far the vehicle moved, what the nominal flight would
-be if the avoider saw no obstacle (where the system shows these), and how much each uncertain parameter changes the
-criterion. Start reading at
-`encounter`.
+When the closest approach of nominal and findings took place, how far the vehicle moved, what the nominal case would be
+if the avoider saw no obstacle (if the system can show these), and how much each uncertain parameter changes the
+criterion.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How a search ended, as a claim: its sentence with the numbers in it, and the code of its rule. Start at `spoken`."""
+"""How a search ended, as a claim: its sentence with the numbers in it, and the code of its rule."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from worker.search.base import Ended
 
 
 def stop(kind: Literal["rule", "budget"], ended: str) -> Stop:
-    """By which rule; a plain string, of a method of another package, has no code."""
+    """By which rule; a plain string, from a method of another package, has no code."""
     return Stop(kind=kind, code=ended.code if isinstance(ended, Ended) else StopCode.OTHER, said=spoken(ended))
 
 

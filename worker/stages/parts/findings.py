@@ -26,13 +26,13 @@ from worker.systems.base import Floats
 EACH, ALL = 12, 60
 """Points to descend from: of every stage's evaluations at most, and of everything at most."""
 SAME_COST, SAME_PLACE = 0.01, 0.05
-"""A method found a worst case when it came this close by itself: share of nominal minus worst, share of every range."""
+"""A method found a worst case if it came this close by itself: fraction of nominal minus worst, of every range."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 ROUNDING = 1e-6
-"""Share of nominal minus worst by which a point nearby may be lower without being a new candidate."""
+"""Fraction of nominal minus worst by which a nearby point may be lower without becoming a new candidate."""
 ROUNDS = 20
-"""How often lower evaluations that turn up on the way are taken in as candidates at most."""
+"""At most so many rounds in which lower evaluations found on the way become candidates."""
 
 
 @dataclass(frozen=True)
@@ -68,13 +68,13 @@ class Found:
         return self.evidence.setdefault(basin.point.tobytes(), Evidence())
 
     def basin_of(self, position: int, cost: float) -> int | None:
-        """Which basin the best point of a stage, known by its cost, belongs to; None where it is in none listed."""
+        """The basin of a stage's best point, identified by its cost; None if it is in no listed basin."""
         wanted = {i for i, c in enumerate(self.candidates) if c.position == position and c.cost == cost}
         return next((i for i, basin in enumerate(self.basins) if wanted & set(basin.members)), None)
 
 
 def search(context: Context, position: int, found: Found) -> Search:
-    """Ask for whatever distinguishes the worst cases; `found` is up to date at every moment."""
+    """Request the evaluations that distinguish the worst cases; `found` is always up to date."""
     asking = _search(context, position, found)
     try:
         points = next(asking)
@@ -108,7 +108,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
     found.candidates = gather(context, position)
     yield from _drawn(context, position, found)
     if not found.candidates:
-        return f"no {context.problem.words.one} was evaluated"
+        return "no evaluation succeeded"
     random = _space(context).random
     yield from _told_apart(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
     yield from _evidence(context, found, random)
@@ -120,7 +120,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
         yield from _told_apart(context, found, [*found.basins, fresh])
         yield from _evidence(context, found, random)
-    return f"polished every distinct worst case and {context.problem.words.evaluated} its neighbours"
+    return "polished every distinct worst case and evaluated its neighbours"
 
 
 def gather(context: Context, position: int) -> list[Candidate]:
@@ -149,14 +149,14 @@ def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
 
 
 def scale(context: Context, worst: float) -> float:
-    """Nominal minus worst [the criterion's unit]; the size of the worst where the nominal flight has no cost above."""
+    """Nominal minus worst [the criterion's unit]; the size of the worst if the nominal cost is not above it."""
     nominal = context.nominal_cost
     fall = 0.0 if nominal is None else nominal - worst
     return fall if fall > 0.0 else max(abs(worst), 1e-12)
 
 
 def _drawn(context: Context, position: int, found: Found) -> Search:
-    """Points of flights that drew their own noise, evaluated under the campaign's realisations, as candidates."""
+    """Points that drew their own noise, evaluated again under the campaign's realisations, as candidates."""
     for _, columns, _ in seeds.drawn(context, range(position)):
         points = columns.points[promising(columns.points, _ranked(columns), EACH)]
         ranked = (yield points).ranked() if len(points) else np.empty(0)
@@ -168,12 +168,12 @@ def _drawn(context: Context, position: int, found: Found) -> Search:
 
 
 def _told_apart(context: Context, found: Found, starts: list[Basin]) -> Search:
-    """Descend from these starts and merge; what a start stood for, its end stands for."""
+    """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
     try:
         yield from distinct(points, costs, _rules(context, float(costs.min())), basins)
-    finally:  # a budget's end loses none
+    finally:  # when the budget ends, none is lost
         found.basins = [Basin(b.point, b.cost, [m for i in b.members for m in starts[i].members]) for b in basins]
         _keep_the_worst(context, found)
     return "polished every distinct minimum"
@@ -187,11 +187,11 @@ def _evidence(context: Context, found: Found, random: np.random.Generator) -> Se
     for basin in found.basins:
         if found.of(basin).after is None:
             found.of(basin).after = yield from after(context.problem, basin.point, basin.cost)
-    return "flew what surrounds every worst case"
+    return "evaluated the surroundings of every worst case"
 
 
 def _same(context: Context, found: Found, lower: Candidate) -> bool:
-    """Take a point for the worst case where it is lower by rounding only and close by, so that nothing is new."""
+    """Replace the worst case by a nearby point that is lower by rounding only, which is not a new candidate."""
     worst = found.basins[0]
     near = np.abs(worst.point - lower.point).max() <= context.campaign.stages.validate_.reach
     if not near or worst.cost - lower.cost > ROUNDING * scale(context, worst.cost):
@@ -230,7 +230,7 @@ def _space(context: Context) -> Space:
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:
-    """A minimum no worse than the nominal flight is no worst case, unless it violates or is the lowest."""
+    """Whether a minimum is a worst case: it is worse than the nominal case, violates, or is the lowest."""
     nominal = context.nominal_cost
     limit = max(np.inf if nominal is None else nominal, context.problem.threshold)
     kept = [b for i, b in enumerate(found.basins) if i == 0 or b.cost < limit]
@@ -242,7 +242,7 @@ def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.
     """A few hundred neighbours of a worst case; the lowest of them takes its place."""
     asked = context.campaign.stages.validate_
     if asked.neighbours == 0:
-        return "no neighbours were asked for"
+        return "no neighbours were requested"
     offsets = random.uniform(-asked.reach, asked.reach, (asked.neighbours, len(basin.point)))
     points = np.clip(basin.point + offsets, 0.0, 1.0)
     batch: Batch = yield points
@@ -257,4 +257,4 @@ def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.
     if ranked[low] < basin.cost:
         basin.point, basin.cost = points[low].copy(), float(ranked[low])
     found.of(basin).neighbours = neighbours
-    return "flew every neighbour"
+    return "evaluated every neighbour"

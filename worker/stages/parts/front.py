@@ -1,7 +1,7 @@
-"""The front of several criteria: the evaluations that no other one is worse than everywhere.
+"""The Pareto front of several criteria: the evaluations that no other evaluation dominates.
 
 Pareto dominance, as Deb et al., NSGA-II (IEEE Transactions on Evolutionary Computation 6, 2002) sort by it, over all
-evaluations of a stage, whatever its method. Start reading at `of_stage`.
+evaluations of a stage, whatever its method.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from worker.stages.parts.store import Columns
 from worker.systems.base import Floats
 
 MOST = 2000
-"""Points of a front that a result holds; of more, these are spread evenly over the values of the first criterion."""
+"""Points of a front that a result stores at most, spread evenly over the values of the first criterion."""
 
 
 def undominated(costs: Floats) -> NDArray[np.int64]:
-    """The rows (m, k) that no other row is as low as everywhere and lower somewhere, the lowest first cost first.
+    """The rows (m, k) that no other row dominates, in ascending order of the first cost.
 
     Of equal rows the first one.
     """
     order = np.lexsort((np.arange(len(costs)), *costs.T[::-1]))
     left, front = order, []
-    # Sorted, a row is never bettered by one behind it: the first of what is left belongs to the front.
+    # Once sorted, a row is never dominated by a later one: the first remaining row belongs to the front.
     while len(left):
         front.append(left[0])
         left = left[(costs[left] < costs[left[0]]).any(axis=1)]

@@ -1,8 +1,8 @@
-"""How far below its best DIRECT may still have missed something: an estimate, from the slopes that it saw.
+"""The possible improvement below DIRECT's best: an estimate from the observed slopes.
 
 Jones, Perttunen, Stuckman (JOTA 79, 1993), section 2, Shubert's bound in several dimensions: a function that changes
-along each parameter no faster than L_i lies above f(centre) - sum L_i side_i / 2 in a rectangle. The true L_i are not
-known; taken are the largest slopes between neighbouring centres. Start reading at `estimate`.
+along each parameter no faster than L_i is at least f(centre) - sum L_i side_i / 2 in a rectangle. The true L_i are
+unknown; the largest slopes between neighbouring centres are used instead.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=T
 """The methods that keep rectangles."""
 
 DIGITS = 12
-"""Centres are told apart to so many decimals: those of 3^-24 still are."""
+"""Centres are distinguished to so many decimals, enough for sides of 3^-24."""
 
 
 def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> Gap | None:
-    """The gap that these stored evaluations leave; None where a method keeps no rectangles or none has a value."""
+    """The estimate from these stored evaluations; None if the method has no rectangles or none has a value."""
     if method not in DIVIDE:
         return None
     boxes, slopes = _replayed(DIVIDE[method], options, columns)
@@ -38,7 +38,7 @@ def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> G
     lowest = float((boxes.value[: boxes.count][kept] - half @ slopes).min())
     best = float(boxes.value[: boxes.count][kept].min())
     unit, lost = problem.unit, int(np.count_nonzero(~kept))
-    without = say("; ", count(lost), " rectangles whose centre has no value are left out") if lost else ()
+    without = say("; ", count(lost), " rectangles whose centre has no value are ignored") if lost else ()
     return Gap(
         rectangles=boxes.count,
         without_value=lost,
@@ -47,18 +47,18 @@ def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> G
         gap=best - lowest,
         said=say(
             *(
-                "estimate, no bound: if ",
-                symbol(problem.quantity),
-                " changes nowhere faster than between neighbouring ",
+                "estimate, not a bound: if the steepest slopes observed between the centres of ",
+                count(boxes.count),
+                " rectangles hold everywhere, ",
             ),
-            *("centres of its ", count(boxes.count), " rectangles, it lies nowhere below ", number(lowest, unit)),
-            *(", ", number(best - lowest, unit), " below the lowest of them", without),
+            *(symbol(problem.quantity), " is nowhere below ", number(lowest, unit)),
+            *(", ", number(best - lowest, unit), " below the lowest centre", without),
         ),
     )
 
 
 def _replayed(divided: Any, options: Any, columns: Columns) -> tuple[direct.Boxes, Floats]:
-    """The rectangles after the last whole iteration, and the largest slope seen along each side of the unit cube."""
+    """The rectangles after the last complete iteration, and the largest slope observed along each side of the cube."""
     dimension = columns.points.shape[1]
     boxes = direct.Boxes(dimension)
     known: dict[bytes, float] = {}
@@ -86,7 +86,7 @@ def _keys(points: Floats) -> Floats:
 
 
 def _steepest(slopes: Floats, points: Floats, values: Floats, known: dict[bytes, float]) -> None:
-    """Take in the slopes between pairs of new centres and the one between them."""
+    """Update the slopes with those between pairs of new centres and the centre between them."""
     low, high = points[0::2], points[1::2]
     middle = np.array([known.get(key.tobytes(), np.nan) for key in _keys((low + high) / 2)])
     side = np.argmax(np.abs(high - low), axis=1)

@@ -1,8 +1,8 @@
-"""Sensitivity indices over the whole box: Morris' elementary effects and Sobol's shares of the variance, by SALib.
+"""Sensitivity indices over the whole box: Morris' elementary effects and Sobol's variance fractions, by SALib.
 
 Morris, Factorial sampling plans for preliminary computational experiments (Technometrics 33, 1991), with mu* of
 Campolongo et al. (2007); Saltelli et al., Variance based sensitivity analysis of model output (Computer Physics
-Communications 181, 2010). Start reading at `morris` and `sobol`; each asks for one batch and returns what it says.
+Communications 181, 2010). Start reading at `morris` and `sobol`; each requests one batch and returns its study.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from worker.search.base import Batch
 from worker.systems.base import Floats
 
 MORRIS_STREAM, SOBOL_STREAM = 2**22, 2**22 + 1
-"""Of random numbers; searches have those from 0 on."""
+"""Index of the random stream; searches use those from 0 on."""
 
 
 def morris(
@@ -55,9 +55,9 @@ def morris(
 def sobol(
     problem: Problem, asked: SobolIndices, random: np.random.Generator, confidence: float
 ) -> Generator[Floats, Batch, SobolStudy]:
-    """First-order and total shares of the variance, under the distributions, with the half width of their interval.
+    """First-order and total fractions of the variance, under the distributions, with the half width of their interval.
 
-    The indices split a variance among independent parameters: correlations are left out.
+    The indices split a variance among independent parameters: correlations are ignored.
     """
     from SALib.analyze import sobol as analysis
     from SALib.sample import sobol as sampling
@@ -72,7 +72,7 @@ def sobol(
     values = batch.costs[:, 0]
     reason = _unusable(problem, batch)
     if reason is None and np.ptp(values) <= 1e-12 * max(1.0, float(np.abs(values).max())):
-        reason = say(f"not computed: the value is the same for all {problem.words.many}, there is no variance to share")
+        reason = say("not computed: all evaluations have the same value, so there is no variance to explain")
     if reason is not None:
         return study(None, reason)
     found = analysis.analyze(
@@ -80,13 +80,13 @@ def sobol(
     )
     columns = {"first": "S1", "first_confidence": "S1_conf", "total": "ST", "total_confidence": "ST_conf"}
     rows = [SobolRow(path=path, **values) for path, values in _rows(problem, found, columns)]
-    apart = "; correlations are left out" if problem.distributions.mixed else ""
+    apart = "; correlations are ignored" if problem.distributions.mixed else ""
     leading = _leading(problem, {row.path: row.total for row in rows})
-    return study(rows, say("largest total shares: ", leading, apart))
+    return study(rows, say("largest total indices: ", leading, apart))
 
 
 def _box(problem: Problem) -> dict[str, Any]:
-    """The unit cube, as SALib wants it."""
+    """The unit cube as SALib's problem definition."""
     names = [r.path for r in problem.ranges]
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
@@ -105,15 +105,14 @@ def _counts(batch: Batch, confidence: float) -> _Counts:
 
 
 def _unusable(problem: Problem, batch: Batch) -> Said | None:
-    """Why no index is computed: the designs need the value of every flight, and none is made up."""
+    """Why no index is computed: the designs need the value of every evaluation, and missing ones are not imputed."""
     missing = int(np.count_nonzero(batch.status != OK))
     if not missing:
         return None
-    words = problem.words
     return say(
         *("not computed: ", count(missing), " of ", count(len(batch.status))),
-        f" {words.many} failed or were excluded, and the design needs the value of every one; "
-        f"narrow the bounds to where all can be {words.done}",
+        " evaluations failed or were excluded, and the design needs the value of every one; "
+        "narrow the bounds until all evaluations succeed",
     )
 
 

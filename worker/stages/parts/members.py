@@ -1,4 +1,4 @@
-"""Which member of a method asked for which evaluation: a portfolio's record, told apart. Start reading at `Members`."""
+"""Which member of a portfolio requested which evaluation."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from worker.stages.parts.store import Columns
 
 @dataclass
 class Members:
-    """Listens to what a method says of its members; an evaluation belongs to the first that asked for its point."""
+    """Records a method's requests by member; an evaluation belongs to the first member that requested its point."""
 
     announced: list[tuple[str, int]] = field(default_factory=list)
     owner: dict[bytes, str] = field(default_factory=dict)
 
     def attribute(self, member: str, points: int) -> None:
-        """The next so many points of the coming request are this member's."""
+        """The next `count` points of the coming request belong to this member."""
         self.announced.append((member, points))
 
     def listening(self, search: Search) -> Search:
-        """The same search, heard."""
+        """The same search, with its requests recorded."""
         batch = None
         try:
             while True:

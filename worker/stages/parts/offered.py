@@ -1,9 +1,8 @@
-"""Violations that the run has stored, whoever asked for them, and a random choice of all its evaluations, again.
+"""Simulates stored violations of all stages and a random choice of all evaluations again.
 
-No violation is left unexamined because it is no finding: up to `AT_MOST` of the violating evaluations are simulated at
+Violations that are not findings are examined as well: up to `AT_MOST` of the violating evaluations are simulated at
 half the step and with the reference integrator, and the counts are reported. `SPOT_CHECKS` random evaluations are
-compared with the reference integrator, so that its distance is known for more than the findings. Start reading at
-`violations`.
+compared with the reference integrator, so that the difference is known for more than the findings.
 """
 
 from __future__ import annotations
@@ -69,9 +68,9 @@ class _Stored:
 
 
 def violations(context: Context, positions: range) -> tuple[Violations, list[tuple[Stored, Validation]]]:
-    """Every stored violation, or an even choice of them by cost, again; the counts, and those that are confirmed.
+    """Simulate every stored violation, or an even choice by cost, again; the counts, and the confirmed ones.
 
-    The lowest confirmed comes first.
+    The lowest confirmed one comes first.
     """
     found = _Stored(context, positions, context.problem.threshold)
     lowest_first = np.argsort(found.cost, kind="stable")
@@ -90,7 +89,7 @@ def violations(context: Context, positions: range) -> tuple[Violations, list[tup
 
 
 def spot_checks(context: Context, positions: range) -> SpotChecks:
-    """Random evaluations of all stages with the reference integrator: how far it was from the stored values."""
+    """Random evaluations of all stages with the reference integrator: its differences from the stored values."""
     known = _Stored(context, positions)
     random = np.random.default_rng(np.random.SeedSequence(context.campaign.seed, spawn_key=(STREAM,)))
     chosen = known.pick(np.sort(random.permutation(len(known))[:SPOT_CHECKS]))
@@ -138,7 +137,7 @@ def _counts(words: Words, stored: int, checked: int, confirmed: int) -> Said:
     verb = "evaluation violates" if stored == 1 else "evaluations violate"
     return say(
         *(count(stored, "violating"), f" stored {verb} the criterion; ", of, f" of them were {words.again}, and "),
-        *(count(confirmed, "confirmed"), " violate there too"),
+        *(count(confirmed, "confirmed"), " violate there as well"),
     )
 
 
@@ -148,12 +147,12 @@ def _apart(
     if largest is None or median is None:
         return say(f"no random evaluation could be compared with {by}")
     said = say(
-        *(count(compared, "compared"), f" random evaluations compared with {by}: at most "),
-        *(number(largest, unit, "largest"), " apart, half of them within ", number(median, unit, "median")),
+        *(count(compared, "compared"), f" random evaluations compared with {by}: differences of at most "),
+        *(number(largest, unit, "largest"), ", half of them within ", number(median, unit, "median")),
     )
     without = checked - compared
     if without:
-        said = say(said, "; ", count(without), " more could not be simulated by it")
+        said = say(said, "; ", count(without), " more could not be compared")
     if violating:
-        said = say(said, "; ", count(violating), " of them violate the criterion there and not here")
+        said = say(said, "; ", count(violating), " of them violate the criterion only there")
     return said

@@ -1,4 +1,4 @@
-"""What a stage is and what it hands over: found by presence, one file a stage. Start reading at `Stage`."""
+"""What a stage is and what it returns; stages are discovered, one file each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ R = TypeVar("R", bound=StageResult, covariant=True)
 
 @dataclass(frozen=True)
 class Outcome(Generic[R]):
-    """What a stage leaves: its result, and the findings and traces that it stores with it."""
+    """The outcome of a stage: its result, and the findings and traces that are stored with it."""
 
     result: R
     findings: tuple[Finding, ...] = ()

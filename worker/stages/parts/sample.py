@@ -1,7 +1,7 @@
-"""A random sample told: counts, the bound on P(violation), the bound on a quantile, the distribution function.
+"""Statements on a random sample: counts, the bound on P(violation), a quantile bound, the distribution function.
 
-A failed flight counts as a violation and as the lowest value: nobody knows how it would have ended. Where the
-distributions reach beyond the bounds, that probability is added to the bounds. Start reading at `Sample.statement`.
+A failed evaluation counts as a violation and as the lowest value, because its outcome is unknown. If the distributions
+extend beyond the bounds, that probability is added to the bounds. Start reading at `Sample.statement`.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from worker.stages.parts.store import Columns
 from worker.systems.base import Floats, Realised
 
 STEPS = 400
-"""Values of the distribution function that a chart is given."""
+"""Points of the distribution function in a chart."""
 
-NO_SAMPLE = "they are no independent sample, so no bound on P(violation) follows from them"
+NO_SAMPLE = "they are not an independent sample, so they give no bound on P(violation)"
 WENT_ON = (
-    "the sample went on after its first result had been seen, so no bound on P(violation) follows from it; the certify "
-    "stage draws a sample of its own"
+    "the sample was extended after its first result had been seen, so it gives no bound on P(violation); the certify "
+    "stage draws its own sample"
 )
 POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol points"}
 
@@ -39,7 +39,7 @@ POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol poin
 class Noise:
     """Which realisations of the scenario's noise a statement holds for.
 
-    `kind`: none (no noise), drawn (one with every flight), stated (those that the campaign lists). `clause` says so.
+    `kind`: none (no noise), drawn (one for every sample), stated (those that the campaign lists); `clause` in words.
     """
 
     kind: NoiseKind = "none"
@@ -47,41 +47,39 @@ class Noise:
 
     @staticmethod
     def given(realised: Realised) -> Noise:
-        """Of flights that all simulate the realisations that the campaign states."""
+        """For evaluations that all simulate the realisations stated in the campaign."""
         if not realised.random:
             return Noise()
         seeds = words(listed([str(seed) for seed in realised.seeds]))
-        which = f"the {realised.combine} of those with seeds {seeds}" if realised.several else f"that with seed {seeds}"
-        return Noise("stated", f", given one realisation of the noise ({which}) and no other")
+        which = f"the {realised.combine} of seeds {seeds}" if realised.several else f"seed {seeds}"
+        return Noise("stated", f", for the stated noise only ({which})")
 
 
-DRAWN = Noise("drawn", ", each with a noise realisation of its own,")
+DRAWN = Noise("drawn", ", each with its own noise realisation,")
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Independent draws that were flown: the costs that are, sorted; how many failed; how many were excluded."""
+    """Independent draws that were simulated: their sorted costs; how many failed; how many were excluded."""
 
     costs: Floats
     failed: int
     excluded: int
     threshold: float
     outside: float
-    """The probability of lying beyond the bounds, or an upper bound of it."""
+    """The probability beyond the bounds, or an upper bound on it."""
     confidence: float
     noise: Noise = Noise()
-    one: str = "flight"
-    many: str = "flights"
 
     @staticmethod
     def of(columns: Columns, problem: Problem, confidence: float, drawn: bool = False) -> Sample:
-        """The sample that these evaluations are; `drawn`: every one of them drew its own noise."""
+        """The sample of these evaluations; `drawn`: each of them drew its own noise."""
         costs = np.sort(columns.costs[columns.status == OK, 0])
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
         noise = DRAWN if drawn else Noise.given(problem.realisations)
-        outside, words = problem.distributions.outside, problem.words
-        return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise, words.one, words.many)
+        outside = problem.distributions.outside
+        return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise)
 
     @property
     def size(self) -> int:
@@ -118,7 +116,7 @@ class Sample:
         )
 
     def unclaimed(self, points: str, why: str) -> Statement:
-        """The same without a bound, and why there is none."""
+        """The same without a bound, and the reason for that."""
         estimate = say(" (an estimate of ", percent(self.violations / self.size), ")") if self.size else ()
         said = say(
             *(count(self.violations, "violations"), " of ", count(self.size, "samples"), f" {points} violate the "),
@@ -135,25 +133,25 @@ class Sample:
         value = float(self.costs[r - 1 - self.failed]) if r > self.failed else None
         most, size, none = percent(share, 6, "share"), count(self.size, "samples"), "no bound on the "
         if least is None:
-            said = say(none, most, " quantile: ", percent(self.outside), " of the draws may lie beyond the bounds")
+            said = say(none, most, " quantile: ", percent(self.outside), " of the draws may be beyond the bounds")
         elif r == 0:
-            few = f" {self.many} are too few for a bound on the "
+            few = " samples are too few for a bound on the "
             said = say(size, few, most, " quantile, which needs ", count(least, "needed"))
         elif value is None:
-            said = say(none, most, f" quantile: the {_ordinal(r)} lowest of the sample is a failed {self.one}")
+            said = say(none, most, f" quantile: the {_ordinal(r)} lowest of the sample is a failed evaluation")
         else:
             said = say(
-                *("at most ", most, f" of the {self.many}{counted} have ", symbol(quantity), " below "),
+                *("at most ", most, f" of all cases{counted} have ", symbol(quantity), " below "),
                 *(number(value, unit, "bound"), ", with ", percent(self.confidence, 6, "confidence")),
-                *(f" confidence: it is the {_ordinal(r)} lowest of ", size),
+                *(f" confidence: this is the {_ordinal(r)} lowest of ", size),
             )
         confidence = claims.held(r, self.size, within) if r else None
         return QuantileBound(share=share, order=r or None, bound=value, needed=least, confidence=confidence, said=said)
 
     def distribution(self) -> Distribution:
-        """The empirical distribution function: values and the share of the sample at or below each; its band."""
+        """The empirical distribution function: values and the fraction of the sample at or below each; its band."""
         size = len(self.costs)
-        # The lowest ones all, of the rest an even choice.
+        # All of the lowest values, and evenly spaced ones of the rest.
         lowest = np.arange(min(size, STEPS // 4))
         chosen = np.union1d(lowest, np.linspace(0, size - 1, min(size, STEPS)).astype(np.int64))
         shares = (self.failed + np.arange(1, size + 1)) / max(self.size, 1)
@@ -170,50 +168,49 @@ class Sample:
 
     def _seen(self) -> Said:
         own = self.noise.clause if self.noise.kind == "drawn" else ""
-        drawn = f" {self.many} drawn from the stated distributions{own}"
+        drawn = f" samples drawn from the stated distributions{own}"
         return say(count(self.violations, "violations"), " of ", count(self.size, "samples"), drawn)
 
     def _conditions(self) -> Said:
-        """Under which condition the statement holds: the noise, and what was excluded."""
+        """The conditions under which the statement holds: noise and exclusions."""
         given = self.noise.clause if self.noise.kind == "stated" else ""
         if not self.excluded:
             return say(given)
         return say(
-            *(f"{given}; it holds for starts above the threshold only: ", count(self.excluded, "draws_excluded")),
+            *(f"{given}; it holds only for starts above the threshold: ", count(self.excluded, "draws_excluded")),
             *(" of ", count(self.size + self.excluded, "draws"), " draws (", percent(self.excluded_fraction)),
             ") start at or below it and were excluded",
         )
 
     def failures(self) -> Said:
-        """A clause on the flights that failed, where some did."""
-        of = f" of them {self.many} that failed)"
-        return say(" (", count(self.failed, "draws_failed"), of) if self.failed else ()
+        """A clause on failed evaluations, if there are any."""
+        return say(" (", count(self.failed, "draws_failed"), " of them because they failed)") if self.failed else ()
 
     def _beyond(self) -> Said:
         if not self.outside:
             return ()
-        every = ", counted over all draws, excluded ones among them" if self.excluded else ""
-        beyond = f" is the probability of lying beyond the bounds{every}"
+        every = ", relative to all draws, including excluded ones" if self.excluded else ""
+        beyond = f" is the probability beyond the bounds{every}"
         return say(", of which ", percent(self.outside, name="outside"), beyond)
 
 
 def of_search(context: Context, options: Any, columns: Columns) -> Statement:
-    """What the points of a random search say: a bound only where they are independent, and one that knows when the
-    sample was looked at to decide whether it may stop."""
+    """The statement of a random search: a bound only if its points are independent; with early stopping, one that
+    allows for the interim analyses."""
     confidence = context.campaign.confidence
     sample = Sample.of(columns, context.problem, confidence)
     if isinstance(options, monte_carlo.Options) and options.sampling != "plain":
         return sample.unclaimed(POINTS[options.sampling], NO_SAMPLE)
     if isinstance(options, monte_carlo.Options) and options.continued:
-        return sample.unclaimed(f"{sample.many} drawn from the stated distributions", WENT_ON)
+        return sample.unclaimed("samples drawn from the stated distributions", WENT_ON)
     if not isinstance(options, monte_carlo.Options) or options.interval == 0.0:
         return sample.statement()
     looks, level = monte_carlo.looked(len(columns.status), confidence)
     statement = sample.statement(level)
     how = say(
-        "; the sample may stop by what it shows, which makes it no fixed sample: each look spends a part of the error, "
-        "so that the bounds of all looks hold together, and this is number ",
-        *(count(looks, "looks"), ", made with ", percent(level, 6, "level")),
+        "; early stopping spends the error over interim analyses (alpha spending), so all their bounds hold together; "
+        "this is interim analysis ",
+        *(count(looks, "looks"), ", at ", percent(level, 6, "level")),
     )
     return statement.model_copy(update={"looks": looks, "said": say(statement.said, how)})
 

@@ -1,8 +1,7 @@
-"""Which noise realisation each evaluation simulated, where a stage draws one with every flight.
+"""Which noise realisation each evaluation simulated, if a stage draws one per evaluation.
 
-A number made of the campaign's seed and the evaluation's index, so that it depends on nobody else and is never stored:
-SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014), its highest bits.
-Start reading at `of_draws`.
+Computed from the campaign's seed and the evaluation's index alone, so it is never stored: the highest bits of
+SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 """
 
 from __future__ import annotations
@@ -32,20 +31,20 @@ def of_draws(seed: int, first: int, count: int) -> Seeds:
 
 
 def stated(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns]]:
-    """The evaluations of these stages under the realisations that the campaign states."""
+    """The evaluations of these stages under the realisations stated in the campaign."""
     found = [(at, _rows(columns, _drawn(context, at), None)) for at, columns in all_columns(context, [*positions])]
     return [(at, columns) for at, columns in found if len(columns.status)]
 
 
 def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns, Seeds]]:
-    """The evaluations of these stages that each drew a realisation of their own, with its seed."""
+    """The evaluations of these stages that drew their own realisation, with its seed."""
     found = [(at, columns, _drawn(context, at)) for at, columns in all_columns(context, [*positions])]
     seed = context.campaign.seed
     return [(at, _rows(columns, 0, count), of_draws(seed, 0, count)) for at, columns, count in found if count]
 
 
 def _drawn(context: Context, position: int) -> int:
-    """How many of a stage's evaluations, the first ones, drew a realisation of their own."""
+    """How many of a stage's first evaluations drew their own realisation."""
     result = context.results.get(position)
     return result.drawn_realisations if isinstance(result, CertifyResult) else 0
 

@@ -1,7 +1,4 @@
-"""Slices: each parameter over its bounds, the others where they stand; through the nominal point or a worst case.
-
-Start reading at `curves`.
-"""
+"""Slices: each parameter over its bounds with the others fixed, through the nominal point or a worst case."""
 
 from __future__ import annotations
 
@@ -17,7 +14,7 @@ from worker.search.base import Batch
 from worker.systems.base import Floats
 
 POINTS = 41
-"""On each slice through a worst case, beside the worst case itself."""
+"""Points on each slice through a worst case, besides the worst case itself."""
 
 Curves = Generator[Floats, Batch, list[Curve]]
 """Yields points (m, n), receives their batch, returns the curves."""

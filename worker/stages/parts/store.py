@@ -1,8 +1,8 @@
-"""Where a run's results go as they arise, and where a resumed run finds them.
+"""Where the results of a run are stored as they arise, and where a resumed run finds them.
 
-`Store` is the seam: the database behind a lease (`backend.db.store`) or memory (`worker.runs.store`).
-Every write of a store that has lost its lease raises; nothing is ever overwritten by a stale worker. What is handed
-over is plain data, in `backend.db.records`.
+`Store` is the interface: the database behind a lease (`backend.db.store`) or memory (`worker.runs.store`).
+Every write of a store that has lost its lease raises, so a stale worker never overwrites anything. The data passed are
+plain records (`backend.db.records`).
 """
 
 from __future__ import annotations
@@ -33,19 +33,20 @@ __all__ = [
 
 
 class Store(Protocol):
-    """What a runner needs of storage. Positions are those of the plan; indices count from 0 within a stage."""
+    """The storage that a runner needs. Positions are those of the plan; indices count from 0 within a stage."""
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
-        """Write the plan of a new run; return every stage as it stands (a resumed run finds its earlier state)."""
+        """Write the plan of a new run; return the state of every stage (a resumed run finds its earlier state)."""
 
     def flies(self, flown: Flown, code: Code) -> None:
-        """Store what flies as the first stage begins; raises `OtherCode` where other code has flown already."""
+        """Store the versions of the code when the first stage begins; raises `OtherCode` if other code has run
+        already."""
 
     def begin(self, position: int) -> None:
         """Mark a stage running."""
 
     def evaluations(self, position: int) -> Columns | None:
-        """All evaluations stored for a stage, in order; None when there are none."""
+        """All stored evaluations of a stage, in order; None if there are none."""
 
     def append(self, position: int, first: int, columns: Columns) -> None:
         """Store evaluations from index `first` on, and bring the stage's and the run's counts and best up to date."""

@@ -1,4 +1,4 @@
-"""How a verdict speaks of a closed loop: its components and conditions, its settings, its flights."""
+"""The words in which a verdict describes a closed loop: components, conditions, settings, evaluations."""
 
 from __future__ import annotations
 
@@ -14,11 +14,8 @@ def words(integrator: str) -> Words:
     """integrator: the name of the reference integrator."""
     return Words(
         one="flight",
-        many="flights",
-        evaluated="flew",
-        done="flown",
-        agree=f"half the step and {integrator} agree",
-        disagrees=f"half the step or {integrator} disagrees",
+        agree=f"the step-halving check and {integrator} agree",
+        disagrees=f"the step-halving check or {integrator} disagrees",
         every="all integrations",
         again="simulated again at half the step and with the reference integrator",
         reference="the reference integrator",

@@ -1,6 +1,6 @@
-"""What every simulator shares as a system: parameters and results as declared, words, confirmation by repeating.
+"""The base of every simulator as a system: declared parameters and results, words, confirmation by repetition.
 
-A package derives its simulator from `Simulated` and gives `evaluate` and `digest`. Start reading there.
+A package derives its simulator from `Simulated` and implements `evaluate` and `digest`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ FRESH = "a fresh evaluation"
 class Simulated(System):
     """A simulator over its own parameters; it has neither noise nor a trace, and shows no encounter.
 
-    Costs have one column, the result that the campaign asks for. It is confirmed by evaluating again, each case by
-    itself, with what `fresh` returns: that shows that the simulator repeats, and nothing of what it models.
+    Costs have one column, the result that the campaign names. Cases are confirmed one by one with the simulator that
+    `fresh` returns: this shows that results are repeatable, not that the model is right.
     """
 
     def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
@@ -39,7 +39,7 @@ class Simulated(System):
         self.results = (Result(asked.name, asked.title, asked.quantity, asked.unit, asked.worse),)
 
     def fresh(self) -> System:
-        """The same simulator, with nothing left of earlier evaluations."""
+        """The same simulator, without any state of earlier evaluations."""
         return type(self)(self.entry, self.opening)
 
     @property
@@ -54,9 +54,6 @@ class Simulated(System):
     def words(self) -> Words:
         return Words(
             one="case",
-            many="cases",
-            evaluated="evaluated",
-            done="evaluated",
             agree=f"{FRESH} agrees",
             disagrees=f"{FRESH} disagrees",
             every="both evaluations",
@@ -68,8 +65,7 @@ class Simulated(System):
     @property
     def caveat(self) -> str:
         return (
-            "Cases were evaluated again by the same simulator and by no other means. Whether an encounter takes place "
-            "in it was not checked."
+            "Cases were evaluated again by the same simulator only. Whether an encounter takes place was not checked."
         )
 
     def confirm(

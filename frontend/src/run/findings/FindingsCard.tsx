@@ -249,7 +249,7 @@ function Told({ told, kept }: { told: Gathered; kept: number }) {
       {count(told.candidates)} low points of all stages were descended from. Two ends are one finding where they are
       within {percent(told.distance)} of every range, or no barrier above {percent(told.barrier)} of nominal minus worst
       is between them.
-      {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal flight and are omitted.`}
+      {told.left_out > 0 && ` ${count(told.left_out)} more were no worse than the nominal case and are omitted.`}
       {kept >= told.at_most && ` At most ${told.at_most} are stored: there may be more.`}
     </>
   )

@@ -64,7 +64,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
         <>
           {criteria.map((c) => `${c.title}: ${c.worse === 'high' ? 'more' : 'less'} is worse`).join('; ')}. The front is
           the worst that was found; it does not affect the verdict, which rests on {criteria[0]?.title.toLowerCase()} alone.
-          {thinned && ` Of the largest of these fronts, ${count(Math.max(...sizes))} flights, some are left out.`}
+          {thinned && ` Of the largest of these fronts, ${count(Math.max(...sizes))} evaluations, some are omitted.`}
         </>
       }
     >

@@ -43,7 +43,7 @@ export function Tornado({ data, result, className, tall }: TornadoProps) {
       footer={
         most && (
           <>
-            {bars.length < result.curves.length && 'Parameters without a value at one of their bounds are left out. '}
+            {bars.length < result.curves.length && 'Parameters without a value at one of their bounds are omitted. '}
             <Sign text={most.symbol} path={most.path} /> moves it most:{' '}
             {signed(Math.min(most.low, most.high), decimalsFor([most.low, most.high], 2))} {run.unit} on its worse side.
           </>

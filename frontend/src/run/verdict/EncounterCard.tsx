@@ -39,7 +39,7 @@ export function EncounterCard({ data, encounter, className }: EncounterProps) {
           <>
             <dt>Path of the nominal case</dt>
             <dd>{moved === null ? NONE : `${plain(moved, 4)} m`}</dd>
-            <dt>Nominal {quantity} with every obstacle unseen</dt>
+            <dt>Nominal {quantity} if no obstacle were seen</dt>
             <dd data-testid="unseen">
               {unseen.cost === null ? `no value: ${unseen.reason}` : `${plain(unseen.cost)} ${run.unit}`}
               {run.nominal_cost !== null && (

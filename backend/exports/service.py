@@ -20,7 +20,7 @@ import sqlalchemy as sa
 from backend.db import snapshots
 from backend.db.digest import results_digest
 from backend.db.engine import read
-from backend.db.tables import CatalogueDocument, Trace
+from backend.db.tables import CatalogueDocument, Finding, Trace
 from backend.exports.schemas import ExportFile
 from backend.exports.sheet import Flown, Sheet, headings, sheet
 from backend.http.naming import named
@@ -31,6 +31,8 @@ from backend.runs.components import components
 from backend.runs.schemas import RunSummary
 from backend.signoffs import service as signoffs
 from campaigns.documents import JsonObject
+from campaigns.results import NominalResult
+from campaigns.results.base import Status
 from campaigns.runs import ENDED
 
 FORMAT = "clearance-run/1"
@@ -45,6 +47,7 @@ class Kind:
     text: str
     media_type: str
     flights: bool = False
+    findings: bool = False
     report: bool = False
 
 
@@ -70,7 +73,7 @@ FILES = (
         "Findings, CSV",
         "Nominal flight and every finding: all criteria, closest approach, parameters, validation",
         "text/csv",
-        flights=True,
+        findings=True,
     ),
     Kind("traces.csv", "Flights, CSV", "Nominal flight and every finding over time", "text/csv", flights=True),
     Kind(
@@ -87,7 +90,9 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     """What the run can be taken away as; 404 for no run."""
     run = runs.summary(reader, run_id)
     flights = list(reader.scalars(sa.select(Trace.name).where(Trace.run_id == run_id)))
-    return [_file(run, kind, bool(flights)) for kind in (*REPORTS, *FILES, _recording(flights))]
+    found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
+    kinds = (*REPORTS, *FILES, _recording(flights))
+    return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in kinds]
 
 
 def _recording(flights: list[str]) -> Kind:
@@ -98,8 +103,14 @@ def _recording(flights: list[str]) -> Kind:
     return Kind(f"flight-{label}.html", f"{title} in 3D, HTML", text, "text/html", flights=True)
 
 
-def _file(run: RunSummary, kind: Kind, flown: bool) -> ExportFile:
-    why = "this run has no stored flight" if kind.flights and not flown else None
+def _missing(kind: Kind, flown: bool, found: bool) -> str | None:
+    """Why there is nothing to write; None where there is."""
+    if kind.flights and not flown:
+        return "this run has no stored flight"
+    return "this run has no stored flight and no finding" if kind.findings and not (flown or found) else None
+
+
+def _file(run: RunSummary, kind: Kind, why: str | None) -> ExportFile:
     if kind.media_type == "application/pdf" and pdf.browser() is None:
         why = "needs Chromium on the service's machine"
     place = kind.file.replace("safety-case-report", "report") if kind.report else f"exports/{kind.file}"
@@ -142,23 +153,34 @@ def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
 
 
 def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
-    """One row for the nominal flight and one for each finding, with every criterion's value."""
+    """One row for the nominal case and one for each finding, with every criterion's value, whether a flight of it is
+    stored or not."""
     asked = runs.detail(reader, run_id)
     found = {finding.label: finding for finding in results.findings(reader, run_id)}
     flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
     paths = list(asked.campaign["uncertain"])
     heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
     yield _lines([["flight", *heads, "margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths]])
-    for name, head in flights.items():
-        closest, finding = head.closest, found.get(name)
-        values = head.values or {asked.criteria[0].name: head.cost}
+    nominal = _nominal(reader, run_id)
+    for name in dict.fromkeys([*flights, *(["nominal"] if nominal.cost is not None else []), *found]):
+        head, finding = flights.get(name), found.get(name)
+        cost, of = (finding.cost, finding.parameters) if finding else (nominal.cost, nominal.parameters)
+        if head is not None:
+            cost, of = head.cost, finding.parameters if finding else head.parameters
+        values = head.values if head is not None and head.values else {asked.criteria[0].name: cost}
         told = [values.get(criterion.name) for criterion in asked.criteria]
         margin = None if told[0] is None or asked.threshold is None else told[0] - asked.threshold
-        of = finding.parameters if finding else head.parameters
         by = " ".join(finding.methods) if finding else ""
         ok = finding.validation.ok if finding and finding.validation else None
-        at = [None, None] if closest is None else [closest.time, closest.speed]
+        at = [head.closest.time, head.closest.speed] if head is not None and head.closest else [None, None]
         yield _lines([[name, *told, margin, *at, ok, by, *(of.get(p) for p in paths)]])
+
+
+def _nominal(reader: sa.Connection, run_id: int) -> NominalResult:
+    """What the nominal stage found; no cost where it has no result yet."""
+    first = next(iter(runs.stages(reader, run_id)), None)
+    found = None if first is None else first.result
+    return found if isinstance(found, NominalResult) else NominalResult(cost=None, margin=None, status=Status.FAILED)
 
 
 def traces_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:

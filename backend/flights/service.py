@@ -46,6 +46,9 @@ def case(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
     """What is asked for; raises `RefusedError` for an unknown run, finding or parameter and a value outside limits."""
     run_id = number(run)
     asked = campaign(reader, run_id)
+    if asked.scenario is None:
+        text = f"{run_name(run_id)} evaluates a simulator, which provides no trace: it has no flight to simulate"
+        raise RefusedError(422, "not-flyable", text)
     catalogue = described(reader, run_id)
     base = _like(reader, run_id, given.like)
     _check(asked, catalogue, given.parameters)

@@ -15,7 +15,7 @@ from starlette.websockets import WebSocketDisconnect
 from backend.db.engine import read
 from backend.http.deps import Reader
 from backend.http.errors import RefusedError
-from backend.runs.service import number, require
+from backend.runs.service import number
 from backend.scenes.base import setting
 from backend.scenes.base.address import Address, parse
 from backend.scenes.control.relay import relay
@@ -61,7 +61,7 @@ def view_without_slash(run: str, request: Request) -> Response:
 @router.get("/view/{run}/{rest:path}")
 def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response:
     """The viewer's page; the same for every run, the socket brings the scene."""
-    require(reader, number(run))
+    setting.drawable(reader, number(run))
     _address(rest)
     if "websocket" in request.query_params:
         detail = "?websocket= would attach this page to another server and is not allowed"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import os
 import subprocess
@@ -11,7 +13,11 @@ from typing import Any
 
 import httpx
 import pytest
+import websockets
+from websockets.sync.client import connect
 
+from backend.reports import pdf
+from tests.api.viewing import PROTOCOL
 from tests.faults.processes import CLEARANCE, REPOSITORY
 from tests.faults.serving import serving
 from tests.simulators import package
@@ -133,3 +139,120 @@ def test_the_stored_run_is_audited(visit: Visit, installed: Path) -> None:
     _, run, data = visit
     done = clearance(installed, "audit", run, "--data", str(data))
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"
+WITHOUT_A_TRACE = {
+    "/api/v1/runs/{run}/traces/{name}": "no stored flight",
+    "/api/v1/runs/{run}/exports/flight-{flight}.html": "no stored flight",
+    "/api/v1/runs/{run}/views/{key}": "no 3D view of",
+    "/view/{run}/": "it has no 3D view",
+    "/view/{run}/F1/recorded/": "no stored flight",
+}
+"""What a run without a trace refuses, with 404 and these words; everything else that is read is there."""
+
+
+class TestEveryRoute:
+    """Every route and every action of a page, for a run whose system gives no trace."""
+
+    def test_what_is_read_is_there_or_is_refused_in_words(self, visit: Visit) -> None:
+        client, run, _ = visit
+        described = client.get("/api/v1/openapi.json").json()["paths"]
+        paths = [path for path, asked in described.items() if "{run}" in path and "get" in asked]
+        assert len(paths) > 15
+        for path in {*paths, *WITHOUT_A_TRACE}:
+            place = path.format(run=run, name="F1", flight="F1", key=KEY)
+            answer = client.get(place, params={"stage": 2} if path.endswith("/evaluations") else None)
+            if path in WITHOUT_A_TRACE:
+                assert answer.status_code == 404, path
+                assert WITHOUT_A_TRACE[path] in answer.json()["detail"], answer.text
+            elif not (path.endswith("report.pdf") and pdf.browser() is None):
+                assert answer.status_code == 200, f"{path}: {answer.text[:300]}"
+
+    def test_findings_are_written_without_flights(self, visit: Visit) -> None:
+        client, run, _ = visit
+        found = client.get(f"/api/v1/runs/{run}/findings").json()
+        rows = list(csv.DictReader(io.StringIO(client.get(f"/api/v1/runs/{run}/exports/findings.csv").text)))
+        assert [row["flight"] for row in rows] == ["nominal", "F1", "F2"]
+        for row, finding in zip(rows[1:], found, strict=True):
+            assert float(row["d_sep [m]"]) == finding["cost"]
+            assert float(row["margin"]) == finding["margin"]
+            assert {path: float(row[path]) for path in finding["parameters"]} == finding["parameters"]
+        assert (float(rows[0]["simulator.x"]), rows[0]["validated"]) == (0.5, "")
+        listed = {
+            f["href"].rpartition("/")[2]: f["unavailable"] for f in client.get(f"/api/v1/runs/{run}/exports").json()
+        }
+        assert listed["findings.csv"] is None
+        assert listed["traces.mat"] == "this run has no stored flight"
+
+    def test_its_socket_is_refused_and_nothing_goes_wrong_in_the_log(self, visit: Visit) -> None:
+        client, run, data = visit
+        cookies = "; ".join(f"{name}={value}" for name, value in client.cookies.items())
+        headers = {"Cookie": cookies, "Origin": client.headers["Origin"]}
+        address = f"{str(client.base_url).replace('http', 'ws', 1).rstrip('/')}/view/{run}/key/{KEY}"
+        protocol = [websockets.Subprotocol(PROTOCOL)]
+        with (
+            pytest.raises(websockets.InvalidStatus),
+            connect(address, additional_headers=headers, subprotocols=protocol, proxy=None),
+        ):
+            pass
+        assert "Traceback" not in "".join(log.read_text(encoding="utf-8") for log in (data / "logs").iterdir())
+
+    @pytest.mark.parametrize("given", [{"simulator.x": 0.3}, {"simulator.q": 1.0}, {}])
+    def test_a_what_if_is_refused_in_words(self, visit: Visit, given: dict[str, float]) -> None:
+        client, run, _ = visit
+        answer = client.post(f"/api/v1/runs/{run}/flights", json={"parameters": given})
+        assert answer.status_code == 422
+        assert answer.json()["type"].endswith("not-flyable")
+        assert answer.json()["detail"] == (
+            f"{run} evaluates a simulator, which provides no trace: it has no flight to simulate"
+        )
+
+    def test_it_is_signed_off_and_the_word_withdrawn(self, visit: Visit) -> None:
+        client, run, _ = visit
+        base = f"/api/v1/runs/{run}/signoffs"
+        digest = client.get(base).json()["digest"]
+        signed = client.post(base, json={"name": "Ada", "role": "Engineer", "digest": digest})
+        assert signed.status_code == 201, signed.text
+        withdrawn = client.post(f"{base}/{signed.json()['id']}/withdraw", json={"reason": "Another model"})
+        assert withdrawn.json()["withdrawn_reason"] == "Another model"
+
+    def test_a_draft_of_it_is_kept_checked_and_run(self, visit: Visit) -> None:
+        client, run, _ = visit
+        text = client.get(f"/api/v1/runs/{run}/campaign.yaml").text
+        kept = client.post("/api/v1/drafts", json={"name": "Again", "text": text}).json()
+        assert client.get(f"/api/v1/drafts/{kept['id']}").json()["text"] == text
+        yaml = {"Content-Type": "application/yaml"}
+        checked = client.post("/api/v1/campaigns/check", content=text, headers=yaml).json()
+        assert checked["ok"], checked["problems"]
+        assert checked["digest"] == client.get(f"/api/v1/runs/{run}").json()["campaign_digest"]
+        again = client.post("/api/v1/runs", json={"campaign": checked["document"], "name": "Again", "text": text})
+        assert again.status_code == 201, again.text
+        other = finished(client, again.json()["id"])
+        first, second = (client.get(f"/api/v1/runs/{name}/findings").json() for name in (run, other))
+        assert [f["cost"] for f in second] == [f["cost"] for f in first]
+        gone = client.delete(f"/api/v1/runs/{other}", params={"reason": "A copy"})
+        assert gone.status_code in (200, 204), gone.text
+        assert client.post(f"/api/v1/runs/{other}/restore").status_code in (200, 204)
+
+    def test_it_is_submitted_and_followed_from_the_command_line(
+        self, visit: Visit, installed: Path, tmp_path: Path
+    ) -> None:
+        client, _, data = visit
+        file, out = tmp_path / "basins.json", tmp_path / "out"
+        file.write_text(json.dumps(package.campaign(2.0)), encoding="utf-8")
+        made = clearance(installed, "token", "create", "ci", "--data", str(data))
+        assert made.returncode == 0, made.stderr
+        (tmp_path / "token").write_text(made.stdout.split()[-1], encoding="utf-8")
+        service = ("--service", str(client.base_url), "--token-file", str(tmp_path / "token"))
+        done = clearance(installed, "submit", str(file), "--out", str(out), *service)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert done.stdout.splitlines()[0] == "Cleared"
+        assert (out / "findings.csv").read_text(encoding="utf-8").count("\n") == 4
+
+    def test_explain_says_that_there_is_no_text(self, installed: Path, tmp_path: Path) -> None:
+        file = tmp_path / "basins.json"
+        file.write_text(json.dumps(package.campaign()), encoding="utf-8")
+        done = clearance(installed, "explain", str(file))
+        assert done.returncode == 3, done.stderr
+        assert "Two basins, simulator two_basins has no text to print; only a closed loop does" in done.stderr

@@ -85,6 +85,10 @@ class TestSystem:
         assert (trace is None) == (not system.shows)
         assert (system.encounter(trace) is None) == (not system.shows)
 
+    def test_only_a_closed_loop_has_a_text_to_show(self, system: System) -> None:
+        assert (system.source is not None) == bool(system.settings.integrator)
+        assert system.source is None or "def closed_loop" in system.source.read_text(encoding="utf-8")
+
     def test_its_words_claim_an_integrator_only_where_there_is_one(self, system: System) -> None:
         held = system.scope
         said = json.dumps([vars(system.words), words(held.what), words(held.settings), held.version, system.caveat])

@@ -15,6 +15,36 @@ from tests.simulators import package
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
 
 
+def test_launched_again_from_the_form_and_compared(tmp_path: Path, browser: Browser) -> None:
+    folder = package.install(tmp_path / "package")
+    with (
+        serving(tmp_path, PYTHONPATH=package.path(folder)) as service,
+        visiting(browser, service.link().partition("/login")[0]) as visit,
+    ):
+        page = visit.page
+        page.goto(service.link())
+        body = {"campaign": package.campaign(), "name": "Basins"}
+        given = page.request.post(f"{visit.address}/api/v1/runs", data=body, headers={"Origin": visit.address})
+        assert given.status == 201, given.text()
+        visit.go("/launch?from=R-0001")
+        expect(page.get_by_role("combobox", name="Simulator", exact=True)).to_have_value("Two basins")
+        expect(page.get_by_role("combobox", name="Criterion, result")).to_have_value("Separation")
+        page.get_by_label("Criterion, threshold").fill("2")
+        page.get_by_label("Two basins, Offset along the track", exact=True).fill("0.4")
+        page.get_by_role("button", name="Start run").click()
+        expect(page).to_have_url(re.compile("R-0002"))
+        expect(page.get_by_test_id("verdict")).to_have_text(re.compile("Cleared"), timeout=40_000)
+        asked = page.request.get(f"{visit.address}/api/v1/runs/R-0002").json()["campaign"]
+        assert asked["simulator"] == {"name": "two_basins", "parameters": {"x": 0.4}}
+        assert asked["criterion"]["threshold"] == 2.0
+        visit.go("/compare?runs=R-0001,R-0002")
+        expect(page.get_by_text("From violated to cleared")).to_be_visible()
+        expect(page.get_by_text("Simulator digest")).to_be_visible()
+        visit.shot("simulator-compared")
+        visit.go("/runs/R-0002/flight")
+        expect(page.get_by_role("heading", name="There is no flight to show")).to_be_visible()
+
+
 def test_a_run_without_a_trace(tmp_path: Path, browser: Browser) -> None:
     folder = package.install(tmp_path / "package")
     with (

@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from scipy.integrate._ivp import dop853_coefficients as published
 
 from worker.reference import coefficients, flight, stepper
-from worker.reference.stepper import BARRED, BEGIN, CHANNEL_ROWS, COST, LIMIT, NEW, ROWS, SAMPLE, SLOPE, WORK, K, X
+from worker.reference.stepper import BARRED, BEGIN, CHANNEL_ROWS, COST, LIMIT, NEW, ROWS, SAMPLE, SEE, SLOPE, WORK, K, X
 
 Floats = NDArray[np.float64]
 Slope = Callable[[float, Floats, Floats], tuple[Any, Any]]
@@ -33,9 +33,11 @@ class System:
         self.calls = 0
 
     def __call__(self, what: int, t: float, x: Floats, dx: Floats, y: Floats, p: Floats) -> float:
-        if what == SLOPE:
+        if what in (SLOPE, SEE):
             self.calls += 1
-            dx[:], y[:] = self.slope(t, x, p)
+            slope, y[:] = self.slope(t, x, p)
+            if what == SLOPE:
+                dx[:] = slope
         elif what == BEGIN:
             x[:] = self.start
         elif what == SAMPLE and self.sample is not None:

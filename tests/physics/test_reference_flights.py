@@ -19,7 +19,7 @@ from campaigns.results.base import OK
 from tests.physics.scenes import changed
 from tests.problems import Problem
 from tests.unit.cases import campaign
-from worker.reference import Flight, Reference, compiled, flight
+from worker.reference import Flight, Reference, compiled, flight, stepper
 
 SMOOTH, SLIDING = 1e-8, 1e-3
 
@@ -73,6 +73,23 @@ def test_compiled_and_interpreted_give_the_same_bits(case1: Problem) -> None:
     here, there = Reference(case1.system), Reference(case1.system)
     there.__dict__["_system"] = SimpleNamespace(address=called), flight.fly
     assert there.fly(case1.system.nominal) == here.fly(case1.system.nominal)
+
+
+@pytest.mark.parametrize("name", ["unicycle_static", "uav_moving_gusts"])
+def test_the_channels_alone_have_the_bits_that_they_have_with_the_slope(name: str) -> None:
+    problem = Problem(changed(load_file(library()[name]), horizon=3.0))
+    alone, beside = Reference(problem.system), Reference(problem.system)
+    system, numbers, asked = alone._system[0], ctypes.POINTER(ctypes.c_double), set()
+
+    def called(what: int, t: float, x: Any, dx: Any, *rows: Any) -> float:
+        """The channels read with the whole slope, which is dropped."""
+        asked.add(what)
+        what, dx = (stepper.SLOPE, np.zeros_like(dx)) if what == stepper.SEE else (what, dx)
+        return float(system.ctypes(what, t, *(row.ctypes.data_as(numbers) for row in (x, dx, *rows))))
+
+    beside.__dict__["_system"] = SimpleNamespace(address=called), flight.fly
+    assert beside.fly(problem.system.nominal, 1) == alone.fly(problem.system.nominal, 1)
+    assert stepper.SEE in asked
 
 
 def test_noise_kept_over_a_stretch_and_drawn_at_every_slope_give_the_same_bits() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from campaigns.results.finding import Repeated
 from campaigns.results.validate import Spread
 from campaigns.results.verdict import NominalCost, Provenance, Worst
 from tests.unit.cases import campaign
@@ -15,6 +16,7 @@ from tests.unit.evidence import (
     WORST,
     barred,
     certificate,
+    changed,
     concluded,
     encountered,
     finding,
@@ -66,6 +68,21 @@ def test_violated_when_a_validated_finding_violates() -> None:
     assert conclusion.verdict == "violated"
     assert conclusion.reason.startswith("d_min falls to or below 0.5 m. The worst case found has d_min = 0.49 m")
     assert "It was confirmed by validation" in conclusion.reason
+
+
+def test_a_violation_that_does_not_repeat_says_so() -> None:
+    again = Repeated(name="a fresh evaluation", cost=0.45, difference=-0.04)
+    apart = {"half_step": None, "integrator": None, "again": again, "agrees": False, "violates": True}
+    found = finding(0.49)
+    assert found.validation is not None
+    conclusion = concluded(**violation(finding=changed(found, validation=changed(found.validation, **apart))))
+    assert conclusion.verdict == "violated"
+    assert (
+        "Both its evaluations violate the criterion but differ beyond tolerance: 0.49 m, and 0.45 m in a fresh evaluation."
+        in conclusion.reason
+    )
+    agreeing = changed(found.validation, **apart | {"agrees": True})
+    assert "apart" not in concluded(**violation(finding=changed(found, validation=agreeing))).reason
 
 
 def test_a_finding_on_the_threshold_violates() -> None:

@@ -39,6 +39,18 @@ def upper_bound(violations: int, samples: int, confidence: float) -> float:
     return high
 
 
+def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
+    """Wilks: the r-th lowest of the sample, in which a failed evaluation is the lowest, bounds its quantile."""
+    size = len(ranked)
+    most = min(size - 1, math.ceil(size * fraction))
+    below = cumulative(most, size, fraction) if size and fraction > 0 else np.empty(0)
+    r = int(np.count_nonzero(below <= math.log1p(-confidence)))
+    if not r:
+        return dict.fromkeys(("order", "bound", "confidence"))
+    bound = ranked[r - 1] if ranked[r - 1] > -math.inf else None
+    return {"order": r, "bound": bound, "confidence": -math.expm1(below[r - 1])}
+
+
 def counts(status: Any) -> Tree:
     """How many evaluations there are, and how they ended."""
     ok, excluded = (int(np.count_nonzero(status == code)) for code in (OK, EXCLUDED))
@@ -60,6 +72,7 @@ class Run:
         self.nominal, self.lowest = self.best[0], min(self.costs.tolist(), default=math.nan)
         self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
         self.varies = self.highest - self.lowest > FLOOR * max(abs(self.highest), abs(self.lowest))
+        self.others = ("half_step", "integrator") if self.campaign.simulator is None else ("again",)
         self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
         self.confirmed = any(f["validation"]["violates"] for f in self.findings if f["margin"] <= 0.0)
         self.bound: Any = MISSING
@@ -71,27 +84,28 @@ class Run:
         ends = zip(self.campaign.uncertain, given["point"], strict=True)
         edges = {path: "low" if u < 0.5 else "high" for path, u in ends if min(u, 1 - u) <= 1e-9}
         name = f"F{number}"
-        told = {"label": name, "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
-        return told | {"validation": {"name": name, "cost": cost} | self.case(given["validation"])}
+        found = {"label": name, "cost": cost, "margin": cost - self.threshold, "at_bounds": edges}
+        return found | {"validation": {"name": name, "cost": cost} | self.case(given["validation"])}
 
     def case(self, given: Tree) -> Tree:
         """What follows from the costs of a case: the one that the campaign asks for and those by other means."""
-        others = ("half_step", "integrator") if self.campaign.simulator is None else ("again",)
-        stated = (given["cost"], *(given[k]["cost"] for k in others))
+        stated = (given["cost"], *(given[k]["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, of which no comparison holds
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
         floor = min(FLOOR, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
         allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), floor)
         violates, clear = (bool(side.all()) for side in (costs <= self.threshold, costs > self.threshold))
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
-        apart = {k: {"difference": float(c) - cost} for k, c in zip(others, costs[1:], strict=True)}
+        apart = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
         return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
 
     def describe(self) -> None:
         """Look up what the catalogue says of the run's parameters and methods, and take the sample of a probability."""
-        known = parameters(self.campaign, self.claims["components"])
+        components = self.claims["components"]
+        known = parameters(self.campaign, components)
         self.bounds = {path: u.interval(known[path][1]) for path, u in self.campaign.uncertain.items()}
-        methods = {method.name: method for method in self.claims["components"].methods}
+        self.random = seeded(self.campaign, components)
+        methods = {method.name: method for method in components.methods}
         self.methods = {k: methods[self.plan[k].method] for k in self.searches}
         certify = {k for k, planned in enumerate(self.plan) if planned.kind == "certify"}
         random = {k for k in self.searches if self.methods[k].kind == "random"}
@@ -109,36 +123,26 @@ class Run:
         options = {} if asked else self.campaign.stages.search[self.searches.index(k)].options
         grid = asked.grid.points ** len(self.bounds) if asked and asked.grid else 0
         drawn = np.flatnonzero(self.stage == k)[: max(self.ended[k]["evaluations"] - grid, 0)]
-        costs, told = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
-        draws, outside, level = told.pop("evaluations"), self.outside(), self.campaign.confidence
-        size, violations = draws - told["excluded"], told["failed"] + int(np.count_nonzero(costs <= self.threshold))
-        told |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
-        told |= {"excluded_fraction": told["excluded"] / max(draws, 1)}
-        told |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
-        if seeded(self.campaign, self.claims["components"]):
+        costs, found = np.sort(self.raw[drawn][self.status[drawn] == OK]), counts(self.status[drawn])
+        draws, outside, level = found.pop("evaluations"), self.outside(), self.campaign.confidence
+        size, violations = draws - found["excluded"], found["failed"] + int(np.count_nonzero(costs <= self.threshold))
+        found |= {"samples": size, "violations": violations, "outside": outside, "confidence": level, "noise": "none"}
+        found |= {"excluded_fraction": found["excluded"] / max(draws, 1)}
+        found |= {"lowest": float(costs[0]), "mean": float(costs.mean())} if len(costs) else {}
+        if self.random:
             own = asked and self.claims["results"][k]["drawn_realisations"] == draws
-            told["noise"] = "drawn" if own else "stated"
+            found["noise"] = "drawn" if own else "stated"
         if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
             look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
             level = 1.0 - (1.0 - level) / (look * (look + 1))
         independent = options.get("sampling", "plain") == "plain" and not options.get("continued")
-        told["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
+        found["upper_bound"] = min(1.0, upper_bound(violations, size, level) + outside) if independent else None
         if asked:
-            told["quantile"] = self.quantile([-math.inf] * told["failed"] + costs.tolist(), asked.quantile - outside)
+            ranked = [-math.inf] * found["failed"] + costs.tolist()
+            found["quantile"] = lowest_of_quantile(ranked, asked.quantile - outside, self.campaign.confidence)
             if size < asked.samples and draws < 20 * asked.samples:  # an excluded draw is repeated, up to 20 times
-                told["samples"] = asked.samples
-        return told
-
-    def quantile(self, ranked: list[float], share: float) -> Tree:
-        """Wilks: the r-th lowest of the sample, in which a failed flight is the lowest, bounds its quantile."""
-        size = len(ranked)
-        most = min(size - 1, math.ceil(size * share))
-        below = cumulative(most, size, share) if size and share > 0 else np.empty(0)
-        r = int(np.count_nonzero(below <= math.log1p(-self.campaign.confidence)))
-        if not r:
-            return dict.fromkeys(("order", "bound", "confidence"))
-        bound = ranked[r - 1] if ranked[r - 1] > -math.inf else None
-        return {"order": r, "bound": bound, "confidence": -math.expm1(below[r - 1])}
+                found["samples"] = asked.samples
+        return found
 
     def outside(self) -> float:
         """The probability that unbounded normal draws lie beyond the bounds; the sum of tails where correlated."""

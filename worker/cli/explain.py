@@ -1,4 +1,4 @@
-"""`clearance explain FILE`: prints the closed loop of a campaign as it is simulated, as plain Python."""
+"""`clearance explain FILE`: prints what a campaign evaluates as plain Python: the closed loop as it is simulated."""
 
 from __future__ import annotations
 
@@ -12,15 +12,18 @@ def explain(
     file: Annotated[Path, typer.Argument(help="A campaign as YAML or JSON, or the name of one in the library.")],
 ) -> None:
     """Print the closed loop that is simulated: the order of the components' calls, and their inputs."""
+    from campaigns.claims.spans import words
     from worker.cli import WrongInputError
     from worker.cli._campaign import read_campaign
     from worker.kernels.text.names import UnnamedError
-    from worker.opening.opened import closed_loop
+    from worker.opening import opened
     from worker.systems.base import CampaignUnusable
 
     try:
-        loop = closed_loop(read_campaign(file), compiled=False).loop
+        system = opened.system(read_campaign(file))
     except (CampaignUnusable, UnnamedError) as error:
         raise WrongInputError(str(error)) from None
-    typer.echo(loop.text, nl=False)
-    typer.echo(f"The file to set breakpoints in: {loop.module.__file__}", err=True)
+    if system.source is None:
+        raise WrongInputError(f"{file}: {words(system.scope.what)} has no text to print; only a closed loop does")
+    typer.echo(system.source.read_text(encoding="utf-8"), nl=False)
+    typer.echo(f"The file to set breakpoints in: {system.source}", err=True)

@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 from worker.reference.stepper import (
-    DUMP,
     END,
     LEFT,
     LOW,
@@ -18,8 +17,8 @@ from worker.reference.stepper import (
     OLD,
     RATE,
     RIGHT,
+    SEE,
     SEEN,
-    SLOPE,
     WORK,
     bend,
     between,
@@ -121,4 +120,4 @@ def refine(
 def seen_at(t: float, h: float, fraction: float, until: float, system: Any, b: Any, y: Any, p: Any) -> None:
     """The channels at this fraction of the step, at SEEN."""
     between(fraction, b)
-    call(system, SLOPE, min(t + fraction * h, until), b, WORK, DUMP, y, p)
+    call(system, SEE, min(t + fraction * h, until), b, WORK, WORK, y, p)

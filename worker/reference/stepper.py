@@ -12,7 +12,7 @@ from typing import Any
 
 from worker.reference.coefficients import ALL, E3, E5, STAGES, A, C, D
 
-X, NEW, WORK, DUMP, SAVED, K = 0, 1, 2, 3, 4, 5
+X, NEW, WORK, SAVED, K = range(5)
 F = K + ALL
 ROWS = F + 7
 """Rows of b (ROWS, n)."""
@@ -21,7 +21,7 @@ SEEN, OLD, END, LEFT, MID, RIGHT, LOW, KEPT, RATE = range(9)
 CHANNEL_ROWS = 9
 """Rows of y (CHANNEL_ROWS, m): SEEN the channels at the last slope; the others belong to `reading`."""
 
-SLOPE, BEGIN, SAMPLE, BARRED, LIMIT, COST, DRAW = range(7)
+SLOPE, BEGIN, SAMPLE, BARRED, LIMIT, COST, DRAW, SEE = range(8)
 """What a system is asked: see `call`."""
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
@@ -31,9 +31,9 @@ SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
 def call(system: Any, what: int, t: float, b: Any, at: int, to: int, y: Any, p: Any) -> float:
     """Ask the system, a function of (what, t, x, dx, channels, p); compiled, its address.
 
-    SLOPE: from the state x the slope dx and the channels; BEGIN: the state x at the start; SAMPLE: a guidance sample,
-    kept in p; BARRED: whether the channels bar the flight; LIMIT: the number of the limit that x exceeds, else 0;
-    COST: of the channels; DRAW: the noise until something jumps, kept in p.
+    SLOPE: from the state x the slope dx and the channels; SEE: the channels alone; BEGIN: the state x at the start;
+    SAMPLE: a guidance sample, kept in p; BARRED: whether the channels bar the flight; LIMIT: the number of the limit
+    that x exceeds, else 0; COST: of the channels; DRAW: the noise until something jumps, kept in p.
     """
     return system(what, t, b[at], b[to], y[SEEN], p)  # type: ignore[no-any-return]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -169,6 +170,9 @@ class System(ABC):
     shows: tuple[Condition, ...] = ()
     """What `encounter` can show; a check is left out of the verdict where it is not among these."""
     settings: Settings = Settings()
+    cost: float | None = None
+    """Time of one evaluation as measured over the latest batch [s]; None before the first. Batches are made as long as
+    can be stored, shown and cancelled in time."""
 
     @property
     @abstractmethod
@@ -232,6 +236,11 @@ class System(ABC):
 
     def warm(self) -> None:  # noqa: B027  usually there is nothing to do
         """Whatever is done once before the first evaluation, so that its time is not counted as work."""
+
+    @property
+    def source(self) -> Path | None:
+        """The file of plain Python that an evaluation executes; None for a system that has none to show."""
+        return None
 
     def bars(self) -> list[tuple[str, Said]]:
         """What bars "cleared" whatever is evaluated: the code of the check and the sentence; usually nothing."""

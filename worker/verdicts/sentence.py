@@ -121,11 +121,20 @@ def _without_value(evidence: Evidence) -> Said:
 
 
 def _apart(case: Validation | None, unit: str) -> Said:
-    """The three values of a violation whose integrations differ by more than the tolerance; empty if they agree."""
-    if case is None or case.agrees or case.agrees is None or case.half_step is None or case.integrator is None:
+    """The values of a violation that differ beyond tolerance, by whatever confirms it; empty if they agree."""
+    if case is None or case.agrees or case.agrees is None:
         return ()
-    values = (case.cost, case.half_step.cost, case.integrator.cost)
-    step, half, other = ("no value" if value is None else number(value, unit) for value in values)
+    others = [other for other in (case.half_step, case.integrator, case.again) if other is not None]
+    values = (case.cost, *(other.cost for other in others))
+    step, *rest = (f"no value {unit}" if value is None else number(value, unit) for value in values)
+    if case.again is not None:
+        apart = say(
+            " Both its evaluations violate the criterion but differ beyond tolerance: ", step, ", and ", rest[-1]
+        )
+        return say(apart, f" in {case.again.name}.")
+    if case.half_step is None or case.integrator is None:
+        return ()
+    half, other = rest
     return say(
         *(" All its integrations violate the criterion but differ beyond tolerance: ", step, " at the step, "),
         *(half, " at half the step, ", other, f" with {case.integrator.name}."),

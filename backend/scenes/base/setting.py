@@ -101,12 +101,18 @@ class Setting:
         return radius + body + self.threshold if self.to_surface else self.threshold
 
 
-def load(reader: sa.Connection, run_id: int) -> Setting:
-    """The setting of a run; 404 for none, and for a run of a simulator, which has no flight to be drawn."""
+def drawable(reader: sa.Connection, run_id: int) -> Campaign:
+    """The campaign of a run that has a scenario to draw; 404 for none."""
     asked = campaign(reader, run_id)
     if asked.scenario is None:
         text = f"{run_name(run_id)} evaluates a simulator, which provides no trace: it has no 3D view"
         raise RefusedError(404, "not-found", text)
+    return asked
+
+
+def load(reader: sa.Connection, run_id: int) -> Setting:
+    """The setting of a run; 404 for none, and for a run of a simulator, which has no flight to be drawn."""
+    asked = drawable(reader, run_id)
     catalogue = described(reader, run_id)
     known = {} if catalogue is None else parameters(asked, catalogue)
     values = _given(asked) | {path: nominal for path, (_, nominal) in known.items()}

@@ -99,6 +99,7 @@ export function place(path: string): (string | number)[] {
   const name = rest.join('.')
   if (head === 'objectives') return [head, Number(rest[0]), 'parameters', rest.slice(1).join('.')]
   if (head === 'criterion') return ['criterion', 'parameters', name]
+  if (head === 'simulator') return ['simulator', 'parameters', name]
   if (head === 'start' || head === 'goal') return ['scenario', head, name]
   return ['scenario', head, 'parameters', name]
 }

@@ -16,18 +16,21 @@ export interface CodeRow {
 const ROWS: { key: string; name: string; digest?: boolean; of: (flown: Flown) => string | null | undefined }[] = [
   { key: 'code', name: 'Code digest', digest: true, of: (flown) => flown.code },
   { key: 'loop', name: 'Simulation kernel', digest: true, of: (flown) => flown.loop },
+  { key: 'simulator', name: 'Simulator digest', digest: true, of: (flown) => flown.simulator },
   { key: 'clearance', name: 'Clearance', of: (flown) => flown.clearance },
   { key: 'python', name: 'Python', of: (flown) => flown.python },
   { key: 'cpu', name: 'Processor', of: (flown) => [flown.cpu?.model, flown.cpu?.target].filter(Boolean).join(', ') },
 ]
 /** What may change a number: a version of Clearance or another processor alone is not other code. */
-const CODE = new Set(['code', 'loop', 'python'])
+const CODE = new Set(['code', 'loop', 'simulator', 'python'])
 
 export function codeRows(runs: readonly Told[]): CodeRow[] {
   const flown = runs.map((run) => run.flown ?? null)
   const packages = [...new Set(flown.flatMap((one) => Object.keys(one?.packages ?? {})))]
+  const simulated = flown.filter((one) => one?.simulator).length
+  const meant = { loop: simulated < flown.length, simulator: simulated > 0 }
   const all = [
-    ...ROWS,
+    ...ROWS.filter(({ key }) => !(key in meant) || meant[key as keyof typeof meant]),
     ...packages.map((name) => ({ key: `packages.${name}`, name, digest: false, of: (one: Flown) => one.packages?.[name] })),
   ]
   return all.map(({ key, name, digest = false, of }) => {

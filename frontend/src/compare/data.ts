@@ -35,8 +35,9 @@ export function useCompared(ids: readonly string[]): Comparison {
   const stages = useQueries({ queries: known.map(stagesQuery) })
   const findings = useQueries({ queries: known.map(findingsQuery) })
   const evaluations = useQueries({ queries: known.map(evaluationsQuery) })
-  const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal')) })
-  const worst = useQueries({ queries: known.map((id) => traceOf(id, 'F1')) })
+  const traced = known.filter((id) => !asCampaign(runs[ids.indexOf(id)]?.data?.campaign).simulator)
+  const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal', traced.includes(id))) })
+  const worst = useQueries({ queries: known.map((id) => traceOf(id, 'F1', traced.includes(id))) })
   const components = useQueries({ queries: known.map(componentsQuery) })
   return {
     loading: runs.some((query) => query.isPending),
@@ -65,10 +66,10 @@ export function useCompared(ids: readonly string[]): Comparison {
   }
 }
 
-/** A flight that may not be stored: then there is none, which is no error here. */
-const traceOf = (id: string, name: string) => {
+/** A flight that may not be stored: then there is none, which is no error here. `traced`: whether its system has any. */
+const traceOf = (id: string, name: string, traced: boolean) => {
   const query = traceQuery(id, name)
-  return { ...query, retry: false, throwOnError: false }
+  return { ...query, enabled: traced, retry: false, throwOnError: false }
 }
 
 /** The independent sample of a run: the certify stage's, else that of the first random search. */

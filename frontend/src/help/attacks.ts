@@ -37,7 +37,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'A collision whose tolerance is 0',
     danger: 'A tolerance that is a fraction of the distance is 0 where the distance is 0: no collision could be confirmed.',
     answer:
-      'Tolerances have a floor of one millionth of the scale of the threshold. A violation counts when every integration violates, however much they differ; if they are beyond tolerance apart, the verdict reports it.',
+      'Tolerances have a floor of one millionth of the scale of the threshold. A violation counts when every integration violates, however much they differ; if they differ beyond tolerance, the verdict reports it.',
   },
   {
     id: 'jump',

@@ -16,7 +16,7 @@ import { Drafts } from './draft/Drafts'
 import { Heading } from './Heading'
 import { Leaving } from './draft/Leaving'
 import { Library } from './library/Library'
-import { parametersOf } from './campaign/parameters'
+import { criterionOf, decidingOf, parametersOf } from './campaign/parameters'
 import { PreviewCard } from './preview/PreviewCard'
 import { focusField, ProblemsProvider } from './fields/problems'
 import type { Shelf } from './library/shelf'
@@ -89,9 +89,7 @@ export function Editor(props: EditorProps) {
   const refused = launch.error instanceof Refusal ? launch.error : null
   const problems = draft.checking || !refused ? draft.problems : merged(draft.problems, refused.errors)
   const parameters = useMemo(() => parametersOf(draft.campaign, catalogue), [draft.campaign, catalogue])
-  const criterion = catalogue.components.find(
-    (c) => c.role === 'criterion' && c.name === draft.campaign.criterion.component,
-  )
+  const criterion = criterionOf(draft.campaign, catalogue)
   const ok = draft.problems.length === 0
   const live = usePreview(draft.checked, !draft.checking)
   const blocked = name.trim() === '' || !ok
@@ -176,7 +174,7 @@ export function Editor(props: EditorProps) {
             tags={tags}
             campaign={draft.campaign}
             readable={draft.readable}
-            criterion={criterion}
+            criterion={decidingOf(draft.campaign, catalogue)}
             onName={setName}
             onTags={setTags}
             set={draft.set}
@@ -189,7 +187,7 @@ export function Editor(props: EditorProps) {
               onForm={toForm}
               onText={toText}
             />
-            {(draft.readable || start.readable) && (
+            {(draft.readable || start.readable) && !draft.campaign.simulator && (
               <PreviewCard
                 campaign={draft.campaign}
                 catalogue={catalogue}

@@ -2,7 +2,7 @@
 import { TagsInput } from '@mantine/core'
 import { IconPlayerPlay } from '@tabler/icons-react'
 import type { Campaign, Raw } from '../api/campaign'
-import type { Checked, ComponentEntry } from '../client'
+import type { Checked, ComponentEntry, ResultEntry } from '../client'
 import { count, duration, percent } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'
@@ -17,7 +17,7 @@ interface RunCardProps {
   campaign: Campaign
   /** Whether the campaign shown is the one in the text: else its criterion cannot be edited here. */
   readable: boolean
-  criterion: ComponentEntry | undefined
+  criterion: ComponentEntry | ResultEntry | undefined
   onName: (name: string) => void
   onTags: (tags: string[]) => void
   set: (at: readonly (string | number)[], value: unknown) => void

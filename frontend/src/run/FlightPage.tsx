@@ -1,6 +1,7 @@
 // The 3D view of a run in a window of its own, with all of its controls; of a run that still works, too.
 import { Link, useParams, useSearch } from '@tanstack/react-router'
 import { useEffect, useMemo, useState } from 'react'
+import { asCampaign } from '../api/campaign'
 import { Refusal } from '../api/problems'
 import { isLive } from '../api/queries'
 import type { RunDetail } from '../client'
@@ -22,7 +23,22 @@ export function FlightPage() {
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what={id} />
+  if (asCampaign(query.data.campaign).simulator) return <NoTrace run={query.data} />
   return <Page key={id} run={query.data} />
+}
+
+function NoTrace({ run }: { run: RunDetail }) {
+  return (
+    <div className="card centre">
+      <h1>There is no flight to show</h1>
+      <p>This system provides no trace: only the values of its results can be shown.</p>
+      <div className="acts">
+        <Link to="/runs/$id" params={{ id: run.id }} className="btn">
+          {run.id}
+        </Link>
+      </div>
+    </div>
+  )
 }
 
 function Page({ run }: { run: RunDetail }) {

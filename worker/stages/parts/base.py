@@ -28,6 +28,8 @@ Result = TypeVar("Result")
 
 FLUSH_SECONDS = 0.2
 FLUSH_ROWS = 4096
+FULL_BLOCKS = 16
+"""A system that evaluates in blocks is given at least so many at once."""
 
 
 class Seeded(NamedTuple):
@@ -150,7 +152,6 @@ class _Driver:
         earlier = self.stored.seconds if self.stored is not None else np.empty(0)
         self.offset = float(earlier[-1]) if len(earlier) else 0.0
         self.began = self.saved = time.perf_counter()
-        self.piece = 1024
 
     def answer(self, request: Request) -> tuple[Batch, bool]:
         """The batch for these points, and whether the budget ended before all were evaluated."""
@@ -200,7 +201,7 @@ class _Driver:
         while done < len(points):
             if self.context.cancelled():
                 raise Cancelled
-            piece = slice(done, done + self.piece)
+            piece = slice(done, done + self._piece())
             columns = self._stored(points[done:]) or self._flown(points[piece], None if seeds is None else seeds[piece])
             costs.append(columns.costs)
             status.append(columns.status)
@@ -227,8 +228,7 @@ class _Driver:
         began = time.perf_counter()
         evaluate = self.context.evaluate
         batch, reasons = evaluate(points) if seeds is None else evaluate(points, seeds)
-        spent = max(time.perf_counter() - began, 1e-6)
-        self.piece = int(np.clip(len(points) * FLUSH_SECONDS / spent, 256, 65536))
+        self.context.problem.system.cost = max(time.perf_counter() - began, 1e-6) / len(points)
         first = self.tally.evaluations
         seconds = np.full(len(points), self._seconds())
         columns = Columns(points, batch.costs, batch.status, seconds, {first + i: why for i, why in reasons.items()})
@@ -238,6 +238,14 @@ class _Driver:
         if rows >= FLUSH_ROWS or time.perf_counter() - self.saved >= FLUSH_SECONDS:
             self.flush()
         return columns
+
+    def _piece(self) -> int:
+        """How many points are evaluated before a cancel is looked for: what takes as long as stored rows may wait."""
+        system = self.context.problem.system
+        least = max(FULL_BLOCKS * system.block, 1)
+        return (
+            least if system.cost is None else int(np.clip(FLUSH_SECONDS / system.cost, least, FULL_BLOCKS * FLUSH_ROWS))
+        )
 
     def _count(self, columns: Columns) -> None:
         tally, first = self.tally, self.tally.evaluations

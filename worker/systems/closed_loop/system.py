@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
 from backend.db.records import Trace
 from campaigns import Campaign
@@ -83,6 +84,10 @@ class ClosedLoop(Flights, System):
 
     def warm(self) -> None:
         self.loop.warm()
+
+    @property
+    def source(self) -> Path:
+        return Path(str(self.loop.module.__file__))
 
     def bars(self) -> list[tuple[str, Said]]:
         said = distances.overlooked(self)

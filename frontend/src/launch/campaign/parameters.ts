@@ -1,7 +1,7 @@
 // Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The same rules as
 // the service's own check, but forgiving: what is half typed stays on the page. Start reading at `parametersOf`.
 import { type Campaign, fieldOf, type List, LISTS, type Part, type Raw, type Uncertain } from '../../api/campaign'
-import type { Catalogue, ComponentEntry, ParameterEntry } from '../../client'
+import type { Catalogue, ComponentEntry, ParameterEntry, ResultEntry, SimulatorEntry } from '../../client'
 import { parse } from '../../format/numbers'
 
 export type Role = ComponentEntry['role']
@@ -92,13 +92,26 @@ function listed(prefix: string, group: string, entries: ParameterEntry[], values
 
 export const parametersOf = (campaign: Campaign, catalogue: Catalogue): Parameter[] =>
   campaign.simulator
-    ? ofSimulator(campaign.simulator, catalogue)
+    ? ofSimulator(campaign, catalogue)
     : sectionsOf(campaign, catalogue).flatMap((section) => section.parameters)
 
-function ofSimulator({ name, parameters = {} }: NonNullable<Campaign['simulator']>, catalogue: Catalogue): Parameter[] {
-  const known = catalogue.simulators?.find((each) => each.name === name)
-  return listed('simulator', known?.title ?? name, known?.parameters ?? [], parameters)
+function ofSimulator(campaign: Campaign, catalogue: Catalogue): Parameter[] {
+  const known = simulatorOf(campaign, catalogue)
+  return listed('simulator', known?.title ?? '', known?.parameters ?? [], campaign.simulator?.parameters ?? {})
 }
+
+/** The simulator that a campaign names; undefined for an unknown one, and where there is a scenario. */
+export const simulatorOf = (campaign: Campaign, catalogue: Catalogue): SimulatorEntry | undefined =>
+  catalogue.simulators?.find((each) => each.name === campaign.simulator?.name)
+
+/** What decides: a criterion of the scenario, or a result of the simulator. */
+export const decidingOf = (campaign: Campaign, catalogue: Catalogue): ComponentEntry | ResultEntry | undefined =>
+  campaign.simulator
+    ? simulatorOf(campaign, catalogue)?.results.find((result) => result.name === campaign.criterion.result)
+    : criterionOf(campaign, catalogue)
+
+export const criterionOf = (campaign: Campaign, catalogue: Catalogue): ComponentEntry | undefined =>
+  catalogue.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
 
 /** The number a raw value means; null where it means none. */
 export function numberOf(raw: Raw | null | undefined): number | null {

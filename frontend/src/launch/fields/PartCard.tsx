@@ -113,13 +113,7 @@ function Parameters({ section, campaign, set }: { section: Section; campaign: Ca
   const folded = rest.length > FEW ? rest : []
   const shown = parameters.filter((parameter) => !folded.includes(parameter))
   const groups = [...new Set(shown.map((parameter) => parameter.group))]
-  const rows = (list: Parameter[]) => (
-    <div className="pgrid">
-      {list.map((parameter) => (
-        <ParameterField key={parameter.path} parameter={parameter} set={set} />
-      ))}
-    </div>
-  )
+  const rows = (list: Parameter[]) => <ParameterGrid parameters={list} set={set} />
   return (
     <>
       {groups.map((group) => (
@@ -137,6 +131,16 @@ function Parameters({ section, campaign, set }: { section: Section; campaign: Ca
         </details>
       )}
     </>
+  )
+}
+
+export function ParameterGrid({ parameters, set }: { parameters: Parameter[]; set: SetValue }) {
+  return (
+    <div className="pgrid">
+      {parameters.map((parameter) => (
+        <ParameterField key={parameter.path} parameter={parameter} set={set} />
+      ))}
+    </div>
   )
 }
 

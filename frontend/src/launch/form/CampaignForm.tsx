@@ -6,6 +6,7 @@ import { MethodsTable } from './MethodsTable'
 import type { Parameter } from '../campaign/parameters'
 import { ScenarioForm } from './ScenarioForm'
 import { SettingsForm } from './SettingsForm'
+import { ResultForm, SimulatorForm } from './SimulatorForm'
 import { UncertainTable } from './UncertainTable'
 import type { Draft } from '../draft/useDraft'
 
@@ -20,10 +21,18 @@ export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps
   return (
     <>
       <UncertainTable campaign={campaign} parameters={parameters} set={set} />
-      <CriterionForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      {campaign.simulator ? (
+        <ResultForm campaign={campaign} catalogue={catalogue} set={set} />
+      ) : (
+        <CriterionForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      )}
       <MethodsTable campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
       <SettingsForm campaign={campaign} set={set} />
-      <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      {campaign.simulator ? (
+        <SimulatorForm campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
+      ) : (
+        <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      )}
       <AboutForm campaign={campaign} set={set} />
     </>
   )

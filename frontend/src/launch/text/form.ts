@@ -78,7 +78,7 @@ const FORM = record({
   summary: raw,
   notes: raw,
   tags: listOf(words),
-  'scenario*': record({
+  scenario: record({
     'vehicle*': part,
     'controller*': part,
     'avoider*': part,
@@ -94,7 +94,8 @@ const FORM = record({
   }),
   'uncertain*': mapOf(bounds),
   correlations: listOf(record({ 'between*': listOf(words), value: raw })),
-  'criterion*': record({ 'component*': words, parameters: mapOf(raw), threshold: orNull(raw) }),
+  simulator: record({ 'name*': words, parameters: mapOf(raw) }),
+  'criterion*': record({ component: words, result: words, parameters: mapOf(raw), threshold: orNull(raw) }),
   objectives: listOf(part),
   'stages*': record({
     sensitivity: orNull(record({ points: orNull(raw), morris: orNull(numbers), sobol: orNull(numbers) })),
@@ -113,4 +114,9 @@ const FORM = record({
 })
 
 /** Whether the form can show it: everything that it goes into is there, and of its kind. */
-const isForm = (value: unknown): value is Campaign => FORM(value)
+const SCENARIO = record({ 'scenario*': any, 'criterion*': record({ 'component*': words }) })
+const SIMULATOR = record({ 'simulator*': any, 'criterion*': record({ 'result*': words }) })
+
+/** Of a scenario or of a simulator, which excludes one. */
+const isForm = (value: unknown): value is Campaign =>
+  FORM(value) && (isMapping(value) && 'simulator' in value ? SIMULATOR(value) : SCENARIO(value))

@@ -1,0 +1,88 @@
+// In place of a scenario: which simulator of the installation is evaluated, its parameters, and the result that decides.
+import { Select } from '@mantine/core'
+import type { Campaign } from '../../api/campaign'
+import type { Catalogue } from '../../client'
+import { Docstring } from '../../help/Docstring'
+import { Card } from '../../ui/Card'
+import { Sign } from '../../ui/Sign'
+import { unitText } from '../../format/units'
+import { type Parameter, simulatorOf } from '../campaign/parameters'
+import { ParameterGrid, type SetValue } from '../fields/PartCard'
+import { FieldErrors, idOf } from '../fields/problems'
+
+interface SimulatorFormProps {
+  campaign: Campaign
+  catalogue: Catalogue
+  set: SetValue
+}
+
+export function SimulatorForm({ campaign, catalogue, parameters, set }: SimulatorFormProps & { parameters: Parameter[] }) {
+  const entry = simulatorOf(campaign, catalogue)
+  const name = campaign.simulator?.name ?? ''
+  const choose = (next: string | null) => {
+    if (!next || next === name) return
+    set(['simulator', 'name'], next)
+    set(['simulator', 'parameters'], {})
+  }
+  return (
+    <section aria-label="Simulator" id={idOf('simulator')} tabIndex={-1} className="stack">
+      <h2 className="sect">Simulator</h2>
+      <Card title={entry?.title ?? name}>
+        <div style={{ display: 'grid', gap: 10 }}>
+          <Select
+            id={idOf('simulator.name')}
+            aria-label="Simulator"
+            size="xs"
+            data={choices(name, entry, (catalogue.simulators ?? []).map((s) => ({ value: s.name, label: s.title })))}
+            value={name}
+            allowDeselect={false}
+            onChange={choose}
+          />
+          <FieldErrors field="simulator" />
+          <FieldErrors field="simulator.name" />
+          <ParameterGrid parameters={parameters} set={set} />
+          {entry && (
+            <details>
+              <summary>Description</summary>
+              <div className="about">
+                <Docstring text={entry.text} />
+              </div>
+            </details>
+          )}
+        </div>
+      </Card>
+    </section>
+  )
+}
+
+/** The result that decides; a simulator has no further criteria. */
+export function ResultForm({ campaign, catalogue, set }: SimulatorFormProps) {
+  const results = (simulatorOf(campaign, catalogue)?.results ?? []).filter((result) => result.worse === 'low')
+  const name = campaign.criterion.result ?? ''
+  const decides = results.find((result) => result.name === name)
+  return (
+    <Card title="Criterion" note="The case is clear while this result stays above the threshold." id="section-criterion">
+      <div style={{ display: 'grid', gap: 10, maxWidth: 480 }}>
+        <Select
+          id={idOf('criterion.result')}
+          aria-label="Criterion, result"
+          size="xs"
+          data={choices(name, decides, results.map((result) => ({ value: result.name, label: result.title })))}
+          value={name}
+          allowDeselect={false}
+          onChange={(next) => next && set(['criterion', 'result'], next)}
+        />
+        {decides && (
+          <p className="small mut">
+            <Sign text={decides.quantity} />
+            {decides.unit && `, ${unitText(decides.unit)}`}: worse when low
+          </p>
+        )}
+        <FieldErrors field="criterion.result" />
+      </div>
+    </Card>
+  )
+}
+
+const choices = (name: string, known: object | undefined, all: { value: string; label: string }[]) =>
+  known ? all : [...all, { value: name, label: `${name} (unknown)` }]

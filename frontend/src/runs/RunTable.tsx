@@ -9,7 +9,7 @@ import { type Column, COLUMNS, type Common, REMOVAL } from './columns'
 import { type ColumnKey, USUAL, USUAL_REMOVED, WIDE_ONLY } from './columnKeys'
 import { RunRow } from './RunRow'
 import type { Sort, SortKey } from './search'
-import { useWindowed } from './windowed'
+import { useRows } from './useRows'
 
 const ROW = 46
 const [MARK, NAME] = [42, 190]
@@ -36,7 +36,7 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
   const now = useNow(10_000)
   const [holder, width] = useWidth(1392)
   const body = useRef<HTMLTableSectionElement>(null)
-  const { first, end, reveal } = useWindowed(body, ROW, runs.length)
+  const { first, end, reveal } = useRows(body, ROW, runs.length)
   const [chosen, setChosen] = useKeys(runs, reveal, marked, onMark)
   const columns = useMemo(() => columnsOf(cols, width, removed), [cols, width, removed])
   const common = commonOf(runs)

@@ -12,6 +12,7 @@ import { Sign } from '../../ui/Sign'
 import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
+import styles from './fields.module.css'
 
 export type SetValue = (at: readonly (string | number)[], value: unknown) => void
 
@@ -114,7 +115,7 @@ function Parameters({ section, campaign, set }: { section: Section; campaign: Ca
   const shown = parameters.filter((parameter) => !folded.includes(parameter))
   const groups = [...new Set(shown.map((parameter) => parameter.group))]
   const rows = (list: Parameter[]) => (
-    <div className="pgrid">
+    <div className={styles.pgrid}>
       {list.map((parameter) => (
         <ParameterField key={parameter.path} parameter={parameter} set={set} />
       ))}

@@ -38,6 +38,7 @@ const packed: Plugin = {
 
 export default defineConfig({
   plugins: [react(), atOnce, packed],
+  css: { modules: { localsConvention: 'camelCaseOnly', generateScopedName: '[hash:base64:5]' } },
   build: {
     // The content security policy allows no data: fonts or scripts, so nothing is inlined.
     assetsInlineLimit: 0,

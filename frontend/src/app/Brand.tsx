@@ -1,5 +1,6 @@
 // The mark: a dashed safety circle and the path that clears it.
 import { Link } from '@tanstack/react-router'
+import styles from './app.module.css'
 
 export function BrandMark() {
   return (
@@ -13,7 +14,7 @@ export function BrandMark() {
 
 export function Brand() {
   return (
-    <Link to="/runs" className="brand" aria-label="Clearance">
+    <Link to="/runs" className={styles.brand} aria-label="Clearance">
       <BrandMark />
       <span>Clearance</span>
     </Link>

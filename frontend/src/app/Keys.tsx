@@ -1,5 +1,6 @@
 // The keys of all pages, shown by `?`.
 import { Modal } from '@mantine/core'
+import styles from './app.module.css'
 
 const KEYS: { title: string; keys: [string[], string][] }[] = [
   {
@@ -51,7 +52,7 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
 export function Keys({ opened, onClose }: { opened: boolean; onClose: () => void }) {
   return (
     <Modal opened={opened} onClose={onClose} title="Keys" centered lockScroll={false} size={620}>
-      <div className="keys">
+      <div className={styles.keys}>
         {KEYS.map(({ title, keys }) => (
           <section key={title}>
             <h3>{title}</h3>

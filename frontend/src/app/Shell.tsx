@@ -12,6 +12,7 @@ import {
 } from '@tabler/icons-react'
 import { usePrefetchQuery, useQuery } from '@tanstack/react-query'
 import { Link, Outlet, useNavigate } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useState } from 'react'
 import { endSession } from '../api/calls'
 import { catalogueQuery, sessionQuery } from '../api/queries'
@@ -22,6 +23,7 @@ import { Brand } from './Brand'
 import { Keys } from './Keys'
 import { toggleMine, useNotifier, useWanted } from '../page/notify'
 import { SignedOut } from './SignedOut'
+import styles from './app.module.css'
 
 const Jump = lazy(() => import('../jump/Jump').then((module) => ({ default: module.Jump })))
 
@@ -45,12 +47,12 @@ function Frame() {
   usePrefetchQuery(catalogueQuery)
   return (
     <>
-      <a className="skip" href="#main">
+      <a className={styles.skip} href="#main">
         Skip to content
       </a>
-      <header className="top">
+      <header className={styles.top}>
         <Brand />
-        <nav className="nav" aria-label="Main">
+        <nav className={styles.nav} aria-label="Main">
           <Link to="/runs" activeProps={{ 'aria-current': 'page' }}>
             Runs
           </Link>
@@ -64,15 +66,15 @@ function Frame() {
             Help
           </Link>
         </nav>
-        <div className="top-r">
-          <button type="button" className="inp jump" onClick={() => setJump('open')} aria-keyshortcuts="Control+K">
+        <div className={styles.topR}>
+          <button type="button" className={clsx('inp', styles.jump)} onClick={() => setJump('open')} aria-keyshortcuts="Control+K">
             <IconSearch className="i s mut" aria-hidden />
             <span className="one">Search or jump to …</span>
             <span className="kbd">Ctrl K</span>
           </button>
           <button
             type="button"
-            className="iconbtn hide-keys"
+            className={clsx('iconbtn', styles.hideKeys)}
             onClick={() => setKeys(true)}
             aria-label="Keys"
             title="Keys (?)"
@@ -114,7 +116,7 @@ function Session() {
   return (
     <Menu position="bottom-end" width={220}>
       <Menu.Target>
-        <button type="button" className="ava" aria-label={`Session of ${data.user}, ${initials}`}>
+        <button type="button" className={styles.ava} aria-label={`Session of ${data.user}, ${initials}`}>
           {initials}
         </button>
       </Menu.Target>

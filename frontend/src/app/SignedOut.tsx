@@ -1,13 +1,14 @@
 // Shown when the service does not know this browser: how to get in.
 import { useEffect } from 'react'
 import { BrandMark } from './Brand'
+import styles from './app.module.css'
 
 export function SignedOut() {
   useEffect(() => {
     document.title = 'Sign in · Clearance'
   }, [])
   return (
-    <main className="signin">
+    <main className={styles.signin}>
       <div className="card">
         <BrandMark />
         <h1>Sign in with the login link</h1>

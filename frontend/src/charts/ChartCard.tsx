@@ -7,6 +7,7 @@ import { Card } from '../ui/Card'
 import { save } from '../ui/files'
 import { type DataTable, toCsv } from './csv'
 import { isDrawing, savePng, saveSvg } from './figure'
+import styles from './charts.module.css'
 
 const MOST_ROWS = 400
 
@@ -86,7 +87,7 @@ function Rows({ table }: { table: DataTable }) {
           The first {MOST_ROWS} of {table.rows.length} rows; the CSV file has all of them.
         </p>
       )}
-      <div className="datagrid" tabIndex={0} role="region" aria-label="Data of the chart">
+      <div className={styles.datagrid} tabIndex={0} role="region" aria-label="Data of the chart">
         <table>
           <thead>
             <tr>

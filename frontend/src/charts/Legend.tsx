@@ -1,6 +1,8 @@
 // A legend whose entries switch their lines off and on.
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import { Mark } from '../ui/MethodMark'
+import styles from './charts.module.css'
 
 export interface Key {
   key: string
@@ -61,5 +63,5 @@ export function Legend({ keys, hidden, onToggle }: LegendProps) {
 
 function Swatch({ of }: { of: Key }) {
   if (of.method) return <Mark method={of.method} />
-  return <span className={of.dashed ? 'sw da' : 'sw'} style={{ borderColor: `var(${of.colour})` }} />
+  return <span className={of.dashed ? clsx(styles.sw, styles.da) : styles.sw} style={{ borderColor: `var(${of.colour})` }} />
 }

@@ -5,6 +5,7 @@ import 'uplot/dist/uPlot.min.css'
 import { useTheme } from '../theme/useTheme'
 import { optionsFor } from './options'
 import type { PlotSpec } from './spec'
+import styles from './charts.module.css'
 
 const NOTHING: ReadonlySet<string> = new Set()
 
@@ -117,7 +118,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
         {cursor && !cursor.pointed && !spec.readout && <Flag left={cursor.left} text={spec.xText(spec.x[cursor.at] as number)} />}
         {cursor?.pointed && !spec.readout && <Tip cursor={cursor} spec={spec} hidden={hidden} />}
       </div>
-      {spec.xTitle && <figcaption className="xtitle">{spec.xTitle}</figcaption>}
+      {spec.xTitle && <figcaption className={styles.xtitle}>{spec.xTitle}</figcaption>}
     </figure>
   )
 }
@@ -146,7 +147,7 @@ function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: Rea
         const value = line.y[at]
         return hidden.has(line.key) || typeof value !== 'number' ? null : (
           <span key={line.key} title={line.label}>
-            <span className="sw" style={{ borderTop: `2px solid var(${line.colour})` }} />
+            <span className={styles.sw} style={{ borderTop: `2px solid var(${line.colour})` }} />
             {spec.yText(value)}
           </span>
         )
@@ -175,7 +176,7 @@ function Tip({ cursor, spec, hidden }: { cursor: Cursor; spec: PlotSpec; hidden:
         {lines.map((line) => (
           <div key={line.key} style={{ display: 'contents' }}>
             <dt>
-              <span className="sw" style={{ width: 10, borderTop: `2px solid var(${line.colour})` }} />
+              <span className={styles.sw} style={{ width: 10, borderTop: `2px solid var(${line.colour})` }} />
               {line.label}
             </dt>
             <dd>{spec.yText(line.y[cursor.at] as number)}</dd>

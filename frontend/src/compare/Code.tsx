@@ -1,8 +1,10 @@
 // What code flew each run: digests, packages, machine, and a warning where one campaign was flown by different code.
+import { clsx } from 'clsx'
 import { Card } from '../ui/Card'
 import { codeRows, sameCampaignOtherCode } from './code'
 import type { Compared } from './data'
 import { RunHeads } from './Picks'
+import styles from './compare.module.css'
 
 export function Code({ runs, className }: { runs: Compared[]; className: string }) {
   const told = runs.map(({ run }) => run)
@@ -11,14 +13,14 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
   return (
     <Card title="Code and packages" note="As loaded at the start of the first stage" className={className} flush id="code">
       {sameCampaignOtherCode(told) && (
-        <div className="note warn within" data-testid="other-code">
+        <div className={clsx('note warn', styles.within)} data-testid="other-code">
           <div>
             <p className="m">Same campaign, different code.</p>
             <p>This alone may change the results. Rows that differ are marked.</p>
           </div>
         </div>
       )}
-      <table className="tight codes">
+      <table className={clsx('tight', styles.codes)}>
         <thead>
           <tr>
             <th />
@@ -30,7 +32,7 @@ export function Code({ runs, className }: { runs: Compared[]; className: string 
             <tr key={key} data-code={key}>
               <td className="nw">{name}</td>
               {values.map((value, i) => (
-                <td key={i} className={differs && value !== undefined && value !== values[0] ? 'num other' : 'num'}>
+                <td key={i} className={differs && value !== undefined && value !== values[0] ? clsx('num', styles.other) : 'num'}>
                   {value === undefined ? (
                     <span className="mut">not stored</span>
                   ) : (

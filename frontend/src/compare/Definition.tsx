@@ -1,10 +1,12 @@
 // What differs in the campaigns, setting by setting; all settings where asked for.
+import { clsx } from 'clsx'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card, Seg } from '../ui/Card'
 import type { Compared } from './data'
 import type { Row, Setting } from './differences'
 import { RunHeads } from './Picks'
+import styles from './compare.module.css'
 
 interface DefinitionProps {
   runs: Compared[]
@@ -40,7 +42,7 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
       {shown.length === 0 ? (
         <p className="sec">The campaigns are equal in every setting: differences in the results have other causes.</p>
       ) : (
-        <div className="settings" tabIndex={0} role="region" aria-label="Settings">
+        <div className={styles.settings} tabIndex={0} role="region" aria-label="Settings">
           <table className="tight">
             <thead>
               <tr>
@@ -50,7 +52,7 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
             </thead>
             {groups.map((group) => (
               <tbody key={group}>
-                <tr className="group">
+                <tr className={styles.group}>
                   <th colSpan={runs.length + 1} scope="rowgroup">
                     {group}
                   </th>
@@ -74,10 +76,10 @@ function SettingRow({ row }: { row: Row }) {
     <tr data-setting={row.path}>
       <td>
         <span className="mono">{row.path}</span>
-        {row.text && <small className="mut wrap"> {row.text}</small>}
+        {row.text && <small className={clsx('mut', styles.wrap)}> {row.text}</small>}
       </td>
       {row.values.map((value, i) => (
-        <td key={i} className={row.differs && value !== row.values[0] ? 'num other' : 'num'}>
+        <td key={i} className={row.differs && value !== row.values[0] ? clsx('num', styles.other) : 'num'}>
           {shownAs(value)}
           {typeof value === 'number' && row.unit && <span className="mut small"> {unitText(row.unit)}</span>}
         </td>

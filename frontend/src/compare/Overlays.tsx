@@ -13,6 +13,7 @@ import { useMethodLook } from '../ui/methods'
 import { Sign } from '../ui/Sign'
 import { type Shown, WindowSeg } from '../ui/WindowSeg'
 import { type Compared, unitOf } from './data'
+import styles from './compare.module.css'
 
 export const RunKeys = ({ runs }: { runs: Compared[] }) => (
   <span className="lg">
@@ -68,9 +69,9 @@ export function SeparationOverlay({ runs, className }: CardProps) {
       {drawn.length === 0 ? (
         <p className="sec">No flight of these runs is stored.</p>
       ) : (
-        <div className="beside">
+        <div className={styles.beside}>
           <Plot spec={spec} />
-          <ul className="ends">
+          <ul className={styles.ends}>
             {drawn.map(({ key, label, colour, trace, of }) => (
               <li key={key}>
                 <svg width={22} height={8} aria-hidden="true">

@@ -3,11 +3,13 @@ import { Select } from '@mantine/core'
 import { IconPlus, IconX } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import { listRuns } from '../api/calls'
 import { outcomeOf, VerdictBadge } from '../ui/VerdictBadge'
 import type { Compared, Comparison } from './data'
 import { MOST } from './search'
+import styles from './compare.module.css'
 
 interface PicksProps {
   comparison: Comparison
@@ -18,13 +20,13 @@ interface PicksProps {
 export function Picks({ comparison, ids, onChange }: PicksProps) {
   const without = (id: string) => onChange(ids.filter((other) => other !== id))
   return (
-    <div className="cmp-picks">
+    <div className={styles.cmpPicks}>
       {comparison.runs.map((compared) => (
         <Pick key={compared.id} compared={compared} onRemove={() => without(compared.id)} />
       ))}
       {comparison.missing.map(({ id, error }) => (
-        <div key={id} className="card cmp-pick" role="alert">
-          <span className="letter">?</span>
+        <div key={id} className={clsx('card', styles.cmpPick)} role="alert">
+          <span className={styles.letter}>?</span>
           <div className="rn">
             <b className="mono">{id}</b>
             <small className="bad-t">{error.message}</small>
@@ -40,7 +42,7 @@ export function Picks({ comparison, ids, onChange }: PicksProps) {
 function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void }) {
   const { run, letter } = compared
   return (
-    <div className="card cmp-pick" data-run={run.id}>
+    <div className={clsx('card', styles.cmpPick)} data-run={run.id}>
       <Letter of={letter} />
       <div className="rn">
         <Link to="/runs/$id" params={{ id: run.id }} className="b">
@@ -56,7 +58,7 @@ function Pick({ compared, onRemove }: { compared: Compared; onRemove: () => void
   )
 }
 
-export const Letter = ({ of }: { of: string }) => <span className={`letter letter-${of}`}>{of}</span>
+export const Letter = ({ of }: { of: string }) => <span className={clsx(styles.letter, styles[`letter${of}`])}>{of}</span>
 
 interface RunHeadsProps {
   runs: readonly Compared[]
@@ -97,7 +99,7 @@ function Add({ ids, onAdd }: { ids: readonly string[]; onAdd: (id: string) => vo
     .map((run) => ({ value: run.id, label: `${run.id} · ${run.name}` }))
   return (
     <Select
-      className="cmp-pick-add"
+      className={styles.cmpPickAdd}
       aria-label="Add a run to compare"
       placeholder={ids.length === 0 ? 'Choose the first run' : ids.length === 1 ? 'Choose the second run' : 'Add a run'}
       leftSection={<IconPlus className="i s" aria-hidden />}

@@ -1,11 +1,13 @@
 // The API as its own document describes it: every operation with its parameters, bodies and answers, to be tried here.
 import { useQuery } from '@tanstack/react-query'
+import { clsx } from 'clsx'
 import { getOpenApi } from '../api/calls'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
 import { OperationCard } from './OperationCard'
 import { type OpenApi, operationsOf } from './openapi'
+import styles from './docs.module.css'
 
 export function ApiPage() {
   useTitle('API')
@@ -29,7 +31,7 @@ function Page({ document }: { document: OpenApi }) {
               {group.operations.map((operation) => (
                 <li key={operation.operationId}>
                   <a href={`#${operation.operationId}`}>
-                    <span className={`verb ${operation.method}`}>{operation.method}</span>
+                    <span className={clsx(styles.verb, operation.method)}>{operation.method}</span>
                     <span className="cut">{operation.path.replace('/api/v1', '')}</span>
                   </a>
                 </li>
@@ -89,7 +91,7 @@ const titled = (name: string): string => name.charAt(0).toUpperCase() + name.sli
 
 export function Snippet({ text }: { text: string }) {
   return (
-    <div className="snippet">
+    <div className={styles.snippet}>
       <pre className="mono">{text}</pre>
       <CopyButton text={() => text}>Copy</CopyButton>
     </div>

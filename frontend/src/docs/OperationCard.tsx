@@ -1,11 +1,13 @@
 // One operation: parameters, body, answers; reading ones can be sent from here.
 import { IconSend } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
+import { clsx } from 'clsx'
 import { useId, useState } from 'react'
 import { duration } from '../format/numbers'
 import { Snippet } from './ApiPage'
 import { addressOf, curlOf, limitsOf, type Operation, type Schema, typeOf } from './openapi'
 import { Shape } from './Shape'
+import styles from './docs.module.css'
 
 interface OperationProps {
   operation: Operation
@@ -22,7 +24,7 @@ export function OperationCard({ operation, schemas }: OperationProps) {
     <section className="card" id={operationId}>
       <div className="h">
         <h3 className="mono">
-          <span className={`verb ${method}`}>{method}</span> {path}
+          <span className={clsx(styles.verb, method)}>{method}</span> {path}
         </h3>
       </div>
       <div className="bd stack">
@@ -123,7 +125,7 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
         {trial.isError && <span className="ferr">{trial.error.message}</span>}
       </div>
       {trial.data && (
-        <pre className="mono answer" tabIndex={0} aria-label="Answer">
+        <pre className={clsx('mono', styles.answer)} tabIndex={0} aria-label="Answer">
           {trial.data.text.slice(0, LONGEST)}
           {trial.data.text.length > LONGEST && '\n… cut here'}
         </pre>

@@ -1,5 +1,6 @@
 // The fields of a body or an answer; the types they are made of open where they are named.
 import { limitsOf, partsOf, type Schema, typeOf } from './openapi'
+import styles from './docs.module.css'
 
 interface ShapeProps {
   title: string
@@ -23,7 +24,7 @@ export function Shape({ title, schema, schemas, inside = [] }: ShapeProps) {
   )
   if (parts.length === 0) return <p className="small sec">{label}</p>
   return (
-    <details className="shape">
+    <details className={styles.shape}>
       <summary>{label}</summary>
       {parts.map(([name, part]) => (
         <Fields key={name} name={name} schema={part} schemas={schemas} inside={[...inside, name]} />
@@ -48,7 +49,7 @@ function Fields({ name, schema, schemas, inside }: FieldsProps) {
           <span className="mono b">{name}</span> <span className="sec">{firstLine(schema.description)}</span>
         </p>
       )}
-      <dl className="fieldlist">
+      <dl className={styles.fieldlist}>
         {fields.map(([field, of]) => {
           const opens = partsOf(of).some((part) => schemas[part]?.properties && !inside.includes(part))
           return (

@@ -1,5 +1,7 @@
 // A component's or method's own text, set for reading: equations in their own lines, sources named.
+import { clsx } from 'clsx'
 import { partsOf } from './docstring'
+import styles from './help.module.css'
 
 export function Docstring({ text, titled = true }: { text: string; titled?: boolean }) {
   const { title, parts } = partsOf(text)
@@ -13,7 +15,7 @@ export function Docstring({ text, titled = true }: { text: string; titled?: bool
             {part.text}
           </p>
         ) : (
-          <pre key={i} className={part.kind === 'equations' ? 'mono eq' : 'mono'} tabIndex={0}>
+          <pre key={i} className={part.kind === 'equations' ? clsx('mono', styles.eq) : 'mono'} tabIndex={0}>
             {part.text}
           </pre>
         ),

@@ -5,6 +5,7 @@ import { count, percent, plain } from '../format/numbers'
 import { ATTACKS } from './attacks'
 import { HelpFrame } from './HelpFrame'
 import { missed, SAMPLES, SLITS } from './missed'
+import styles from './help.module.css'
 
 const INTENDED: readonly [string, string][] = [
   ['closest_approach', 'The closest approach may be at the start or at the end of the horizon.'],
@@ -76,7 +77,7 @@ function Intended() {
           and the verdict repeats the reason.
         </p>
         <pre>{EXAMPLE}</pre>
-        <dl className="terms">
+        <dl className={styles.terms}>
           {INTENDED.map(([name, text]) => (
             <div key={name}>
               <dt className="mono">{name}</dt>
@@ -94,7 +95,7 @@ function Caps() {
     <section className="card" id="caps">
       <div className="bd md">
         <h2>What a campaign cannot relax</h2>
-        <dl className="terms">
+        <dl className={styles.terms}>
           {CAPS.map(([name, text]) => (
             <div key={name}>
               <dt className={name.includes(' ') || name === 'Excluded' ? undefined : 'mono'}>{name}</dt>

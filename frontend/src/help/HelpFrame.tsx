@@ -2,6 +2,7 @@
 import { Link } from '@tanstack/react-router'
 import { type ReactNode, useEffect } from 'react'
 import { GUIDES } from './guides'
+import styles from './help.module.css'
 
 export interface Entry {
   id: string
@@ -77,7 +78,7 @@ export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
       <div className="docbody">
         <div>
           <h1>{title}</h1>
-          <p className="lede">{lede}</p>
+          <p className={styles.lede}>{lede}</p>
         </div>
         {children}
       </div>

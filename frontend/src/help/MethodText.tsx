@@ -2,6 +2,7 @@
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
 import { Docstring } from './Docstring'
+import styles from './help.module.css'
 
 interface Rule {
   type?: string
@@ -18,7 +19,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
   return (
     <>
       <Docstring text={method.text} />
-      <dl className="guarantee">
+      <dl className={styles.guarantee}>
         <dt>In a campaign</dt>
         <dd className="mono">{method.name}</dd>
         <dt>Source</dt>

@@ -1,9 +1,11 @@
 // What each verdict means, what it takes, and what it never says.
 import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import { useTitle } from '../page/useTitle'
 import { type Outcome, VerdictBadge } from '../ui/VerdictBadge'
 import { HelpFrame } from './HelpFrame'
+import styles from './help.module.css'
 
 interface Meaning {
   outcome: Outcome
@@ -119,7 +121,7 @@ export function VerdictsPage() {
         <div className="h">
           <h2>What the words mean</h2>
         </div>
-        <dl className="bd terms">
+        <dl className={clsx('bd', styles.terms)}>
           {TERMS.map(([word, text]) => (
             <div key={word}>
               <dt>{word}</dt>

@@ -1,6 +1,7 @@
 // Ways from the other pages into the help.
 import { IconHelp } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
+import styles from './help.module.css'
 
 export const idOfComponent = (role: string, name: string): string => `${role}-${name}`
 
@@ -13,7 +14,7 @@ interface HelpLinkProps {
 
 export function HelpLink({ to, at, children }: HelpLinkProps) {
   return (
-    <Link to={to} hash={at} className="helplink">
+    <Link to={to} hash={at} className={styles.helplink}>
       <IconHelp className="i s" aria-hidden />
       {children}
     </Link>

@@ -3,12 +3,14 @@ import { Combobox, Modal, useCombobox } from '@mantine/core'
 import { IconArrowRight, IconSearch } from '@tabler/icons-react'
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useRouter } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useMemo, useState } from 'react'
 import * as calls from '../api/calls'
 import { catalogueQuery, libraryQuery } from '../api/queries'
 import type { RunSummary } from '../client'
 import { OutcomeIcon, lookOf, outcomeOf } from '../ui/VerdictBadge'
 import { matching, type Place, placesOf } from './places'
+import styles from './jump.module.css'
 
 /** How many runs are offered. */
 const RUNS = 6
@@ -51,7 +53,7 @@ function Search({ onDone }: { onDone: () => void }) {
   }
   return (
     <Combobox store={store} onOptionSubmit={go}>
-      <label className="jumpbox">
+      <label className={styles.jumpbox}>
         <IconSearch className="i mut" aria-hidden />
         <Combobox.EventsTarget>
           <input
@@ -66,7 +68,7 @@ function Search({ onDone }: { onDone: () => void }) {
         </Combobox.EventsTarget>
         <kbd className="kbd">Esc</kbd>
       </label>
-      <Combobox.Options className="jumplist" aria-label="Found">
+      <Combobox.Options className={styles.jumplist} aria-label="Found">
         <Group name={text.trim() ? 'Runs' : 'Latest runs'}>{runs.map((run) => runOption(run))}</Group>
         {(['Pages', 'Launch', 'Help'] as const).map((group) => (
           <Group key={group} name={group}>
@@ -95,7 +97,7 @@ function runOption(run: RunSummary): ReactNode {
         <OutcomeIcon outcome={outcome} className="i s" />
       </span>
       <span className="one">{run.name}</span>
-      <span className="what one">
+      <span className={clsx(styles.what, 'one')}>
         {run.id} · {lookOf(outcome).word} · {run.campaign_name}
       </span>
     </Combobox.Option>
@@ -107,7 +109,7 @@ function placeOption({ to, name, note }: Place): ReactNode {
     <Combobox.Option key={to} value={to}>
       <IconArrowRight className="i s mut" aria-hidden />
       <span className="one">{name}</span>
-      <span className="what one">{note}</span>
+      <span className={clsx(styles.what, 'one')}>{note}</span>
     </Combobox.Option>
   )
 }

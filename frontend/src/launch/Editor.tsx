@@ -2,6 +2,7 @@
 import { IconAlertTriangle, IconArrowBackUp, IconArrowForwardUp } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useNavigate } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { useMemo, useRef, useState } from 'react'
 import { checkCampaign, submitRun } from '../api/calls'
 import { asCampaign } from '../api/campaign'
@@ -26,6 +27,7 @@ import { type Draft as DraftState, useDraft } from './draft/useDraft'
 import { usePreview } from './preview/usePreview'
 import { useSaved } from './draft/useSaved'
 import { YamlEditor } from './YamlEditor'
+import styles from './launch.module.css'
 
 interface EditorProps {
   start: Start
@@ -129,7 +131,7 @@ export function Editor(props: EditorProps) {
           />
         </>
       )}
-      <div className="tabs">
+      <div className={styles.tabs}>
         <Seg
           label="How to edit"
           tall
@@ -143,7 +145,7 @@ export function Editor(props: EditorProps) {
         <span className="small mut">Both edit the same campaign</span>
         <Back draft={draft} />
       </div>
-      <div className="launch">
+      <div className={styles.launch}>
         <div className="stack">
           {tab === 'yaml' ? (
             <YamlEditor
@@ -168,7 +170,7 @@ export function Editor(props: EditorProps) {
             </p>
           )}
         </div>
-        <div className="stack side">
+        <div className={clsx('stack', styles.side)}>
           <RunCard
             name={name}
             tags={tags}
@@ -179,7 +181,7 @@ export function Editor(props: EditorProps) {
             onTags={setTags}
             set={draft.set}
           />
-          <div className="stack stuck">
+          <div className={clsx('stack', styles.stuck)}>
             <Summary
               problems={problems}
               trouble={draft.trouble ?? (refused?.errors.length ? null : launch.error)}

@@ -1,6 +1,7 @@
 // All that keeps a run from starting, in one place; each entry leads to its field.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { FieldProblem } from '../api/problems'
+import styles from './launch.module.css'
 
 interface SummaryProps {
   problems: readonly FieldProblem[]
@@ -28,7 +29,7 @@ export function Summary({ problems, trouble, tab, onForm, onText }: SummaryProps
           {problems.slice(0, 12).map((problem) => (
             <li key={problem.field + problem.message}>
               {problem.field && (
-                <span className="where">
+                <span className={styles.where}>
                   <button type="button" className="linkbtn mono" onClick={() => here(problem.field)}>
                     {problem.field}
                   </button>

@@ -1,10 +1,12 @@
 // The campaign as text: an editor that comes after the page, and the ways in and out of a file.
 import { useMediaQuery } from '@mantine/hooks'
 import { IconCircleCheck, IconDownload, IconFileText, IconLoader } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { type DragEvent, lazy, Suspense, useRef, useState } from 'react'
 import { Card } from '../ui/Card'
 import { CopyButton, save } from '../ui/files'
 import type { CodeEditorProps } from './code/CodeEditor'
+import styles from './launch.module.css'
 
 const CodeEditor = lazy(() => import('./code/CodeEditor'))
 
@@ -68,12 +70,12 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
       }
     >
       <div
-        className={dropping ? 'editor drop' : 'editor'}
+        className={dropping ? clsx(styles.editor, styles.drop) : styles.editor}
         onDropCapture={drop}
         onDragOverCapture={over}
         onDragLeave={() => setDropping(false)}
       >
-        <Suspense fallback={<pre className="coming">{text}</pre>}>
+        <Suspense fallback={<pre className={styles.coming}>{text}</pre>}>
           <CodeEditor {...code} readOnly={touched} />
         </Suspense>
       </div>

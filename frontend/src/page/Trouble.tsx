@@ -2,10 +2,11 @@
 import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { Refusal } from '../api/problems'
+import styles from './page.module.css'
 
 export function Loading({ what }: { what: string }) {
   return (
-    <div className="loading" role="status">
+    <div className={styles.loading} role="status">
       <span className="row">
         <IconLoader className="i spin" aria-hidden /> Loading {what}
       </span>

@@ -1,6 +1,8 @@
 // Cards of unlike heights in two columns, so that neither ends long before the other.
+import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import { balanced, type Weighed } from './balanced'
+import styles from './run.module.css'
 
 export interface Piece extends Weighed {
   card: ReactNode
@@ -12,7 +14,7 @@ export function Columns({ pieces }: { pieces: readonly (Piece | false | null)[] 
   if (there.length === 0) return null
   if (there.length === 1) return <div className="stack c12">{there[0]?.card}</div>
   return balanced(there).map((column, i) => (
-    <div key={i} className="stack filled c6 wide">
+    <div key={i} className={clsx('stack', styles.filled, 'c6 wide')}>
       {column.map((piece) => piece.card)}
     </div>
   ))

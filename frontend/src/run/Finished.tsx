@@ -1,4 +1,5 @@
 // A run that is over: the verdict and, section by section, everything it rests on.
+import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useDeferredValue, useMemo } from 'react'
 import { resultOf } from '../api/stages'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
@@ -37,6 +38,7 @@ import { View } from './flight/view'
 import { WhatToDo } from './verdict/WhatToDo'
 import { useWhatIf } from './flight/useWhatIf'
 import { WhatIfCard } from './flight/WhatIfCard'
+import styles from './run.module.css'
 
 const SpaceCard = lazy(() => import('./space/SpaceCard').then((module) => ({ default: module.SpaceCard })))
 
@@ -115,7 +117,7 @@ export function Finished({ data }: { data: RunData }) {
           </Card>
         )}
         {shown && (
-          <div className={flown ? 'stack pair c4' : 'stack pair c6'}>
+          <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>
             {flown && <WhatIfCard data={data} state={whatIf} className="" />}
             <NominalWorst
               data={data}
@@ -134,7 +136,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5" height={226} />}
         {timed && (
-          <div className={few ? 'stack filled c12' : 'stack filled c5'} id="motion" style={{ minHeight: few ? 220 : 380 }}>
+          <div className={few ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5')} id="motion" style={{ minHeight: few ? 220 : 380 }}>
             {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
           </div>
         )}

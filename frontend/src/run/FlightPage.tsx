@@ -15,6 +15,7 @@ import { useWhatIf } from './flight/useWhatIf'
 import { View } from './flight/view'
 import { WhatIfCard } from './flight/WhatIfCard'
 import { Purged } from './header/Removed'
+import styles from './run.module.css'
 
 export function FlightPage() {
   const { id } = useParams({ from: '/runs/$id' })
@@ -55,17 +56,17 @@ function Page({ run }: { run: RunDetail }) {
   }, [view, live])
   if (!ready) return <Loading what="flight" />
   return (
-    <div className="own">
+    <div className={styles.own}>
       <div className="ph">
         <div className="t">
-          <nav className="crumb" aria-label="Breadcrumb">
+          <nav className={styles.crumb} aria-label="Breadcrumb">
             <Link to="/runs">Runs</Link>/
             <Link to="/runs/$id" params={{ id: run.id }} search={(before) => before} className="mono">
               {run.id}
             </Link>
             /<span>Flight</span>
           </nav>
-          <div className="titles">
+          <div className={styles.titles}>
             <h1>{run.name}</h1>
             <VerdictBadge outcome={outcomeOf(run)} />
           </div>

@@ -1,4 +1,5 @@
 // A run that works: figures, stages, convergence, best so far, methods, improvements.
+import { clsx } from 'clsx'
 import type { RunDetail } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
 import { count, decimalsApart, decimalsFor, duration, fixed, NONE, plain, signed } from '../format/numbers'
@@ -14,6 +15,7 @@ import { MethodsTable } from './search/MethodsTable'
 import { Notes } from './header/Notes'
 import { NominalWorst } from './parameters/NominalWorst'
 import { StageStrip } from './search/StageStrip'
+import styles from './run.module.css'
 
 export function Live({ data }: { data: RunData }) {
   const { run } = data
@@ -26,11 +28,11 @@ export function Live({ data }: { data: RunData }) {
         <StageStrip run={run} />
       </div>
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <div className="stack filled c8">
+        <div className={clsx('stack', styles.filled, 'c8')}>
           <Convergence data={data} className="" height={400} />
           <MethodsTable data={data} className="" />
         </div>
-        <div className="stack pair c4">
+        <div className={clsx('stack', styles.pair, 'c4')}>
           <NominalWorst
             data={data}
             className=""
@@ -76,7 +78,7 @@ function Figures({ data }: { data: RunData }) {
   const margin = cost === null || run.threshold === null ? null : cost - run.threshold
   return (
     <div className="card">
-      <div className="stats">
+      <div className={styles.stats}>
         <Stat
           name={
             <>

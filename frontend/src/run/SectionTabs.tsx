@@ -2,6 +2,7 @@
 import { useEffect, useState } from 'react'
 import { count } from '../format/numbers'
 import { useHotkeys } from '../ui/useHotkeys'
+import styles from './run.module.css'
 
 export interface Section {
   id: string
@@ -30,7 +31,7 @@ export function SectionTabs({ sections }: { sections: Section[] }) {
     ),
   )
   return (
-    <nav className="subnav" aria-label="Sections">
+    <nav className={styles.subnav} aria-label="Sections">
       {sections.map((section) => (
         <a key={section.id} href={`#${section.id}`} aria-current={section.id === current ? 'true' : undefined}>
           {section.name}

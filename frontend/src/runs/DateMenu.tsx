@@ -1,6 +1,7 @@
 // When a run was submitted: today, in the last days, or between two days.
 import { DAYS, type Days, type RunsSearch } from './search'
 import { Menu } from '../ui/Menu'
+import styles from './runs.module.css'
 
 const NAME: Record<Days, string> = { 1: 'today', 7: 'last 7 days', 30: 'last 30 days' }
 
@@ -24,7 +25,7 @@ export function DateMenu({ search, onChange }: DateMenuProps) {
           </label>
         ))}
       </div>
-      <div className="dates">
+      <div className={styles.dates}>
         <label className="lbl">
           From
           <input

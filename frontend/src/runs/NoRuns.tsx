@@ -6,6 +6,7 @@ import { asCampaign } from '../api/campaign'
 import { catalogueQuery, libraryQuery } from '../api/queries'
 import { PlanView } from '../launch/plan/PlanView'
 import { ordered } from '../launch/library/shelf'
+import styles from './runs.module.css'
 
 export function NoRuns() {
   const { data } = useQuery(libraryQuery)
@@ -16,7 +17,7 @@ export function NoRuns() {
       <div className="centre" style={{ paddingBottom: 36 }}>
         {first && (
           <figure>
-            <div className="emptypic">
+            <div className={styles.emptypic}>
               <PlanView campaign={asCampaign(first.document)} catalogue={catalogue} height={168} />
             </div>
             <figcaption className="micro mut">{asCampaign(first.document).name}, seen from above</figcaption>
@@ -36,7 +37,7 @@ export function NoRuns() {
           </Link>
         </div>
       </div>
-      <ol className="firststeps">
+      <ol className={styles.firststeps}>
         <li>
           <h3>Choose a case</h3>
           <p>Case studies ship with Clearance. Your own vehicle, controller or avoider is one Python file.</p>

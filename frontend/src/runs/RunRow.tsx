@@ -6,6 +6,7 @@ import { count, decimalsFor, duration, fixed } from '../format/numbers'
 import { Progress } from '../ui/Card'
 import { RunName } from './cells'
 import type { CellContext, Column } from './columns'
+import styles from './runs.module.css'
 
 interface RunRowProps extends CellContext {
   run: RunSummary
@@ -28,13 +29,13 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
   const results = columns.filter((column) => column.result)
   return (
     <tr
-      className={chosen ? 'at' : marked ? 'sel' : undefined}
+      className={chosen ? styles.at : marked ? 'sel' : undefined}
       aria-selected={chosen || marked}
       aria-rowindex={number}
       onClick={open}
       data-run={run.id}
     >
-      <td className="mark">
+      <td className={styles.mark}>
         <label>
           <input
             type="checkbox"
@@ -91,7 +92,7 @@ function Working({ run, now }: { run: RunSummary; now: number }) {
   const name = stage ? stage.title : 'Starting'
   const best = run.worst_cost
   return (
-    <span className="standing">
+    <span className={styles.standing}>
       <span style={{ width: 120 }}>
         <Progress share={share} label={`Progress of ${run.id}`} />
       </span>

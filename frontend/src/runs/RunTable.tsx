@@ -1,5 +1,6 @@
 // The table of runs with its orders, its keys (j, k, x, Enter), the rows near the window, and further pages as it scrolls.
 import { useNavigate } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react'
 import type { RunSummary } from '../client'
 import { useHotkeys } from '../ui/useHotkeys'
@@ -9,7 +10,8 @@ import { type Column, COLUMNS, type Common, REMOVAL } from './columns'
 import { type ColumnKey, USUAL, USUAL_REMOVED, WIDE_ONLY } from './columnKeys'
 import { RunRow } from './RunRow'
 import type { Sort, SortKey } from './search'
-import { useWindowed } from './windowed'
+import { useRows } from './useRows'
+import styles from './runs.module.css'
 
 const ROW = 46
 const [MARK, NAME] = [42, 190]
@@ -36,7 +38,7 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
   const now = useNow(10_000)
   const [holder, width] = useWidth(1392)
   const body = useRef<HTMLTableSectionElement>(null)
-  const { first, end, reveal } = useWindowed(body, ROW, runs.length)
+  const { first, end, reveal } = useRows(body, ROW, runs.length)
   const [chosen, setChosen] = useKeys(runs, reveal, marked, onMark)
   const columns = useMemo(() => columnsOf(cols, width, removed), [cols, width, removed])
   const common = commonOf(runs)
@@ -58,8 +60,8 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
   )
   return (
     <div ref={holder}>
-      <div className={least > width ? 'card scrollx' : 'card clip'}>
-        <table className="runs" aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
+      <div className={least > width ? clsx('card', styles.scrollx) : clsx('card', styles.clip)}>
+        <table className={styles.runs} aria-rowcount={total + 1} style={{ minWidth: least }} onMouseDown={() => setChosen(-1)}>
           <colgroup>
             <col style={{ width: MARK }} />
             <col />
@@ -69,7 +71,7 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
           </colgroup>
           <thead>
             <tr aria-rowindex={1}>
-              <th className="mark">
+              <th className={styles.mark}>
                 <MarkAll runs={runs} marked={marked} onMark={onMark} />
               </th>
               <Head sort={sort} onSort={onSort} by="name">
@@ -215,7 +217,7 @@ function Head({ by, sort, onSort, num, inset, down: first, under, children }: He
       style={inset === undefined ? undefined : { paddingRight: inset }}
       aria-sort={active ? (down ? 'descending' : 'ascending') : undefined}
     >
-      <button type="button" className={active ? 'sorter on' : 'sorter'} onClick={() => onSort(next)}>
+      <button type="button" className={active ? clsx(styles.sorter, 'on') : styles.sorter} onClick={() => onSort(next)}>
         {lines}
         {active && <span aria-hidden> {down ? '↓' : '↑'}</span>}
       </button>

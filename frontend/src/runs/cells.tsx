@@ -7,6 +7,7 @@ import { decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { moment, when } from '../format/time'
 import { MarginBar } from '../ui/bars'
 import type { CellContext } from './columns'
+import styles from './runs.module.css'
 
 /** The first column, which is always there: name, number, campaign, pin. */
 export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean }) {
@@ -56,7 +57,7 @@ export function Margin({ run, context }: { run: RunSummary; context: CellContext
   const violated = run.margin !== null && run.margin <= 0
   const unit = context.units && run.unit ? ` ${run.unit}` : ''
   return (
-    <span className="marg">
+    <span className={styles.marg}>
       <span className={violated ? 'b bad-t' : 'm'} title={unknownOf(run) || undefined}>
         {unknownOf(run) && (
           <>

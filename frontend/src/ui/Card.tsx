@@ -1,5 +1,7 @@
 // A card with its heading, and the small parts that cards are made of.
+import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useRef, useState } from 'react'
+import styles from './ui.module.css'
 
 interface CardProps {
   title: ReactNode
@@ -21,7 +23,7 @@ export function Card({ title, note, right, footer, flush, className = '', id, ch
         {right && <div className="r">{right}</div>}
       </div>
       {flush ? <Flush>{children}</Flush> : <div className="bd">{children}</div>}
-      {footer && <div className="ft">{footer}</div>}
+      {footer && <div className={styles.ft}>{footer}</div>}
     </section>
   )
 }
@@ -38,7 +40,7 @@ function Flush({ children }: { children: ReactNode }) {
     return () => observer.disconnect()
   }, [])
   return (
-    <div className="bd flush" ref={body} tabIndex={scrolls ? 0 : undefined}>
+    <div className={clsx('bd', styles.flush)} ref={body} tabIndex={scrolls ? 0 : undefined}>
       {children}
     </div>
   )
@@ -55,13 +57,13 @@ interface StatProps {
 
 export function Stat({ name, value, unit, note, bad, testId }: StatProps) {
   return (
-    <div className="stat">
+    <div className={styles.stat}>
       <div className="k">{name}</div>
       <div className={bad ? 'n bad-t' : 'n'}>
         <span data-testid={testId}>{value}</span>
         {unit && <small>{unit}</small>}
       </div>
-      <div className="x">{note}</div>
+      <div className={styles.x}>{note}</div>
     </div>
   )
 }
@@ -94,7 +96,7 @@ interface SegProps<T extends string> {
 
 export function Seg<T extends string>({ label, options, value, onChange, tall }: SegProps<T>) {
   return (
-    <div className={tall ? 'seg tall' : 'seg'} role="group" aria-label={label}>
+    <div className={tall ? clsx('seg', styles.tall) : 'seg'} role="group" aria-label={label}>
       {options.map((option) => (
         <button
           key={option.value}
@@ -113,7 +115,7 @@ export function Progress({ share, colour, label }: { share: number; colour?: str
   const width = Math.min(100, Math.max(0, share * 100))
   return (
     <div
-      className="pbar"
+      className={styles.pbar}
       role="progressbar"
       aria-label={label ?? 'Progress'}
       aria-valuemin={0}

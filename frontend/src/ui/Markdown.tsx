@@ -2,6 +2,7 @@
 // are not loaded and HTML is shown as it was written. Source of the syntax: GitHub Flavored Markdown. Start: `Markdown`.
 import { marked, type Token, type Tokens } from 'marked'
 import { Fragment, type ReactNode, useMemo } from 'react'
+import styles from './ui.module.css'
 
 export function Markdown({ text }: { text: string }) {
   const tokens = useMemo(() => marked.lexer(text, { gfm: true, breaks: false }), [text])
@@ -45,7 +46,7 @@ function block(token: Token): ReactNode {
 
 function list({ ordered, start, items }: Tokens.List): ReactNode {
   const shown = items.map((item, i) => (
-    <li key={i} className={item.task ? 'task' : undefined}>
+    <li key={i} className={item.task ? styles.task : undefined}>
       {item.task && <input type="checkbox" checked={item.checked} readOnly disabled aria-label="Task" />}
       {blocks(item.tokens.filter((token) => token.type !== 'checkbox'))}
     </li>

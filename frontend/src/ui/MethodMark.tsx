@@ -1,5 +1,6 @@
 // A method's marker and name.
 import { isOpen, OUTLINE, useMethodLook } from './methods'
+import styles from './ui.module.css'
 
 export function Mark({ method }: { method: string | null }) {
   const { colour, shape } = useMethodLook()(method)
@@ -19,7 +20,7 @@ export function Mark({ method }: { method: string | null }) {
 export function MethodName({ method, title, short }: { method: string | null; title?: string; short?: boolean }) {
   const look = useMethodLook()(method)
   return (
-    <span className="meth" title={short ? (title ?? look.title) : undefined}>
+    <span className={styles.meth} title={short ? (title ?? look.title) : undefined}>
       <Mark method={method} />
       {short ? look.short : (title ?? look.title)}
     </span>

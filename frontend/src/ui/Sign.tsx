@@ -1,5 +1,6 @@
 // A symbol of the field set as in print: italic letter, upright subscript, so that "K_p1" reads K with index p1.
 import { Fragment } from 'react'
+import styles from './ui.module.css'
 
 const GREEK: Record<string, string> = {
   alpha: 'α',
@@ -45,7 +46,7 @@ export function Sign({ text, path }: { text: string; path?: string }) {
   const [base, index] = split(text)
   return (
     <span className="nw" title={path}>
-      <i className="v">{base}</i>
+      <i className={styles.v}>{base}</i>
       {index && <sub>{index}</sub>}
     </span>
   )
@@ -54,7 +55,7 @@ export function Sign({ text, path }: { text: string; path?: string }) {
 /** A path with places to break behind its dots. */
 function Path({ text }: { text: string }) {
   return (
-    <span className="path" title={text}>
+    <span className={styles.path} title={text}>
       {text.split('.').map((name, i) => (
         <Fragment key={i}>
           {i > 0 && (

@@ -3,6 +3,7 @@
 import { setDiagnostics } from '@codemirror/lint'
 import { EditorView } from '@codemirror/view'
 import { useQuery } from '@tanstack/react-query'
+import { clsx } from 'clsx'
 import { type RefObject, useEffect, useMemo, useRef, useState } from 'react'
 import type { Campaign } from '../../api/campaign'
 import type { FieldProblem } from '../../api/problems'
@@ -15,6 +16,7 @@ import { hintOf, type Known } from './hints'
 import { ProblemList } from './ProblemList'
 import type { Rule } from './schema'
 import { diagnosticsOf, fromPage, type Hands, locking, opened, placedIn, unified } from './setup'
+import styles from './code.module.css'
 
 export interface CodeEditorProps {
   text: string
@@ -127,7 +129,7 @@ function Standing({ text, cursor, campaign, catalogue, schema, readOnly, onForm 
     return { field: standing.at.join('.'), hint: says ? hint : null }
   }, [text, cursor, campaign, catalogue, schema])
   return (
-    <div className="codefoot small" data-testid="standing">
+    <div className={clsx(styles.codefoot, 'small')} data-testid="standing">
       {found ? (
         <>
           <span className="mono">{found.field}</span>

@@ -1,6 +1,7 @@
 // What is wrong with the text, line by line: each leads to its place there, and to its field in the form.
 import { IconAlertCircle } from '@tabler/icons-react'
 import type { Placed } from './setup'
+import styles from './code.module.css'
 
 interface ProblemListProps {
   placed: readonly Placed[]
@@ -14,7 +15,7 @@ export function ProblemList({ placed, onGo, onForm }: ProblemListProps) {
   if (placed.length === 0) return null
   const sorted = [...placed].sort((a, b) => a.from - b.from).slice(0, MOST)
   return (
-    <ol className="codeproblems" aria-label="Problems">
+    <ol className={styles.codeproblems} aria-label="Problems">
       {sorted.map(({ problem, from, to, line }) => (
         <li key={problem.field + problem.message} data-problem={problem.field}>
           <IconAlertCircle className="i bad-t" aria-hidden />

@@ -1,6 +1,7 @@
 // Keeping the campaign as a draft: the button, whether everything is kept, and what to do when somebody was faster.
 import { IconAlertTriangle, IconDeviceFloppy } from '@tabler/icons-react'
 import type { Saved } from './useSaved'
+import styles from './draft.module.css'
 
 interface DraftBarProps {
   saved: Saved
@@ -17,7 +18,7 @@ export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarP
   const save = (another = false) => void saved.save({ another }).catch(() => undefined)
   const standing = dirty ? 'Unsaved changes.' : draft ? `All changes are saved in ${draft.id}.` : ''
   return (
-    <div className="draftbar">
+    <div className={styles.draftbar}>
       <button type="button" className="btn wide" disabled={saving || (draft !== null && !dirty)} onClick={() => save()}>
         <IconDeviceFloppy className="i s" aria-hidden />
         {saving ? 'Saving …' : draft ? `Save ${draft.id}` : 'Save as draft'}

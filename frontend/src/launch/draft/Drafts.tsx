@@ -3,6 +3,7 @@ import { Modal } from '@mantine/core'
 import { IconTrash } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import { deleteDraft } from '../../api/calls'
 import { draftsQuery } from '../../api/queries'
@@ -11,6 +12,7 @@ import { count } from '../../format/numbers'
 import { moment, when } from '../../format/time'
 import { Card, Tags } from '../../ui/Card'
 import { useNow } from '../../ui/useNow'
+import styles from './draft.module.css'
 
 const FEW = 4
 
@@ -25,7 +27,7 @@ export function Drafts() {
     <Card
       title="Drafts"
       note="Saved campaigns that have not been started."
-      className="drafts"
+      className={styles.drafts}
       flush
       footer={
         shown.length < data.length && (
@@ -118,7 +120,7 @@ function Deletion({ draft, onDone }: { draft: DraftSummary; onDone: () => void }
           {removal.error.message}
         </p>
       )}
-      <div className="acts end">
+      <div className={clsx('acts', styles.end)}>
         <button type="button" className="btn" onClick={onDone}>
           Keep it
         </button>

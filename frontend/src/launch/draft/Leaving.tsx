@@ -1,7 +1,9 @@
 // Leaving the page, or choosing another case, with edits that are kept nowhere: asks once.
 import { Modal } from '@mantine/core'
 import { useBlocker } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { useState } from 'react'
+import styles from './draft.module.css'
 
 interface Place {
   pathname: string
@@ -39,7 +41,7 @@ export function Leaving({ dirty, expected, onSave }: LeavingProps) {
             {failed}
           </p>
         )}
-        <div className="acts end">
+        <div className={clsx('acts', styles.end)}>
           <button type="button" className="btn" onClick={blocker.reset}>
             Stay
           </button>

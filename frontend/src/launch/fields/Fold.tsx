@@ -1,6 +1,7 @@
 // What is rarely changed: closed with a word on how it stands, open where something in it is wrong.
 import { type ReactNode, useState } from 'react'
 import { useTroubled } from './problems'
+import styles from './fields.module.css'
 
 interface FoldProps {
   title: string
@@ -15,13 +16,13 @@ export function Fold({ title, digest, fields, children }: FoldProps) {
   const [open, setOpen] = useState(false)
   const troubled = useTroubled(fields)
   return (
-    <details className="fold" open={open || troubled > 0} onToggle={(event) => setOpen(event.currentTarget.open)}>
+    <details className={styles.fold} open={open || troubled > 0} onToggle={(event) => setOpen(event.currentTarget.open)}>
       <summary>
         <span className="b">{title}</span>
         <span className="mut">{digest}</span>
         {troubled > 0 && <span className="bad-t">{troubled === 1 ? 'One problem' : `${troubled} problems`}</span>}
       </summary>
-      <div className="in">{children}</div>
+      <div className={styles.in}>{children}</div>
     </details>
   )
 }

@@ -12,6 +12,7 @@ import { Sign } from '../../ui/Sign'
 import { NumberCell } from './NumberCell'
 import { numberOf, type Parameter, type Section } from '../campaign/parameters'
 import { FieldErrors, idOf } from './problems'
+import styles from './fields.module.css'
 
 export type SetValue = (at: readonly (string | number)[], value: unknown) => void
 
@@ -136,7 +137,7 @@ function Parameters({ section, campaign, set }: { section: Section; campaign: Ca
 
 export function ParameterGrid({ parameters, set }: { parameters: Parameter[]; set: SetValue }) {
   return (
-    <div className="pgrid">
+    <div className={styles.pgrid}>
       {parameters.map((parameter) => (
         <ParameterField key={parameter.path} parameter={parameter} set={set} />
       ))}

@@ -1,5 +1,6 @@
 // What is written about a campaign: its name, a line for cards, notes on sources and limits, published values.
 import { IconPlus, IconTrash } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import type { Campaign, Published } from '../../api/campaign'
 import { Card } from '../../ui/Card'
@@ -7,6 +8,7 @@ import { Fold } from '../fields/Fold'
 import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
+import styles from './form.module.css'
 
 interface AboutFormProps {
   campaign: Campaign
@@ -58,7 +60,7 @@ export function AboutForm({ campaign, set }: AboutFormProps) {
 
 function Written({ field, label, children }: { field: string; label: string; children: ReactNode }) {
   return (
-    <div className="written">
+    <div className={styles.written}>
       <label className="lbl" htmlFor={idOf(field)}>
         {label}
       </label>
@@ -72,7 +74,7 @@ function Values({ published, set }: { published: Published[]; set: SetValue }) {
   return (
     <div className="stack" id={idOf('published')} tabIndex={-1}>
       {published.map((one, i) => (
-        <div key={i} className="row published">
+        <div key={i} className={clsx('row', styles.published)}>
           <input
             className="inp"
             aria-label={`Published value ${i + 1}, label`}

@@ -7,6 +7,7 @@ import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import type { Parameter } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
+import styles from './form.module.css'
 
 interface CorrelationsProps {
   campaign: Campaign
@@ -30,7 +31,7 @@ export function Correlations({ campaign, parameters, set }: CorrelationsProps) {
   const digest = pairs.length === 0 ? 'none' : pairs.length === 1 ? 'one pair' : `${pairs.length} pairs`
   return (
     <Fold title="Correlations" digest={digest} fields={['correlations']}>
-      <div className="correlations" id={idOf('correlations')} tabIndex={-1}>
+      <div className={styles.correlations} id={idOf('correlations')} tabIndex={-1}>
         <FieldErrors field="correlations" />
         {pairs.map((pair, i) => (
           <div key={i} className="row" id={idOf(`correlations.${i}`)} tabIndex={-1}>

@@ -9,6 +9,7 @@ import { PartBody, PartCard, type SetValue } from '../fields/PartCard'
 import { sectionsOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
 import { AddPart } from './ScenarioForm'
+import styles from './form.module.css'
 
 interface CriterionFormProps {
   campaign: Campaign
@@ -37,7 +38,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
           <div id={idOf('objectives')} tabIndex={-1} className="stack">
             <FieldErrors field="objectives" />
             {further.length > 0 && (
-              <div className="parts">
+              <div className={styles.parts}>
                 {further.map((section) => (
                   <PartCard
                     key={section.at.join('.')}

@@ -11,6 +11,7 @@ import { NumberCell } from '../fields/NumberCell'
 import type { Parameter } from '../campaign/parameters'
 import { numberOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
+import styles from './form.module.css'
 
 interface Rule {
   type?: string
@@ -37,7 +38,7 @@ export function MethodOptions({ field, at, stage, method, parameters, set }: Met
   return (
     <div style={{ padding: '4px 0 12px', display: 'grid', gap: 12 }}>
       {rules.length > 0 && (
-        <div className="fields">
+        <div className={styles.fields}>
           {rules.map(([name, rule]) => (
             <Option
               key={name}

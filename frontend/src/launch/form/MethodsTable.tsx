@@ -9,6 +9,7 @@ import { MethodOptions } from './MethodOptions'
 import { NumberCell } from '../fields/NumberCell'
 import type { Parameter } from '../campaign/parameters'
 import { FieldErrors, idOf, useProblems } from '../fields/problems'
+import styles from './form.module.css'
 
 interface MethodsTableProps {
   campaign: Campaign
@@ -42,7 +43,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       flush
       footer="Cleared needs global methods that agree on the worst case, and a certify stage where a target for P(violation) is set."
     >
-      <table className="ptable">
+      <table className={styles.ptable}>
         <thead>
           <tr>
             <th aria-label="Runs" />
@@ -122,7 +123,7 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
   return (
     <>
       <tr
-        className={on ? (expanded || alone || problems.length ? 'has-error' : undefined) : 'off'}
+        className={on ? (expanded || alone || problems.length ? styles.hasError : undefined) : styles.off}
         id={idOf(field)}
         tabIndex={-1}
       >
@@ -158,7 +159,7 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
         </td>
       </tr>
       {on && (expanded || alone || problems.length > 0) && (
-        <tr className="errors">
+        <tr className={styles.errors}>
           <td />
           <td colSpan={5}>
             <FieldErrors field={field} />

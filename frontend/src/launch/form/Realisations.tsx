@@ -7,6 +7,7 @@ import { ListCell } from '../fields/ListCell'
 import type { SetValue } from '../fields/PartCard'
 import { sectionsOf } from '../campaign/parameters'
 import { FieldErrors, idOf } from '../fields/problems'
+import styles from './form.module.css'
 
 const FIELD = 'scenario.realisations'
 /** The parameter by which a random component is told which realisation it flies. */
@@ -29,7 +30,7 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
     <div className="card">
       <div className="bd">
         <Fold title="Realisations of what is random" digest={digest} fields={[FIELD]}>
-          <div className="fields">
+          <div className={styles.fields}>
             <div>
               <label className="lbl" htmlFor={idOf(`${FIELD}.seeds`)}>
                 Seeds

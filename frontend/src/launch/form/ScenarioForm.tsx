@@ -1,5 +1,6 @@
 // The scenario: which component plays each part, what is in the way, what disturbs it, how long it is flown.
 import { Select } from '@mantine/core'
+import { clsx } from 'clsx'
 import { type Campaign, type List, LISTS, listAt } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { criterionFor } from '../campaign/extents'
@@ -9,6 +10,7 @@ import { FieldErrors, idOf } from '../fields/problems'
 import { Realisations } from './Realisations'
 import { SettingFields } from './SettingsForm'
 import { SIMULATION } from '../campaign/settings'
+import styles from './form.module.css'
 
 interface ScenarioFormProps {
   campaign: Campaign
@@ -32,11 +34,11 @@ export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormP
       <h2 className="sect">Scenario</h2>
       <FieldErrors field="scenario" />
       <div className="card">
-        <div className="bd fields">
+        <div className={clsx('bd', styles.fields)}>
           <SettingFields campaign={campaign} set={set} settings={SIMULATION} />
         </div>
       </div>
-      <div className="parts">
+      <div className={styles.parts}>
         {sections
           .filter((section) => section.at.length === 2)
           .map((section) => (
@@ -46,7 +48,7 @@ export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormP
       {LISTS.map((list) => {
         const own = sections.filter((section) => section.at[1] === list)
         return (
-          <div key={list} className="partlist" id={idOf(`scenario.${list}`)} tabIndex={-1}>
+          <div key={list} className={styles.partlist} id={idOf(`scenario.${list}`)} tabIndex={-1}>
             <div className="row">
               <h3>{TITLE[list]}</h3>
               <AddPart list={list} campaign={campaign} catalogue={catalogue} set={set} />
@@ -54,7 +56,7 @@ export function ScenarioForm({ campaign, catalogue, set, remove }: ScenarioFormP
             </div>
             <FieldErrors field={`scenario.${list}`} />
             {own.length > 0 && (
-              <div className="parts">
+              <div className={styles.parts}>
                 {own.map((section) => (
                   <PartCard
                     key={section.at.join('.')}

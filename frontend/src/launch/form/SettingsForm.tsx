@@ -6,6 +6,7 @@ import { NumberCell } from '../fields/NumberCell'
 import type { SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
 import { type Setting, settingOf, settled, STAGES, VERDICT } from '../campaign/settings'
+import styles from './form.module.css'
 
 interface SettingsFormProps {
   campaign: Campaign
@@ -17,14 +18,14 @@ export function SettingsForm({ campaign, set }: SettingsFormProps) {
     <Card title="Certify, stages and verdict" id="section-stages">
       {STAGES.map((group) => (
         <Fold key={group.title} title={group.title} digest={group.digest(campaign)} fields={[group.field]}>
-          <div className="fields" id={idOf(group.field)} tabIndex={-1}>
+          <div className={styles.fields} id={idOf(group.field)} tabIndex={-1}>
             <SettingFields campaign={campaign} set={set} settings={group.settings} />
           </div>
           <FieldErrors field={group.field} />
         </Fold>
       ))}
       <h3 style={{ margin: '14px 0 8px' }}>Verdict</h3>
-      <div className="fields">
+      <div className={styles.fields}>
         <SettingFields campaign={campaign} set={set} settings={VERDICT} />
       </div>
     </Card>

@@ -1,5 +1,6 @@
 // One uncertain parameter: its values, its distribution, and what the service says of them below.
 import { Select } from '@mantine/core'
+import { clsx } from 'clsx'
 import { place, type Raw, type Uncertain } from '../../api/campaign'
 import { unitText } from '../../format/units'
 import { Sign } from '../../ui/Sign'
@@ -7,6 +8,7 @@ import { Density } from './Density'
 import { NumberCell } from '../fields/NumberCell'
 import { boundsOf, numberOf, type Parameter } from '../campaign/parameters'
 import { idOf, Message, useProblems } from '../fields/problems'
+import styles from './form.module.css'
 
 const KINDS = [
   { value: 'uniform', label: 'Uniform' },
@@ -55,7 +57,7 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
   return (
     <>
       <tr
-        className={`${on ? '' : 'off'} ${problems.length || shaped ? 'has-error' : ''}`}
+        className={clsx(on ? '' : styles.off, problems.length || shaped ? styles.hasError : '')}
         id={idOf(field)}
         tabIndex={-1}
       >
@@ -125,7 +127,7 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
         </td>
       </tr>
       {shaped && (
-        <tr className={problems.length ? 'has-error' : undefined}>
+        <tr className={problems.length ? styles.hasError : undefined}>
           <td colSpan={7} />
           <td colSpan={2}>
             <DistributionFields field={field} path={path} name={name} distribution={distribution} set={set} />
@@ -133,7 +135,7 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
         </tr>
       )}
       {problems.length > 0 && (
-        <tr className="errors">
+        <tr className={styles.errors}>
           <td />
           <td colSpan={8}>
             {problems.map((problem) => (

@@ -1,5 +1,6 @@
 // The uncertain parameters: which vary, between which bounds, how they are distributed.
 import { Select } from '@mantine/core'
+import { clsx } from 'clsx'
 import { useState } from 'react'
 import type { Campaign, Uncertain } from '../../api/campaign'
 import { Card } from '../../ui/Card'
@@ -7,6 +8,7 @@ import { Correlations } from './Correlations'
 import { numberOf, type Parameter } from '../campaign/parameters'
 import { FieldErrors } from '../fields/problems'
 import { UncertainRow } from './UncertainRow'
+import styles from './form.module.css'
 
 interface UncertainTableProps {
   campaign: Campaign
@@ -43,7 +45,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
         'holds for that distribution.'
       }
     >
-      <table className="ptable in-table">
+      <table className={clsx(styles.ptable, styles.inTable)}>
         <thead>
           <tr>
             <th aria-label="Varies" />

@@ -7,6 +7,7 @@ import { count, plain } from '../../format/numbers'
 import { Sign } from '../../ui/Sign'
 import { PlanView } from '../plan/PlanView'
 import { FEW, matching, type Shelf, tagsOf, titlesOf } from './shelf'
+import styles from './library.module.css'
 
 interface LibraryProps {
   campaigns: LibraryCampaign[]
@@ -32,11 +33,11 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
   }
   const first = shown.some((item) => item.id === chosen) ? chosen : shown[0]?.id
   return (
-    <div className="lib">
+    <div className={styles.lib}>
       {campaigns.length > FEW && (
         <Shelves campaigns={campaigns} shelf={shelf} onChange={(next) => onShelf({ ...next, whole: false })} />
       )}
-      <div className="cases" role="radiogroup" aria-label="Case">
+      <div className={styles.cases} role="radiogroup" aria-label="Case">
         {shown.map((item, i) => (
           <Card
             key={item.id}
@@ -110,7 +111,7 @@ function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
 /** What the chosen campaign is about and where it comes from. */
 function About({ campaign }: { campaign: Campaign }) {
   return (
-    <div className="aboutcase">
+    <div className={styles.aboutcase}>
       <h3>{campaign.name}</h3>
       {campaign.summary && <p>{campaign.summary}</p>}
       {campaign.notes && (
@@ -139,7 +140,7 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
     <button
       type="button"
       id={`case-${item.id}`}
-      className="libc"
+      className={styles.libc}
       role="radio"
       aria-checked={chosen}
       tabIndex={tabbable ? 0 : -1}
@@ -149,10 +150,10 @@ function Card({ item, catalogue, chosen, tabbable, onChoose, onKey }: CardProps)
       <span className="pic">
         <PlanView campaign={campaign} catalogue={catalogue} />
       </span>
-      <span className="tx">
-        <span className="hd">
+      <span className={styles.tx}>
+        <span className={styles.hd}>
           {campaign.name}
-          <span className="radio" aria-hidden />
+          <span className={styles.radio} aria-hidden />
         </span>
         <span className="small sec">{titlesOf(campaign, catalogue).join(' \u00b7 ')}</span>
         <span className="kv">

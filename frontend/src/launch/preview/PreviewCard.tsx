@@ -1,6 +1,7 @@
 // The scenario as it is edited, seen from above and from the side, and its nominal flight when asked for, with its numbers
 // as text. Start reading at `PreviewCard`.
 import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconLoader, IconPlaneDeparture } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { useMemo } from 'react'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, Preview } from '../../client'
@@ -15,6 +16,7 @@ import { PreviewPlan } from './PreviewPlan'
 import { hasHeights, PreviewSide } from './PreviewSide'
 import { rangesOf } from './ranges'
 import type { LivePreview } from './usePreview'
+import styles from './preview.module.css'
 
 /** A flight that takes longer is probably compiled first [s]. */
 const LONG = 3
@@ -72,13 +74,13 @@ function Legend({ flown, moving, reach, from, ranges }: LegendProps) {
     </svg>
   )
   return (
-    <p className="legend micro mut">
+    <p className={clsx(styles.legend, 'micro mut')}>
       {flown && <span>{key('M0 4h18', 'var(--c-nom)')} Nominal flight</span>}
       {moving && <span>{key('M0 4h18', 'var(--c-obs)', '5 3')} {flown ? 'Path of the obstacle' : 'Intended path'}</span>}
       {reach > 0 && <span>{key('M0 4h18', 'var(--c-crit)', '3 2')} Distance {plain(reach)} m{from}</span>}
       {ranges > 0 && (
         <span>
-          <i className="swatch" aria-hidden /> Uncertain
+          <i className={styles.swatch} aria-hidden /> Uncertain
         </span>
       )}
     </p>

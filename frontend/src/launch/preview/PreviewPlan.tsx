@@ -7,6 +7,7 @@ import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
 import { extentOf, fit, freeOf, type Plan, type PlanBody } from '../plan/plan'
 import type { FanRange, Ranges } from './ranges'
 import { degrees, type Step } from '../plan/ways'
+import styles from './preview.module.css'
 
 export interface DrawnProps {
   plan: Plan
@@ -34,7 +35,7 @@ export function PreviewPlan({ plan, ranges, reach, flown, stale, width, label }:
   const shared = { pixels, scale: view.scale }
   const times = timesOf(plan.horizon)
   return (
-    <svg className="scene" width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
+    <svg className={styles.scene} width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
       <Axes2 area={area} across={across} up={up} names={names} />
       <clipPath id="scene-inner">
         <rect x={area.left} y={area.top} width={area.width} height={area.height} />

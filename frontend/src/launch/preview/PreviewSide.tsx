@@ -4,6 +4,7 @@ import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
 import { freeOf, type Plan } from '../plan/plan'
 import { type DrawnProps, flownPoints } from './PreviewPlan'
 import type { Step } from '../plan/ways'
+import styles from './preview.module.css'
 
 /** Whether there is anything to see from the side: two heights, or something that has a height of its own. */
 export function hasHeights({ plan, flown, ranges }: Pick<DrawnProps, 'plan' | 'flown' | 'ranges'>): boolean {
@@ -35,7 +36,7 @@ export function PreviewSide(props: DrawnProps) {
   }
   const times = timesOf(plan.horizon)
   return (
-    <svg className="scene" width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
+    <svg className={styles.scene} width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
       <Axes2 area={area} across={across} up={up} names={['Along the way, m', 'Height, m']} />
       <clipPath id="side-inner">
         <rect x={area.left} y={area.top} width={area.width} height={area.height} />

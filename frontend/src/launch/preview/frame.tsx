@@ -2,6 +2,7 @@
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { fixed } from '../../format/numbers'
 import { at, degrees, type Step } from '../plan/ways'
+import styles from './preview.module.css'
 
 /** Where a drawing's inner part lies [px]. */
 export interface Area {
@@ -51,10 +52,10 @@ export function Axes2({ area, across, up, names }: AxesProps) {
           {fixed(v, tickDecimals(rows))}
         </text>
       ))}
-      <text x={left + width / 2} y={top + height + 26} textAnchor="middle" className="name">
+      <text x={left + width / 2} y={top + height + 26} textAnchor="middle" className={styles.name}>
         {names[0]}
       </text>
-      <text x={2} y={top - 5} className="name">
+      <text x={2} y={top - 5} className={styles.name}>
         {names[1]}
       </text>
     </g>
@@ -95,7 +96,7 @@ export function Way({ way, pixels, colour, times = [], dashed, faint, below }: W
           x={mark.x + (below ? -4 : 5)}
           y={mark.y + (below ? 13 : -4)}
           textAnchor={below ? 'end' : 'start'}
-          className="time"
+          className={styles.time}
         >
           {fixed(mark.time, tickDecimals(times))} s
         </text>

@@ -1,6 +1,7 @@
 // Edits of the form in the texts of the library, each full of comments: comments and untouched lines stay as they are, and
 // the text means the edited campaign, by the service's own reader.
 import { beforeAll, expect, it } from 'vitest'
+import { parse } from 'yaml'
 import { type Campaign, place, write } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { parametersOf } from '../campaign/parameters'
@@ -202,4 +203,67 @@ it('keeps the comments even where a place cannot be changed by itself', () => {
   const text = '# top\na:\n  - - x: 1 # first\n    - y: 2 # second\n'
   const after = one(text, { a: [[{ x: 1 }, { y: 2 }]] }, { a: [[{ y: 2 }]] })
   for (const comment of ['# top', '# second']) expect(after).toContain(comment)
+})
+
+/** A text after an edit of what it means. */
+function edited<T>(text: string, edit: (document: T) => void): string {
+  const [before, after] = [parse(text) as T, parse(text) as T]
+  edit(after)
+  return one(text, before, after)
+}
+
+it('keeps quotes, anchors, and the spaces that line comments up', () => {
+  type D = { name: string; uncertain: Record<string, object>; seed?: number }
+  const text = `name: 'x'  # why\n"uncertain":   # u\n  # first\n  "a.b": {low: 1, high: 2.0}   # ab\n  # second\n  'c d': &c {low: 1}\n# end\n`
+  const after = edited<D>(text, (d) => Object.assign(d, { name: "it's", seed: 7, uncertain: { 'c d': { low: 3 }, e: { low: 1 } } }))
+  expect(after).toBe(
+    `name: 'it''s'  # why\n"uncertain":   # u\n  # first\n  # second\n  'c d': &c {low: 3}\n  e: {low: 1}\nseed: 7\n# end\n`,
+  )
+  expect(edited<{ a: object; b: number }>('a: &x 5   # k\nb: 1\n', (d) => (d.b = 2))).toBe('a: &x 5   # k\nb: 2\n')
+  expect(edited<{ a: number; c: number }>('a: &x 1\nb: *x\nc: 1 # c\n', (d) => (d.c = 2))).toBe('a: &x 1\nb: *x\nc: 2 # c\n')
+})
+
+it('quotes what other readers would take for something else', () => {
+  const values = { a: 'on', b: 'a: b', c: '\u2028 \u007f', d: ['a, b', 'c'], '5': '007', e: 'x\ny', f: '# no' }
+  const after = edited<object>('%YAML 1.2\n---\na: 1 # c\n...\n', (d) => Object.assign(d, values))
+  expect(parse(after)).toEqual(values)
+  for (const line of ['a: "on" # c', 'c: "\\u2028 \\u007f"', 'd: ["a, b", c]', '"5": "007"']) expect(after.split('\n')).toContain(line)
+  expect(after.endsWith('\n...\n')).toBe(true)
+})
+
+it('keeps the comments between braces, and the lines that entries stand on', () => {
+  type D = { d: Record<string, number> }
+  const text = 'd: {a: 1, # why a\n  b: 2, # why b\n  c: 3 # why c\n}\n'
+  expect(edited<D>(text, (d) => delete d.d.a)).toBe('d: { # why a\n  b: 2, # why b\n  c: 3 # why c\n}\n')
+  for (const key of ['b', 'c'])
+    for (const comment of ['# why a', '# why b', '# why c']) {
+      const after = edited<D>(text, (d) => delete d.d[key])
+      expect(after).toContain(comment)
+      expect(after).toMatch(key === 'b' ? /^ {2}c: 3 # why c$/m : /^ {2}b: 2/m)
+    }
+  expect(edited<D>(text, (d) => (d.d.e = 5))).toBe('d: {a: 1, # why a\n  b: 2, # why b\n  c: 3,\n  e: 5 # why c\n}\n')
+  const lines = 'd: {\n  a: 1,\n  b: 2,\n}\n'
+  expect(edited<D>(lines, (d) => delete d.d.b)).toBe('d: {\n  a: 1,\n}\n')
+  expect(edited<D>(lines, (d) => (d.d.c = 3))).toBe('d: {\n  a: 1,\n  b: 2,\n  c: 3,\n}\n')
+  expect(edited<D>('d: {a: 1,}\n', (d) => delete d.d.a)).toBe('d: {}\n')
+})
+
+it('keeps the comments of a list that empties and of text over several lines', () => {
+  type D = { a: unknown; c: string; f?: string }
+  const text = 'a: # k\n  - x: 1 # q\n    # own\n    y: 2\n  # tr\n\n# last\nc: >- # folded\n    hi\n    ho\n\ne: 5'
+  const shorter = edited<{ a: { x?: number }[] }>(text, (d) => delete d.a[0]?.x)
+  expect(shorter).toBe(text.replace('x: 1 # q\n    # own', '# own') + '\n')
+  const after = edited<D>(text, (d) => Object.assign(d, { a: [], c: 'hi\nhu', f: 'a\nb\n' }))
+  expect(after).toBe('a: [] # k\n  # tr\n\n# last\nc: |- # folded\n    hi\n    hu\n\ne: 5\n\nf: |\n  a\n  b\n')
+  const dos = (unix: string) => unix.replaceAll('\n', '\r\n')
+  expect(edited<D>(dos(text), (d) => Object.assign(d, { a: [], c: 'hi\nhu', f: 'a\nb\n' }))).toBe(dos(after))
+})
+
+it('puts a value of several lines behind a key, and one of a line in the place of several', () => {
+  const part = { component: 'f', parameters: { tau: 1 } }
+  const long = 'a: &x # k\n  component: f\n  parameters: {tau: 1}\nb: 1\n'
+  expect(edited<{ a: unknown }>('a: &x 5 # k\nb: 1\n', (d) => (d.a = part)).replaceAll('  #', ' #')).toBe(long)
+  expect(edited<{ a: unknown }>('a:\nb:\n\nc: 1\n', (d) => Object.assign(d, { a: 1, b: 'x\ny\n' }))).toBe('a: 1\nb: |\n  x\n  y\n\nc: 1\n')
+  expect(edited<{ a: unknown }>('a: |+\n    one\n\n\nc: 1\n', (d) => (d.a = 'x'))).toContain('a: x\n')
+  expect(edited<{ a: unknown }>('? a\n: 1 # c\n? b\n: 2\n', (d) => (d.a = 2))).toBe('? a\n: 2 # c\n? b\n: 2\n')
 })

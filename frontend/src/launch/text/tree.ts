@@ -1,6 +1,6 @@
 // A campaign's text as a tree whose nodes know where they stand in it. Reads YAML 1.2 (and with it JSON) as the service
 // does; what only the service refuses is left to it. Start reading at `parsed`, then `walk`.
-import { isMap, isScalar, isSeq, type Node, type Pair, parseDocument, type Scalar, type YAMLMap, type YAMLSeq } from 'yaml'
+import { Composer, CST, isMap, isScalar, isSeq, type Node, type Pair, Parser, type Scalar, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 
 export type Step = string | number
@@ -8,8 +8,9 @@ export type At = readonly Step[]
 export type Entry = Pair<unknown, unknown>
 
 export interface Parsed {
-  text: string
   root: Node
+  /** All of the text, token by token; the nodes name theirs. */
+  tokens: CST.Token[]
   /** Written as JSON: what is put into it stays JSON. */
   json: boolean
   newline: string
@@ -17,12 +18,15 @@ export interface Parsed {
 
 /** The text as a tree; null where it is no document that could be edited in place. */
 export function parsed(text: string): Parsed | null {
-  // Line ends of the other system would count as part of a plain value.
-  const document = parseDocument(text, { keepSourceTokens: true, strict: true, uniqueKeys: true })
-  const root = document.contents
-  if (document.errors.length > 0 || !isMap(root)) return null
-  return { text, root, json: text.trimStart().startsWith('{'), newline: text.includes('\r\n') ? '\r\n' : '\n' }
+  const tokens = [...new Parser().parse(text)]
+  const [document, more] = new Composer({ keepSourceTokens: true, strict: true, uniqueKeys: true }).compose(tokens, true)
+  const root = document?.contents
+  if (!document || more || document.errors.length > 0 || !isMap(root)) return null
+  return { root, tokens, json: text.trimStart().startsWith('{'), newline: newlineOf(text) }
 }
+
+export const newlineOf = (text: string): string => (text.includes('\r\n') ? '\r\n' : '\n')
+export const textOf = ({ tokens }: Parsed): string => tokens.map((token) => CST.stringify(token)).join('')
 
 /** Mappings in which a name with dots may be written as mappings in one another. */
 export const NESTING = new Set<Step | undefined>(['parameters', 'start', 'goal'])
@@ -110,11 +114,9 @@ interface Item {
 export const colonOf = (pair: Entry): number =>
   (pair.srcToken as Item | undefined)?.sep?.find((token) => token.type === 'map-value-ind')?.offset ?? -1
 
-/** Where a token of that type stands before an item of a list; -1 where there is none. */
-export const tokenOf = (node: YAMLMap | YAMLSeq, index: number, type: string): number =>
-  (node.srcToken as { items?: Item[] } | undefined)?.items?.[index]?.start.find((token) => token.type === type)?.offset ?? -1
-
-export const dashOf = (list: YAMLSeq, index: number): number => tokenOf(list, index, 'seq-item-ind')
+/** Where the dash of an item of a list stands; -1 where there is none. */
+const dashOf = (list: YAMLSeq, index: number): number =>
+  (list.srcToken as { items?: Item[] } | undefined)?.items?.[index]?.start.find(({ type }) => type === 'seq-item-ind')?.offset ?? -1
 
 /** The document as plain values; names in one another are joined by dots where the service does so. */
 export const plain = ({ root }: { root: Node | null }): Json => flat(valueIn(root), [])

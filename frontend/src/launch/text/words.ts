@@ -1,91 +1,77 @@
 // Values as YAML text, as a person would write them: small mappings and lists in one line, parts on lines of their own.
-// Start reading at `lines`.
-import { stringify } from 'yaml'
+// Start reading at `written`.
+import { Document, isCollection, isMap, type Pair, Scalar, visit, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 
 /** Lines become no longer than this where they can be broken. */
 const WIDTH = 100
 
+type Collection = YAMLMap | YAMLSeq
 type Mapping = { [key: string]: Json }
 export const isMapping = (value: unknown): value is Mapping =>
   typeof value === 'object' && value !== null && !Array.isArray(value)
 
 // What a reader of YAML 1.1 takes for the end of a line, or refuses.
 const HIDDEN = /[\u007f-\u00a0\u2028\u2029\ufeff]/g
-const quoted = (text: string): string =>
-  JSON.stringify(text).replace(HIDDEN, (sign) => `\\u${sign.charCodeAt(0).toString(16).padStart(4, '0')}`)
+const escaped = (sign: string): string => `\\u${sign.charCodeAt(0).toString(16).padStart(4, '0')}`
 
-/** Text without quotes where it means the same everywhere; `on`, `yes` and the like are quoted for other readers. */
-function word(text: string): string {
-  const bare = /^[A-Za-z0-9_+(][\w .,;+*/()%=-]*$/.test(text) && !/\s$|^(y|n|yes|no|on|off)$/i.test(text)
-  return bare && !text.includes(', ') && stringify(text, { lineWidth: 0 }).trimEnd() === text ? text : quoted(text)
+export interface Style {
+  json?: boolean
+  /** All in one line. */
+  flow?: boolean
+  /** Column of the first line [characters]. */
+  column?: number
+  /** Spaces of one level. */
+  indent?: number
+}
+
+/** A mapping, a list or a scalar as text that ends with a line end. `on`, `yes` and the like are quoted for other readers. */
+export function written(value: Json | Scalar, { json = false, flow = false, column = 0, indent = 2 }: Style = {}): string {
+  const document = new Document(value, { compat: 'yaml-1.1', aliasDuplicateObjects: false })
+  visit(document, {
+    Collection: (_, node, path) => {
+      if (flow || json) node.flow = true
+      else if (path.length > 1) node.flow = isShort(node, column + before(path as Node[], indent))
+    },
+    Scalar: (_, node) => {
+      if (typeof node.value === 'string' && node.type === undefined) node.type = typeOf(node.value, flow || json)
+    },
+  })
+  const quotes = json ? ({ defaultStringType: 'QUOTE_DOUBLE', defaultKeyType: 'QUOTE_DOUBLE' } as const) : {}
+  const text = document.toString({ lineWidth: 0, flowCollectionPadding: false, indent, ...ONE_LINE, ...quotes })
+  return text.replace(/^(?=.)/gm, ' '.repeat(column)).replace(HIDDEN, escaped)
+}
+
+/** Quoted text stays in one line, whatever line ends are in it. */
+const ONE_LINE = { doubleQuotedMinMultiLineLength: Number.MAX_SAFE_INTEGER }
+
+/** Undefined leaves the choice to the library. */
+function typeOf(text: string, flow: boolean): Scalar.Type | undefined {
+  if (text.search(HIDDEN) >= 0) return Scalar.QUOTE_DOUBLE
+  if (!text.includes('\n')) return undefined
+  return flow || !/^\S/.test(text) || /[^\n\P{Cc}]/u.test(text) ? Scalar.QUOTE_DOUBLE : Scalar.BLOCK_LITERAL
 }
 
 /** A scalar in one line. */
-export function scalar(value: Json, json = false): string {
-  if (typeof value === 'string') return json ? JSON.stringify(value) : word(value)
-  return JSON.stringify(value)
+export const scalar = (value: Json): string => written(value, { flow: true }).trimEnd()
+
+type Node = Document | Collection | Pair
+
+/** How many characters stand before a collection in its line. */
+function before(path: readonly Node[], indent: number): number {
+  const above = path.filter((node) => isCollection(node)).length - 1
+  const last = path.at(-1)
+  return above * indent + (last && 'key' in last ? String(last.key).length + 2 : 2)
 }
 
-export const key = (name: string, json = false): string => scalar(name, json)
+const isPart = (node: unknown): boolean => isMap(node) && node.has('component')
+const isFull = (node: unknown): node is Collection => isCollection(node) && node.items.length > 0
+const valuesOf = (node: Collection): unknown[] => (isMap(node) ? node.items.map((pair) => pair.value) : node.items)
 
-/** A value in one line. */
-export function inline(value: Json, json = false): string {
-  if (Array.isArray(value)) return `[${value.map((inner) => inline(inner, json)).join(', ')}]`
-  if (!isMapping(value)) return typeof value === 'string' && !json && value.includes(',') ? quoted(value) : scalar(value, json)
-  return `{${Object.entries(value)
-    .map(([name, inner]) => `${key(name, json)}: ${inline(inner, json)}`)
-    .join(', ')}}`
-}
-
-const isPart = (value: Json): boolean => isMapping(value) && 'component' in value
-
-/** Whether a value stands in one line behind so many characters. */
-export function fits(value: Json, before: number): boolean {
-  if (typeof value === 'string') return !value.includes('\n')
-  if (!Array.isArray(value) && !isMapping(value)) return true
-  const inner = Object.values(value)
+/** Whether a collection stands in one line behind so many characters. */
+function isShort(node: Collection, before: number): boolean {
+  const inner = valuesOf(node)
   if (inner.length === 0) return true
-  const deep = inner.some((one) => typeof one === 'object' && one !== null && Object.values(one).some((v) => typeof v === 'object' && v !== null))
-  return !deep && !isPart(value) && !inner.some(isPart) && before + inline(value).length <= WIDTH
-}
-
-/** Lines of text behind `|`, indented by so many spaces; the header first. */
-export function literal(text: string, indent: number): string[] {
-  const body = text.replace(/\n+$/, '')
-  const ends = text.length - body.length
-  const chomping = ends === 0 ? '-' : ends === 1 ? '' : '+'
-  const pad = ' '.repeat(indent)
-  const content = body.split('\n').map((line) => (line === '' ? '' : pad + line))
-  return [`|${chomping}`, ...content, ...Array<string>(Math.max(0, ends - 1)).fill('')]
-}
-
-/** Whether text over several lines can stand as it is. */
-export const isLiteral = (text: string): boolean =>
-  text.includes('\n') && /^\S/.test(text) && !/[^\n\P{Cc}]/u.test(text) && text.search(HIDDEN) < 0
-
-/** A pair of a mapping: its first line and those below it. */
-export function pairLines(name: string, value: Json, indent: number): string[] {
-  const pad = ' '.repeat(indent)
-  const head = `${pad}${key(name)}:`
-  if (typeof value === 'string' && isLiteral(value)) {
-    const [mark = '', ...rest] = literal(value, indent + 2)
-    return [`${head} ${mark}`, ...rest]
-  }
-  if (fits(value, head.length + 1)) return [`${head} ${isMapping(value) || Array.isArray(value) ? inline(value) : scalar(value)}`]
-  return typeof value === 'string' ? [`${head} ${quoted(value)}`] : [head, ...lines(value, indent + 2)]
-}
-
-/** A mapping or a list over several lines, indented by so many spaces. */
-export function lines(value: Json, indent: number): string[] {
-  const pad = ' '.repeat(indent)
-  if (Array.isArray(value))
-    return value.flatMap((item) => {
-      if (fits(item, indent + 2)) return [`${pad}- ${isMapping(item) || Array.isArray(item) ? inline(item) : scalar(item)}`]
-      if (typeof item === 'string') return [`${pad}- ${quoted(item)}`]
-      const [first = '', ...rest] = lines(item, indent + 2)
-      return [`${pad}- ${first.trimStart()}`, ...rest]
-    })
-  if (!isMapping(value)) return [pad + scalar(value)]
-  return Object.entries(value).flatMap(([name, inner]) => pairLines(name, inner, indent))
+  if (isPart(node) || inner.some((one) => isPart(one) || (isFull(one) && valuesOf(one).some(isCollection)))) return false
+  return before + written(node.toJSON() as Json, { flow: true }).length <= WIDTH
 }

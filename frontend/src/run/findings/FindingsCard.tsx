@@ -1,5 +1,6 @@
 // Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { MouseEvent } from 'react'
 import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
@@ -17,6 +18,7 @@ import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { ModePicture } from './ModePicture'
 import { useAddress } from '../data/useAddress'
 import { validatedWord } from '../data/validated'
+import styles from './findings.module.css'
 
 interface FindingsProps {
   data: RunData
@@ -49,7 +51,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
         )
       }
     >
-      <table className="tight pick">
+      <table className={clsx('tight', styles.pick)}>
         <thead>
           <tr>
             <th>Finding</th>
@@ -64,7 +66,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
               </NumHead>
             ))}
             {parameters.map((p) => (
-              <th key={p.path} className="place" title={`${p.text} [${unitText(p.unit)}]`}>
+              <th key={p.path} className={styles.place} title={`${p.text} [${unitText(p.unit)}]`}>
                 <Sign text={p.symbol} path={p.path} />
               </th>
             ))}
@@ -102,7 +104,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
       <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
       <Met data={data} name={label} values={finding.values} />
       {parameters.map((p) => (
-        <td key={p.path} className="place">
+        <td key={p.path} className={styles.place}>
           <Place
             low={p.low}
             high={p.high}
@@ -154,8 +156,8 @@ function Name({ name, on, choose }: { name: string; on: boolean; choose: (name: 
   const nominal = name === NOMINAL
   return (
     <td>
-      <button type="button" className="picker" aria-pressed={on} onClick={() => choose(name)}>
-        <span className="dot" style={{ background: nominal ? 'var(--c-nom)' : 'var(--c-worst)' }} />
+      <button type="button" className={styles.picker} aria-pressed={on} onClick={() => choose(name)}>
+        <span className={styles.dot} style={{ background: nominal ? 'var(--c-nom)' : 'var(--c-worst)' }} />
         {nominal ? 'Nominal' : name}
       </button>
     </td>
@@ -207,7 +209,7 @@ function FoundBy({ finding }: { finding: FindingDetail }) {
   if (finding.found.length === 0) return <span className="sec">found by polishing only</span>
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   return (
-    <span className="finders">
+    <span className={styles.finders}>
       {found.map((by) => (
         <span key={by.position} className="row nw" title={methodLook(by.method).title}>
           <MethodName method={by.method} short /> <span className="sec tn">{count(by.evaluations)}</span>

@@ -15,6 +15,7 @@ import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { criteriaOf, frontOf, type Placed, someOf } from './front'
+import runStyles from '../run.module.css'
 
 const ROWS = 12
 
@@ -69,7 +70,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
       }
     >
       {criteria.length > 2 && (
-        <div className="tools">
+        <div className={runStyles.tools}>
           <span className="small mut">Vertical</span>
           <Seg label="Vertical axis" options={choices} value={y.name} onChange={setUp} />
           <span className="small mut">Horizontal</span>

@@ -6,6 +6,7 @@ import type { TraceData } from '../../client'
 import { bodiesOf, type Body, type Drawable, line, placeOf, type Scale, scaleOf, trackOf } from '../flight/places'
 import { useNear } from '../../ui/useNear'
 import { aboveOf } from '../flight/flown'
+import styles from './findings.module.css'
 
 const [WIDTH, HEIGHT] = [132, 76]
 
@@ -22,7 +23,7 @@ export function ModePicture({ run, name, stored }: ModePictureProps) {
   const flight = useQuery({ ...sketchQuery(run, name), enabled: near && stored }).data
   const above = flight ? aboveOf(flight) : null
   return (
-    <div ref={holder} className="mode" style={{ width: WIDTH, height: HEIGHT + (above ? 18 : 0) }}>
+    <div ref={holder} className={styles.mode} style={{ width: WIDTH, height: HEIGHT + (above ? 18 : 0) }}>
       {flight && (
         <>
           <Drawing flight={flight} nominal={nominal} name={name} />

@@ -14,6 +14,7 @@ import { PlayBar } from './PlayBar'
 import { useInstant } from './useInstant'
 import type { View } from './view'
 import type { WhatIfState } from './useWhatIf'
+import runStyles from '../run.module.css'
 
 interface FlightProps {
   data: RunData
@@ -60,8 +61,8 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
         />
       }
     >
-      <div className="flightbox" ref={holder}>
-        <div className="flight" role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
+      <div className={runStyles.flightbox} ref={holder}>
+        <div className={runStyles.flight} role="group" aria-label="Flight in 3D and its keys" tabIndex={0}>
           {known.address && (
             <iframe
               key={`${view.key}.${known.frame}`}

@@ -6,6 +6,7 @@ import {
   IconLink,
 } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
+import { clsx } from 'clsx'
 import { useEffect, useState } from 'react'
 import type { ViewState } from '../../client'
 import { RecordingMenu } from '../../exports/Recording'
@@ -17,6 +18,7 @@ import type { View } from './view'
 import { CAMERAS, type Camera, type Place } from '../data/viewChange'
 import { type ChosenSearch, NOMINAL } from '../data/chosen'
 import { useAddress } from '../data/useAddress'
+import styles from './flight.module.css'
 
 interface Props {
   data: RunData
@@ -32,7 +34,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
   const [address] = useAddress(data.run.id)
   const place = placeOf(shown)
   return (
-    <div className="row flight-head">
+    <div className={clsx('row', styles.flightHead)}>
       {alone && <Choice data={data} />}
       <Seg
         label="Camera"

@@ -1,6 +1,8 @@
 // What the page says over its 3D view: that it opens, that it was lost and comes back, or what to do where it does not.
 import { IconCheck, IconLoader, IconPlugConnectedX } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { Known } from './view'
+import runStyles from '../run.module.css'
 
 interface Props {
   known: Known
@@ -9,7 +11,7 @@ interface Props {
 
 export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
   return (
-    <div className={phase === 'open' ? 'poster back' : 'poster'} role="status">
+    <div className={phase === 'open' ? clsx(runStyles.poster, 'back') : runStyles.poster} role="status">
       {phase === 'opening' && (
         <span className="row">
           <IconLoader className="i spin" aria-hidden /> Opening the 3D view
@@ -21,7 +23,7 @@ export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
         </span>
       )}
       {phase === 'failed' && (
-        <span className="failed">
+        <span className={runStyles.failed}>
           <IconPlugConnectedX className="i" aria-hidden />
           <span>{said}</span>
           <button type="button" className="btn s" onClick={onRetry}>

@@ -29,6 +29,7 @@ import {
 } from './flown'
 import { type Flown, flownOf, useShown } from './SeparationCard'
 import { useAddress } from '../data/useAddress'
+import styles from './flight.module.css'
 
 /** A small chart is at least so wide [px]. */
 const LEAST = 200
@@ -83,7 +84,7 @@ export function MotionCard({ data, className, onCross, standing }: MotionProps) 
       }
     >
       <div ref={holder}>
-        <div className="motion" style={{ gridTemplateColumns: `repeat(${across}, minmax(0, 1fr))` }}>
+        <div className={styles.motion} style={{ gridTemplateColumns: `repeat(${across}, minmax(0, 1fr))` }}>
           {columns.map((column, i) => (
             <Small
               key={column.name}

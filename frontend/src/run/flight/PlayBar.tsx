@@ -9,6 +9,7 @@ import {
   IconPlayerPlay,
   IconStack2,
 } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { type CSSProperties, useEffect, useState } from 'react'
 import type { LayersChange, ViewState } from '../../client'
 import { fixed, plain } from '../../format/numbers'
@@ -18,6 +19,7 @@ import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
 import type { View } from './view'
 import type { WhatIfState } from './useWhatIf'
+import styles from './flight.module.css'
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5]
 
@@ -35,7 +37,7 @@ interface BarProps extends Props {
 export function PlayBar({ data, view, shown, whatIf }: BarProps) {
   const { playing = false, speed = 1, panel = false } = shown ?? {}
   return (
-    <div className="playbar" role="group" aria-label="Time of the flight">
+    <div className={styles.playbar} role="group" aria-label="Time of the flight">
       <IconButton
         label={playing ? 'Pause' : 'Play'}
         title={`${playing ? 'Pause' : 'Play'} (space)`}
@@ -93,8 +95,8 @@ function Scrubber({ data, view, shown }: Props) {
   const at = asked ?? time
   return (
     <>
-      <output className="instant num">{shown ? `${fixed(at, 2)} s` : '—'}</output>
-      <span className="scrub">
+      <output className={clsx(styles.instant, 'num')}>{shown ? `${fixed(at, 2)} s` : '—'}</output>
+      <span className={styles.scrub}>
         <input
           type="range"
           aria-label="Time"

@@ -1,6 +1,7 @@
 // The what-if beside the 3D view: a slider and a field for every uncertain parameter, and what the flight gave.
 // Start reading at `WhatIfCard`.
 import { IconAlertTriangle, IconX } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { type CSSProperties, type KeyboardEvent, useState } from 'react'
 import { flushSync } from 'react-dom'
 import type { FlightAnswer, FlightValue } from '../../client'
@@ -13,7 +14,8 @@ import { NOMINAL } from '../data/chosen'
 import type { RunData, UncertainParameter } from '../data/data'
 import type { WhatIfState } from './useWhatIf'
 import { baseOf, STEPS, stepped, valuesOf, type WhatIf, within, withValue } from './whatif'
-import './whatif.css'
+import runStyles from '../run.module.css'
+import styles from './flight.module.css'
 
 interface Props {
   data: RunData
@@ -31,12 +33,12 @@ export function WhatIfCard({ data, state, className }: Props) {
     <Card
       title="What-if"
       note={changed ? `${changed} changed` : `as ${name}`}
-      className={`what-if ${className}`}
+      className={clsx(runStyles.whatIf, className)}
       id="what-if"
       flush
       right={<IconButton label="Close the what-if" icon={IconX} act={toggle} />}
       footer={
-        <span className="row what-if-from">
+        <span className={clsx('row', styles.whatIfFrom)}>
           <label className="row">
             Begin at
             <select
@@ -63,7 +65,7 @@ export function WhatIfCard({ data, state, className }: Props) {
       }
     >
       <Outcome data={data} state={state} />
-      <div className="what-if-rows">
+      <div className={styles.whatIfRows}>
         {data.parameters.map((parameter) => (
           <Row
             key={parameter.path}
@@ -89,8 +91,8 @@ const nameOf = (like: string): string => (like === NOMINAL ? 'nominal' : like ==
 function Outcome({ data, state: { answer, refused, busy, whatIf } }: Omit<Props, 'className'>) {
   const { run } = data
   return (
-    <div className="what-if-out" role="status" aria-busy={busy} aria-label="What-if flight">
-      <div className="what-if-figures">
+    <div className={styles.whatIfOut} role="status" aria-busy={busy} aria-label="What-if flight">
+      <div className={styles.whatIfFigures}>
         <Figure
           name={<Sign text={run.quantity || 'value'} />}
           value={answer?.cost ?? null}
@@ -108,18 +110,18 @@ function Outcome({ data, state: { answer, refused, busy, whatIf } }: Omit<Props,
         />
       </div>
       {refused !== null ? (
-        <p className="what-if-why" role="alert">
+        <p className={styles.whatIfWhy} role="alert">
           <IconAlertTriangle className="i s" aria-hidden /> {refused}
         </p>
       ) : answer && answer.status !== 'ok' ? (
-        <p className="what-if-why">
+        <p className={styles.whatIfWhy}>
           <IconAlertTriangle className="i s" aria-hidden /> {stateOf(answer)}
         </p>
       ) : (
         <p className="small sec">{wordsOf(answer, whatIf)}</p>
       )}
       {answer && answer.criteria.length > 1 && (
-        <dl className="what-if-more">
+        <dl className={styles.whatIfMore}>
           {answer.criteria.slice(1).map((one) => (
             <Further key={one.name} one={one} />
           ))}
@@ -140,7 +142,7 @@ interface FigureProps {
 
 function Figure({ name, value, text, unit, bad, testId }: FigureProps) {
   return (
-    <div className="what-if-figure">
+    <div className={styles.whatIfFigure}>
       <span className="k">{name}</span>
       <span className={bad ? 'n num bad-t' : 'n num'}>
         <span data-testid={testId}>{text}</span>
@@ -192,11 +194,11 @@ function Row({ parameter, value, base, worst, changed, onChange }: RowProps) {
   const label = `${text || path}${unit ? `, ${unitText(unit)}` : ''}`
   const at = (of: number) => (high > low ? (of - low) / (high - low) : 0)
   return (
-    <div className="what-if-row">
+    <div className={styles.whatIfRow}>
       <span className={changed ? 'b' : ''} title={`${path}: ${text}`}>
         <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
       </span>
-      <span className="scrub">
+      <span className={styles.scrub}>
         <input
           type="range"
           aria-label={label}

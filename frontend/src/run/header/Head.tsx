@@ -17,15 +17,16 @@ import { outcomeOf, VerdictBadge } from '../../ui/VerdictBadge'
 import { Bell } from './Bell'
 import { EditRun } from './EditRun'
 import { Remove } from './Removed'
+import runStyles from '../run.module.css'
 
 export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
   return (
     <div className="ph">
       <div className="t">
-        <nav className="crumb" aria-label="Breadcrumb">
+        <nav className={runStyles.crumb} aria-label="Breadcrumb">
           <Link to="/runs">Runs</Link>/<span>{run.campaign_name}</span>/<span className="mono">{run.id}</span>
         </nav>
-        <div className="titles">
+        <div className={runStyles.titles}>
           <h1>{run.name}</h1>
           <span data-testid="outcome" aria-live="polite">
             <VerdictBadge outcome={outcomeOf(run)} />

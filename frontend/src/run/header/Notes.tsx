@@ -5,6 +5,7 @@ import type { RunDetail } from '../../client'
 import { count } from '../../format/numbers'
 import { Card } from '../../ui/Card'
 import { useEdit } from './useEdit'
+import styles from './header.module.css'
 
 // Most runs have no notes: the parser comes with the first.
 const Parsed = lazy(() => import('../../ui/Markdown').then((module) => ({ default: module.Markdown })))
@@ -42,7 +43,7 @@ export function Notes({ run, className }: { run: RunDetail; className: string })
             edit.mutate({ notes: draft, notes_before: read })
           }}
         >
-          <div className="writing">
+          <div className={styles.writing}>
             <textarea
               value={draft}
               maxLength={MOST}

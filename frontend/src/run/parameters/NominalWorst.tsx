@@ -8,6 +8,7 @@ import { MethodName } from '../../ui/MethodMark'
 import { Sign } from '../../ui/Sign'
 import { type RunData, type UncertainParameter, valuesOf } from '../data/data'
 import { noiseOf } from '../flight/flown'
+import styles from './parameters.module.css'
 
 interface Worst {
   cost: number
@@ -162,7 +163,7 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
           <span className="m">
             <Sign text={symbol} path={path} /> <span className="mut small">{unitText(unit)}</span>
           </span>
-          <small className="two" title={text}>
+          <small className={styles.two} title={text}>
             {text}
           </small>
         </span>
@@ -172,14 +173,14 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
         <td className="num b">
           <span className="rn">
             {value === null ? NONE : fixed(value, span)}
-            {at && <span className="atbound">at {at} bound</span>}
+            {at && <span className={styles.atbound}>at {at} bound</span>}
           </span>
         </td>
       )}
       <td style={{ width: 118 }}>
         <span className="rn">
           <WithinBounds low={low} high={high} nominal={nominal} value={value} />
-          <span className="bounds">
+          <span className={styles.bounds}>
             <span>{plain(low)}</span>
             <span>{plain(high)}</span>
           </span>

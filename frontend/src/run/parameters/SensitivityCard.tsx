@@ -14,6 +14,7 @@ import { unitText } from '../../format/units'
 import { Sign, symbolText } from '../../ui/Sign'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData, UncertainParameter } from '../data/data'
+import styles from './parameters.module.css'
 
 interface SensitivityCardProps {
   data: RunData
@@ -59,7 +60,7 @@ export function SensitivityCard({ data, result, validation, className, height }:
       }
       footer={footerOf(drawn, missing(validation, chosen, slices))}
     >
-      <div className="smalls">
+      <div className={styles.smalls}>
         {result.curves.map((curve) => {
           const parameter = parameters.find((p) => p.path === curve.path)
           return parameter ? (

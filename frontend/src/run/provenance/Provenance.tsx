@@ -11,6 +11,7 @@ import { idOfComponent } from '../../help/links'
 import { Card } from '../../ui/Card'
 import { CopyButton, save } from '../../ui/files'
 import type { RunData } from '../data/data'
+import styles from './provenance.module.css'
 
 export function Provenance({ data, className }: { data: RunData; className: string }) {
   const { run } = data
@@ -42,7 +43,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
         </>
       }
     >
-      <div className="prov">
+      <div className={styles.prov}>
         <List rows={flightRows(data, origin)} />
         <List rows={machineRows(data, origin)} />
       </div>

@@ -11,6 +11,7 @@ import { Seg } from '../../ui/Card'
 import { useMethodLook } from '../../ui/methods'
 import { Sign, symbolText } from '../../ui/Sign'
 import { convergenceOf, type RunData, searchesOf } from '../data/data'
+import runStyles from '../run.module.css'
 
 interface ConvergenceProps {
   data: RunData
@@ -107,7 +108,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       run={run.id}
       data={table}
     >
-      <div className="tools">
+      <div className={runStyles.tools}>
         {choice}
         {by === 'evaluations' && (
           <Seg

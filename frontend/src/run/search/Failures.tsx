@@ -8,6 +8,7 @@ import { CopyButton } from '../../ui/files'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { countsOf, MEANING, startsYaml } from './failed'
+import styles from './search.module.css'
 
 const FIRST = 12
 
@@ -37,7 +38,7 @@ export function Failures({ data, className }: { data: RunData; className: string
         )
       }
     >
-      <ul className="fates">
+      <ul className={styles.fates}>
         {counts.map(({ status, count: number }) => (
           <li key={status}>
             <b>{count(number)}</b> {MEANING[status].name}

@@ -1,11 +1,13 @@
 // The stages of a run in a row, those of one kind together, and the verdict.
 import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoader } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { isLive } from '../../api/queries'
 import type { RunDetail, StageProgress, StageSummary } from '../../client'
 import { lossesOf } from '../../format/counts'
 import { count, decimalsFor, fixed, plain } from '../../format/numbers'
 import { Progress } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
+import styles from './search.module.css'
 
 type State = 'done' | 'act' | 'todo' | 'fail'
 
@@ -21,10 +23,10 @@ interface Step {
 
 export function StageStrip({ run }: { run: RunDetail }) {
   return (
-    <div className="stages" role="list" aria-label="Stages">
+    <div className={styles.stages} role="list" aria-label="Stages">
       {stepsOf(run).map((step) => (
-        <div key={step.name} className={`stg ${step.state}`} role="listitem">
-          <div className="nm">
+        <div key={step.name} className={clsx(styles.stg, step.state)} role="listitem">
+          <div className={styles.nm}>
             <StepIcon state={step.state} cancelled={run.state === 'cancelled'} />
             {step.name}
             <span className="micro mut">
@@ -36,7 +38,7 @@ export function StageStrip({ run }: { run: RunDetail }) {
               )}
             </span>
           </div>
-          <div className="dt" title={step.text}>
+          <div className={styles.dt} title={step.text}>
             {step.text}
           </div>
           <Progress

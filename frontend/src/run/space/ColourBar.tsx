@@ -4,6 +4,7 @@ import { plain } from '../../format/numbers'
 import { symbolText, SvgSign } from '../../ui/Sign'
 import { shades } from './colours'
 import type { Ink } from './paint'
+import styles from './space.module.css'
 
 const [WIDTH, LEFT] = [180, 8]
 
@@ -22,7 +23,7 @@ export function ColourBar({ ink, symbol, unit, threshold }: { ink: Ink; symbol: 
     >
       <text x={LEFT + WIDTH / 2} y={11} textAnchor="middle" className="lab">
         <SvgSign text={symbol} />
-        <tspan className="unit">, {unit}</tspan>
+        <tspan className={styles.unit}>, {unit}</tspan>
       </text>
       <linearGradient id={id}>
         {palette.map((colour, i) => (

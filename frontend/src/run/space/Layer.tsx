@@ -1,6 +1,7 @@
 // A canvas for data under an SVG for axes and ranges, both at the size of the holder.
 import { type ReactNode, useLayoutEffect, useRef } from 'react'
 import { prepared } from './paint'
+import styles from './space.module.css'
 
 interface LayerProps {
   width: number
@@ -18,7 +19,7 @@ export function Layer({ width, height, label, paint, children }: LayerProps) {
     if (ctx) paint(ctx)
   }, [paint, width, height])
   return (
-    <div className="layer" style={{ height }}>
+    <div className={styles.layer} style={{ height }}>
       <canvas ref={canvas} aria-hidden="true" style={{ width, height }} />
       <svg className="ch" width={width} height={height} role="group" aria-label={label}>
         {children}

@@ -9,6 +9,7 @@ import { Layer } from './Layer'
 import { crossings, type Ink, type Lines, lineNear, paintLines } from './paint'
 import { type Axis, type Brush, nudged, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
+import styles from './space.module.css'
 
 const [TOP, SIDE, NONE_BELOW, HANDLE] = [44, 50, 22, 8]
 
@@ -143,7 +144,7 @@ function AxisBar({ space, kept, axis, lines, x, beside, brush, onBrush, onOver }
     <g>
       <text x={x} y={14} textAnchor="middle" className="lab halo">
         <SvgSign text={axis.symbol} />
-        {axis.unit && <tspan className="unit">, {unitText(axis.unit)}</tspan>}
+        {axis.unit && <tspan className={styles.unit}>, {unitText(axis.unit)}</tspan>}
       </text>
       <text x={x} y={30} textAnchor="middle" className="halo">
         {fixed(axis.high, decimals)}
@@ -157,14 +158,14 @@ function AxisBar({ space, kept, axis, lines, x, beside, brush, onBrush, onOver }
         {fixed(axis.low, decimals)}
       </text>
       <path className="a" d={`M${x} ${top}V${bottom}`} />
-      {shown && <rect className="brush" x={x - 7} y={high} width={14} height={Math.max(1, low - high)} />}
+      {shown && <rect className={styles.brush} x={x - 7} y={high} width={14} height={Math.max(1, low - high)} />}
       <rect className="hit" x={x - 20} y={top - 8} width={40} height={bottom - top + 16} {...drag}>
         <title>{axis.text}</title>
       </rect>
       {([0, 1] as const).map((end) => (
         <g
           key={end}
-          className="handle"
+          className={styles.handle}
           role="slider"
           tabIndex={0}
           aria-orientation="vertical"

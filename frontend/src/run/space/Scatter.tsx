@@ -11,6 +11,7 @@ import { type Cell, paintPoints, placed, pointNear } from './paint'
 import type { ViewProps } from './Parallel'
 import { type Axis, parametersOf, rangeOn, shareOf, type Space, valueAt } from './space'
 import { useDrag } from './useDrag'
+import styles from './space.module.css'
 
 const [LEFT, BOTTOM, TOP, RIGHT, GAP] = [62, 40, 8, 10, 14]
 
@@ -136,7 +137,7 @@ function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: 
       )}
       {(rx ?? ry) && (
         <rect
-          className="brush"
+          className={styles.brush}
           x={rx ? xOf(rx[0]) : left}
           y={ry ? yOf(ry[1]) : top}
           width={rx ? Math.max(1, xOf(rx[1]) - xOf(rx[0])) : width}
@@ -198,7 +199,7 @@ function Title({ axis, x, y, turned }: { axis: Axis; x: number; y: number; turne
   return (
     <text x={x} y={y} textAnchor="middle" className="lab" transform={turned ? `rotate(-90 ${x} ${y})` : undefined}>
       <SvgSign text={axis.symbol} />
-      {axis.unit && <tspan className="unit">, {unitText(axis.unit)}</tspan>}
+      {axis.unit && <tspan className={styles.unit}>, {unitText(axis.unit)}</tspan>}
     </text>
   )
 }

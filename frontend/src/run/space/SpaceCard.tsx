@@ -1,6 +1,7 @@
 // The parameter space: every stage's evaluations with their value as colour, in parallel coordinates and over pairs of
 // parameters. A range on an axis keeps what lies within it, in every view. Start reading at `SpaceCard`.
 import { IconX } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import { useEffect, useMemo, useState } from 'react'
 import type { EvaluationSeries } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
@@ -19,6 +20,8 @@ import { Scatter } from './Scatter'
 import { type Axis, type Brush, brushed, brushOf, brushTexts, criterionAxis, FATES, keptOf, parametersOf, type Space, spaceOf, VALUE, valueAxis, worstOf } from './space'
 import { Toggles } from './Toggles'
 import './space.css'
+import runStyles from '../run.module.css'
+import styles from './space.module.css'
 
 /** More evaluations than this are not drawn: lines of more would only cover each other. */
 const MOST = 4000
@@ -83,12 +86,12 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
       footer="Drag along an axis or in a cell to keep a range; drag its ends to change it, click to clear it. The data and the CSV file hold what is kept."
     >
       <div className="space" onKeyDown={(event) => event.key === 'Escape' && setBrush({})}>
-        <div className="head">
+        <div className={styles.head}>
           <div>
             <Toggles space={space} hidden={hidden} onToggle={toggle} />
             <Ranges {...view} onClear={() => setBrush({})} />
           </div>
-          <div className="by">
+          <div className={styles.by}>
             {further.length > 0 && (
               <Seg
                 label="Colours by"
@@ -109,7 +112,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
             )}
           </div>
         </div>
-        <div className="views">
+        <div className={styles.views}>
           <Parallel {...view} height={height ?? 340} none={some} />
           <div>
             {many && <Pair axes={space.axes} pair={pair} onPair={setPair} />}
@@ -147,7 +150,7 @@ function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
   const lowest = worst === null ? null : space.columns[0]?.[worst]
   const ranged = space.axes.filter((axis) => brush[axis.key])
   return (
-    <div className="ranges">
+    <div className={styles.ranges}>
       <span className="small" aria-live="polite" data-testid="kept">
         <b>{count(kept.length)}</b> of {count(space.count)} {space.count < space.total ? 'drawn evaluations' : 'evaluations'} kept
         {lowest === null ? (
@@ -206,7 +209,7 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
     </label>
   )
   return (
-    <div className="pair">
+    <div className={runStyles.pair}>
       {choice('Vertical', 1)}
       {choice('Horizontal', 0)}
     </div>
@@ -215,11 +218,11 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
 
 /** One evaluation in words: the one under the pointer, otherwise the lowest that is kept. */
 function Reading({ space, at, lowest }: { space: Space; at: number | null; lowest: boolean }) {
-  if (at === null) return <p className="small mut read">Nothing is kept.</p>
+  if (at === null) return <p className={clsx('small mut', styles.read)}>Nothing is kept.</p>
   const group = space.groups[space.of[at] as number]
   const fate = FATES[space.fates[at] as number]
   return (
-    <p className="small sec read">
+    <p className={clsx('small sec', styles.read)}>
       <b className={lowest ? 'bad-t' : undefined}>{lowest ? 'Lowest kept' : 'Pointed at'}</b>: {group?.title}, evaluation{' '}
       {count((space.index[at] as number) + 1)}
       {fate !== 'ok' && `, ${fate}`}:{' '}

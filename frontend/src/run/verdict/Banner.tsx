@@ -8,6 +8,7 @@ import { HelpLink } from '../../help/links'
 import { Said } from '../../ui/Said'
 import { lookOf, type Outcome, OutcomeIcon, outcomeOf } from '../../ui/VerdictBadge'
 import type { RunData } from '../data/data'
+import styles from './verdict.module.css'
 
 export function Banner({ data }: { data: RunData }) {
   const { run } = data
@@ -21,7 +22,7 @@ export function Banner({ data }: { data: RunData }) {
         <div className="w" data-testid="verdict">
           {run.verdict ? word : `${word}: no verdict`}
         </div>
-        <span className="banner-help">
+        <span className={styles.bannerHelp}>
           <HelpLink to="/help" at={outcome}>
             What this means
           </HelpLink>
@@ -31,12 +32,12 @@ export function Banner({ data }: { data: RunData }) {
           {run.verdict ? <Said spans={summary?.said ?? [words(run.reason ?? '')]} /> : reasonOf(run, outcome)}
         </p>
         {run.verdict && summary && summary.holds_for.length > 0 && (
-          <p className="scope">
+          <p className={styles.scope}>
             Scope: <Said spans={summary.holds_for} />
           </p>
         )}
         {run.verdict && summary && summary.checks.length > 0 && (
-          <ul className="checks" aria-label="Checks">
+          <ul className={styles.checks} aria-label="Checks">
             {summary.checks.map((check) => (
               <li key={check.name} data-check={check.name} data-standing={check.standing}>
                 <Standing check={check} />

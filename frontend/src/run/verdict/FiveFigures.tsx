@@ -6,6 +6,7 @@ import { Stat } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
+import runStyles from '../run.module.css'
 
 export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> }) {
   const { run, campaign } = data
@@ -19,7 +20,7 @@ export function FiveFigures({ data }: { data: Pick<RunData, 'run' | 'campaign'> 
   const percentOf = percent(statistics?.upper_bound, 3).split('\u202f')
   return (
     <div className="card" style={{ marginTop: 'var(--gap)' }}>
-      <div className="stats">
+      <div className={runStyles.stats}>
         <Stat
           name={
             <>

@@ -1,6 +1,7 @@
 // Validation: nominal and findings at half the step and with the reference integrator, and what of all other evaluations
 // was simulated again. Start reading at `ValidationCard`.
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
+import { clsx } from 'clsx'
 import type { SpotChecks, ValidateResult, Validation, Violations } from '../../client'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/said'
@@ -10,6 +11,7 @@ import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 import { casesOf, validatedWord } from '../data/validated'
+import styles from './verdict.module.css'
 
 interface ValidationCardProps {
   data: Pick<RunData, 'run' | 'stages' | 'findings' | 'parameters'>
@@ -101,7 +103,7 @@ function Again({ data: { run, stages }, repeated, violations, spots }: AgainProp
   const { at } = spots
   const stage = at && stages.find((s) => s.position === at.position)
   return (
-    <dl className="kv again" aria-label={repeated ? 'Evaluated again' : 'Simulated again'}>
+    <dl className={clsx('kv', styles.again)} aria-label={repeated ? 'Evaluated again' : 'Simulated again'}>
       <dt>Stored violations</dt>
       <dd data-testid="violations">
         {count(violations.stored)} stored, {count(violations.checked)} checked, {count(violations.confirmed)} confirmed

@@ -3,12 +3,13 @@ import { Link } from '@tanstack/react-router'
 import type { RunDetail } from '../../client'
 import { Card } from '../../ui/Card'
 import { methodLook } from '../../ui/methods'
+import styles from './verdict.module.css'
 
 export function WhatToDo({ run, className }: { run: RunDetail; className: string }) {
   const stage = run.stages.find(({ state }) => state === 'running')
   return (
     <Card title="What to do" className={className}>
-      <ol className="todo-list">
+      <ol className={styles.todoList}>
         <li>
           <b>Run it again</b> with the button above, as it is or changed. If it fails for the same reason
           {stage && ` in ${stage.method ? methodLook(stage.method).title : stage.kind}`}, take a smaller budget or step, or leave

@@ -1,0 +1,40 @@
+// Every class that code takes from a CSS module is in that module: the types know any name.
+import { readdirSync, readFileSync } from 'node:fs'
+import { dirname, join, relative } from 'node:path'
+import { fileURLToPath } from 'node:url'
+import { expect, it } from 'vitest'
+
+const SRC = fileURLToPath(new URL('..', import.meta.url))
+const files = readdirSync(SRC, { recursive: true, encoding: 'utf-8' }).filter((file) => !file.startsWith('client'))
+const read = (file: string): string => readFileSync(join(SRC, file), 'utf-8')
+const camel = (name: string): string => name.replace(/-+(\w)/g, (_, letter: string) => letter.toUpperCase())
+
+/** The classes that a module has of its own. */
+function classesOf(file: string): Set<string> {
+  const own = read(file).replace(/\/\*[^]*?\*\/|:global\([^)]*\)|\[[^\]]*\]|\{[^{}]*\}/g, ' ')
+  return new Set([...own.matchAll(/\.([a-zA-Z_][\w-]*)/g)].map(([, name = '']) => camel(name)))
+}
+
+/** What a file takes from each module. */
+function taken(file: string): [string, string[]][] {
+  const text = read(file)
+  return [...text.matchAll(/import (\w+) from '(.*\.module\.css)'/g)].map(([, name = '', path = '']) => [
+    relative(SRC, join(SRC, dirname(file), path)),
+    [...text.matchAll(new RegExp(`\\b${name}\\.(\\w+)`, 'g'))].map(([, one = '']) => one),
+  ])
+}
+
+it('has every class of a module that is used, and none that is not', () => {
+  const modules = files.filter((file) => file.endsWith('.module.css'))
+  expect(modules.length).toBeGreaterThan(20)
+  const used = new Map(modules.map((file) => [file, new Set<string>()]))
+  for (const file of files.filter((one) => /\.tsx?$/.test(one)))
+    for (const [module, names] of taken(file))
+      for (const name of names) {
+        expect([...classesOf(module)], `${file}: ${name}`).toContain(name)
+        used.get(module)?.add(name)
+      }
+  // The letters of compared runs are taken by a name put together.
+  for (const [module, names] of used)
+    expect([...classesOf(module)].filter((name) => !names.has(name) && !/^letter[A-D]$/.test(name)), module).toEqual([])
+})

@@ -76,7 +76,7 @@ def test_the_sample_draws_a_realisation_with_every_flight() -> None:
     assert columns is not None
     assert result.drawn_realisations == len(columns.status) == 120
     assert result.sample.noise == "drawn"
-    assert "each with a noise realisation of its own" in result.sample.text
+    assert "each with its own noise realisation" in result.sample.text
     own = seeds.of_draws(problem.campaign.seed, 0, 120)
     again = problem.fly(columns.points, own)[0]
     assert np.array_equal(again.costs, columns.costs, equal_nan=True)

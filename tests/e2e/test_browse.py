@@ -173,7 +173,7 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, ru
             "Integrations agree" if finding["validation"]["agrees"] else "Integrations disagree"
         )
         if not finding["found"]:
-            expect(row).to_contain_text("found by polishing only")
+            expect(row).to_contain_text("reached only by polishing")
     expect(page.locator("tr[data-finding=F1]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
     view = page.locator("#flight iframe")
     view.scroll_into_view_if_needed()

@@ -224,7 +224,7 @@ def _how_found(store: MemoryStore) -> list[str]:
         how = (
             f"found by {words(listed(ways))} evaluations"
             if ways
-            else "found by polishing only: no search method came close on its own"
+            else "reached only by polishing: no search evaluated a point with nearly its cost within 5 % of every range"
         )
         lines.append(f"{finding.label}: {how}")
     validated = _validated(store)

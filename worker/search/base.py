@@ -7,7 +7,7 @@ Start reading at `Method`.
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -119,6 +119,11 @@ class Method:
     extend: Callable[[Any, int], Any] | None = None
     compiles: bool = False
     look: MethodLook | None = None
+
+    def __post_init__(self) -> None:
+        if not is_dataclass(self.options):
+            text = f"method {self.name!r}: options is {self.options!r}; give a dataclass, a described field per option"
+            raise TypeError(text)
 
 
 AT_ONCE = 256

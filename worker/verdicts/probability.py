@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from campaigns.claims.codes import CheckCode
 from campaigns.claims.say import count, listed, percent, say
+from campaigns.claims.spans import Said
+from campaigns.results.sample import Sample
 from campaigns.results.verdict import Check, Statistics
 from worker.problem.problem import Problem
 from worker.verdicts.evidence import Evidence
@@ -77,6 +79,14 @@ def _excluded(evidence: Evidence) -> list[Check]:
     return [Check(code=CheckCode.EXCLUSIONS, ok=much <= EXCLUDED, said=said)]
 
 
+def _advice(sample: Sample) -> Said:
+    """What to do about a bound above the ceiling: more samples help only where few of them violate."""
+    if sample.violations > CEILING * sample.samples:
+        drawn = count(sample.samples, "samples")
+        return say(count(sample.violations, "violations"), " of its ", drawn, " samples violate the criterion")
+    return say("draw more than ", count(sample.samples, "samples"), " samples, or set target_probability")
+
+
 def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
     target, sample = problem.campaign.target_probability, evidence.sample
     goal = percent(target or CEILING, 4, "target")
@@ -88,8 +98,7 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
         ok = sample.upper_bound <= CEILING
         said = say(bound, f" on P(violation) is {'within' if ok else 'above'} the required ", goal)
         if not ok:
-            more = " samples, or set target_probability"
-            said = say(said, "; draw more than ", count(sample.samples, "samples"), more)
+            said = say(said, "; ", _advice(sample))
         return [Check(code=CheckCode.PROBABILITY, ok=ok, said=said)]
     if problem.realisations.random and sample.noise != "drawn":
         said = say(bound, " holds only for the stated noise realisations; add a certify stage")

@@ -64,7 +64,7 @@ def scope(problem: Problem) -> Said:
     units = {p.path: p.unit for p in problem.system.parameters}
     bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
     settings = say("; ", held.settings) if held.settings else ()
-    ends = f". It holds for this model within these bounds; {held.version}."
+    ends = f". This result holds for this model within these bounds; {held.version}."
     return say(held.what, "; ", joined(", ", bounds), settings, ends)
 
 

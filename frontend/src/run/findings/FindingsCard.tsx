@@ -206,7 +206,7 @@ function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: U
 }
 
 function FoundBy({ finding }: { finding: FindingDetail }) {
-  if (finding.found.length === 0) return <span className="sec">found by polishing only</span>
+  if (finding.found.length === 0) return <span className="sec">reached only by polishing</span>
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   return (
     <span className={styles.finders}>

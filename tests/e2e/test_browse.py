@@ -240,7 +240,8 @@ def steered(page: Page) -> None:
 def filled(page: Page) -> None:
     """The view fills the screen, and gives it back."""
     page.get_by_role("button", name="Full screen").click()
-    until(lambda: page.evaluate("document.fullscreenElement?.className") == "flightbox", "full screen", 10)
+    full = "!!document.fullscreenElement?.closest('#flight') && !!document.fullscreenElement.querySelector('iframe')"
+    until(lambda: page.evaluate(full), "full screen", 10)
     page.evaluate("document.exitFullscreen()")
     until(lambda: page.evaluate("document.fullscreenElement === null"), "back from the full screen", 10)
 

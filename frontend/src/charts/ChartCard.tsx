@@ -87,7 +87,7 @@ function Rows({ table }: { table: DataTable }) {
           The first {MOST_ROWS} of {table.rows.length} rows; the CSV file has all of them.
         </p>
       )}
-      <div className={styles.datagrid} tabIndex={0} role="region" aria-label="Data of the chart">
+      <div data-control className={styles.datagrid} tabIndex={0} role="region" aria-label="Data of the chart">
         <table>
           <thead>
             <tr>

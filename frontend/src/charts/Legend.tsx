@@ -63,5 +63,5 @@ export function Legend({ keys, hidden, onToggle }: LegendProps) {
 
 function Swatch({ of }: { of: Key }) {
   if (of.method) return <Mark method={of.method} />
-  return <span className={of.dashed ? clsx(styles.sw, styles.da) : styles.sw} style={{ borderColor: `var(${of.colour})` }} />
+  return <span data-swatch className={of.dashed ? clsx(styles.sw, styles.da) : styles.sw} style={{ borderColor: `var(${of.colour})` }} />
 }

@@ -147,7 +147,7 @@ function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: Rea
         const value = line.y[at]
         return hidden.has(line.key) || typeof value !== 'number' ? null : (
           <span key={line.key} title={line.label}>
-            <span className={styles.sw} style={{ borderTop: `2px solid var(${line.colour})` }} />
+            <span data-swatch className={styles.sw} style={{ borderTop: `2px solid var(${line.colour})` }} />
             {spec.yText(value)}
           </span>
         )
@@ -176,7 +176,7 @@ function Tip({ cursor, spec, hidden }: { cursor: Cursor; spec: PlotSpec; hidden:
         {lines.map((line) => (
           <div key={line.key} style={{ display: 'contents' }}>
             <dt>
-              <span className={styles.sw} style={{ width: 10, borderTop: `2px solid var(${line.colour})` }} />
+              <span data-swatch className={styles.sw} style={{ width: 10, borderTop: `2px solid var(${line.colour})` }} />
               {line.label}
             </dt>
             <dd>{spec.yText(line.y[cursor.at] as number)}</dd>

@@ -62,7 +62,7 @@ export async function savePng(card: HTMLElement, name: string): Promise<void> {
     ctx.textBaseline = 'middle'
     ctx.fillText(line.text, line.box.left - frame.left + MARGIN, (line.box.top + line.box.bottom) / 2 - frame.top + MARGIN)
   }
-  for (const swatch of part.querySelectorAll<HTMLElement>('.sw')) {
+  for (const swatch of part.querySelectorAll<HTMLElement>('[data-swatch]')) {
     const box = within(swatch, frame)
     ctx.fillStyle = getComputedStyle(swatch).borderTopColor
     ctx.fillRect(box.x, box.y + box.height / 2 - 1, box.width, 2)
@@ -110,7 +110,7 @@ function within(source: Element, frame: DOMRect): Box {
 
 /** The drawings that are figures or marks, not the icons of buttons. */
 function shown(part: HTMLElement): SVGSVGElement[] {
-  return [...part.querySelectorAll('svg')].filter((svg) => !svg.closest('.iconbtn, .tools, .datagrid') && svg.clientWidth > 0)
+  return [...part.querySelectorAll('svg')].filter((svg) => !svg.closest('.iconbtn, [data-control]') && svg.clientWidth > 0)
 }
 
 function element(name: string, attributes: Record<string, string | number>): SVGElement {
@@ -160,7 +160,7 @@ function textsOf(part: HTMLElement): TextLine[] {
   const walker = document.createTreeWalker(part, NodeFilter.SHOW_TEXT)
   for (let node = walker.nextNode(); node; node = walker.nextNode()) {
     const parent = node.parentElement
-    if (!parent || !node.textContent?.trim() || parent.closest('svg, .tools, .datagrid, .sr, .tip, .flag, table')) continue
+    if (!parent || !node.textContent?.trim() || parent.closest('svg, [data-control], .sr, .tip, .flag, table')) continue
     for (const { text, box } of linesOf(node)) found.push({ element: parent, text, box })
   }
   return found

@@ -70,7 +70,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
       }
     >
       {criteria.length > 2 && (
-        <div className={runStyles.tools}>
+        <div className={runStyles.tools} data-control>
           <span className="small mut">Vertical</span>
           <Seg label="Vertical axis" options={choices} value={y.name} onChange={setUp} />
           <span className="small mut">Horizontal</span>

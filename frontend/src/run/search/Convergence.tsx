@@ -108,7 +108,7 @@ export function Convergence({ data, className, height = 300, id }: ConvergencePr
       run={run.id}
       data={table}
     >
-      <div className={runStyles.tools}>
+      <div className={runStyles.tools} data-control>
         {choice}
         {by === 'evaluations' && (
           <Seg

@@ -23,7 +23,7 @@ class SteadyWind(NamedTuple):
     z: Annotated[float, Parameter("m/s", "Wind, z", -100.0, 100.0, symbol="W_z")] = 0.0
     shear_x: Annotated[float, Parameter("1/s", "Change of the wind along z, x", -10.0, 10.0)] = 0.0
     shear_y: Annotated[float, Parameter("1/s", "Change of the wind along z, y", -10.0, 10.0)] = 0.0
-    reference: Annotated[float, Parameter("m", "Position on the z axis at which the wind is (x, y, z)", -1e6, 1e6)] = 0.0
+    reference: Annotated[float, Parameter("m", "Position on the z axis where the wind is (x, y, z)", -1e6, 1e6)] = 0.0
 
 
 @kernel

@@ -127,8 +127,9 @@ class StageProgress(Schema):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def title(self) -> str:
-        """The name of its kind."""
-        return declared()[self.kind].title
+        """The name of its kind, also of one that a run of another version has and this installation lacks."""
+        stage = declared().get(self.kind)
+        return self.kind.capitalize() if stage is None else stage.title
 
 
 class StageDetail(StageProgress):

@@ -21,6 +21,7 @@ STORED = {
     "campaign": sa.update(CampaignRow).values(document=ODD),
     "summary": sa.update(Run).values(summary={"verdict": "cleared"} | ODD),
     "result": sa.update(Stage).values(result={"stage": "search"} | ODD),
+    "kind": sa.update(Stage).where(Stage.position == 1).values(kind="corners", state="running"),
     "validation": sa.update(Finding).values(validation=ODD),
     "slices": sa.update(Finding).values(slices=ODD),
     "boundary": sa.update(Finding).values(boundary=ODD),

@@ -200,7 +200,7 @@ def reflected(vector: Any, mirror: str) -> Any:
 def answer(loop: Loop, values: dict[str, float]) -> tuple[Any, Any]:
     """What is done in the loop at two instants: vectors, and numbers that no mirror changes."""
     p = loop.extend(np.array(list(values.values())))
-    x, g = loop.part("initial")(p), loop.part("blank")(p)
+    x, g = loop.part("initial")(p), loop.part("initial_guidance")(p)
     g = loop.part("guide")(0.0, x, g, p) if loop.parts.avoider.memory else g
     vectors: list[float] = []
     numbers: list[float] = []

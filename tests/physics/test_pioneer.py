@@ -128,7 +128,7 @@ class TestIntegrator:
     def test_and_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
         # The flight slides along v_RO = 0, where the force jumps: no integrator has an order there.
         other = reference.Reference(PROBLEM.system).fly(PROBLEM.vector(values))
-        assert "switches to and fro" in other.reason
+        assert "switches back and forth" in other.reason
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 3e-4), (CORNER, 1e-3)])

@@ -90,7 +90,7 @@ class TestCombining:
         problem = Problem(noisy([1, 2], start={"x": 4.0, "y": 4.3}))
         batch, reasons = problem.fly(POINTS[:2])
         assert batch.status.tolist() == [EXCLUDED, EXCLUDED]
-        assert reasons[1].startswith("with seed 1: the flight starts with d_min at or below the threshold")
+        assert reasons[1].startswith("with seed 1: d_min starts at or below the threshold")
 
     def test_two_of_a_kind_are_independent_though_their_seeds_are_equal(self) -> None:
         # Twice the same noise would be one of twice the deviation, which two independent ones are not.

@@ -140,7 +140,7 @@ class TestFlight:
     @pytest.fixture
     def few_looks(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Calls are counted: next to none to read the channels."""
-        monkeypatch.setattr(flight, "LOOKS", 1)
+        monkeypatch.setattr(flight, "READINGS", 1)
 
     def test_it_calls_no_more_than_scipy(self, few_looks: None) -> None:
         system = System(rational, exactly(0.0))

@@ -17,7 +17,7 @@ from numba import config
 from numba.core.caching import FunctionCache
 
 from worker.kernels.bind import digest, filled, plain
-from worker.kernels.cache import cache_folder, kept
+from worker.kernels.cache import cache_folder, cached
 from worker.kernels.maths import kernel
 
 FILES = {
@@ -265,7 +265,7 @@ def test_filling_leaves_the_template_alone() -> None:
 
 
 def test_a_slot_that_there_is_not() -> None:
-    with pytest.raises(ValueError, match="template has no slots named slat, slut"):
+    with pytest.raises(ValueError, match="template has no slot named slat, slut"):
         filled(template, {"slot": math.sqrt, "slat": 1, "slut": 2})
 
 
@@ -335,5 +335,5 @@ def test_what_was_kept_and_cannot_be_loaded_is_compiled_again(
 
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(FunctionCache, "_load_overload", refuse)
-    assert kept(doubled)(1.5) == 3.0
+    assert cached(doubled)(1.5) == 3.0
     assert asked

@@ -67,8 +67,8 @@ def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
         time = row * flown_by.system.step
         found = field(flown_by.system, flown, time, np.zeros((1, 2)))
         state = tuple(float(v) for v in flown.states[row, : loop.n_state])
-        believed = loop.part("aware")(time, state, p)[0]
-        held = loop.part("on_sample")(believed, tuple(found.own[:dimension].tolist()), p)
+        believed = loop.part("measurements")(time, state, p)[0]
+        held = loop.part("held_demand")(believed, tuple(found.own[:dimension].tolist()), p)
         assert held == pytest.approx(flown.states[row, loop.n_state : loop.n_state + dimension], rel=1e-9, abs=1e-9)
         same = field(flown_by.system, flown, time, found.place[None, :2])
         assert same.demand[0] == pytest.approx(found.own, rel=1e-9, abs=1e-9)
@@ -79,7 +79,7 @@ def standing(made: Problem) -> Flown:
     vector = made.realisations.flights(made.vector({})[None, :])[0]
     with np.errstate(all="ignore"):
         p = made.system.loop.extend(vector)
-        state = (*made.system.loop.part("initial")(p), *made.system.loop.part("blank")(p))
+        state = (*made.system.loop.part("initial")(p), *made.system.loop.part("initial_guidance")(p))
     return Flown(vector, np.array([state]), 0, "", np.full((1, 1), np.nan), 0, np.nan)
 
 
@@ -148,7 +148,7 @@ def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
         ({"places": [[1.0]]}, "places must be 1 to 10000 pairs of finite numbers"),
         ({"places": [[1.0, float("nan")]]}, "places must be 1 to 10000 pairs of finite numbers"),
         ({"places": [[0.0, 0.0]] * 10_001}, "places must be 1 to 10000 pairs of finite numbers"),
-        ({"places": "many"}, "not a request"),
+        ({"places": "many"}, "invalid request"),
         ({"time": "late"}, "time must be a number of seconds, given 'late'"),
         ({"time": float("inf")}, "time must be a number of seconds, given inf"),
         ({"parameters": {"vehicle.n": 1.0}}, "the scenario has no parameter 'vehicle.n'"),

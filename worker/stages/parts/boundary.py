@@ -1,8 +1,8 @@
-"""How far from nominal the boundary of a violation is: along each parameter, and straight towards the worst case.
+"""The distance from nominal to the boundary of a violation: along each parameter, and straight to the worst case.
 
 Every ray is sampled in equal steps; the interval between the last clear evaluation and the first violation is then
-halved. A violation between two samples may be missed; the result states the number of steps. `after` is everything that
-is evaluated around a finding.
+bisected. A violation between two samples may be missed; the result states the number of steps. `after` requests all
+evaluations around a finding.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from worker.stages.parts import slices
 from worker.systems.base import Floats
 
 LOOKS = 20
-"""On every ray."""
+"""Steps on every ray."""
 
 TOLERANCE = 1e-5
 """Fraction of each range to which a boundary is located."""
@@ -52,7 +52,7 @@ def after(problem: Problem, point: Floats, cost: float) -> Generator[Floats, Bat
 
 
 def most(dimension: int) -> int:
-    """Evaluations that `after` takes at most."""
+    """The largest number of evaluations of `after`."""
     rays = 2 * dimension + 1
     halvings = int(np.ceil(np.log2(1.0 / (LOOKS * TOLERANCE)))) + 1
     return dimension * (slices.POINTS + 1) + 1 + rays * (LOOKS + halvings)
@@ -100,7 +100,7 @@ def _beyond(batch: Batch, threshold: float) -> NDArray[np.bool_]:
 
 
 def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Floats, Batch, None]:
-    """Halve every ray's interval, all of them in one batch, until each is within tolerance."""
+    """Bisect the intervals of all rays, in one batch per step, until each is within tolerance."""
     while wide := [ray for ray in rays if (ray.beyond - ray.clear) * np.abs(ray.end - nominal).max() > TOLERANCE]:
         middles = [(ray.clear + ray.beyond) / 2 for ray in wide]
         batch = yield np.concatenate([_at(nominal, ray, np.array([m])) for ray, m in zip(wide, middles, strict=True)])
@@ -119,7 +119,7 @@ def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     if hits:
         share, near = min(hits, key=lambda hit: hit[0])
         assert near.value is not None
-        parameter = problem.signs[near.path]
+        parameter = problem.symbols[near.path]
         said = say(
             *("the nearest boundary along a single parameter is at ", parameter, " = ", number(near.value)),
             *(", ", percent(share), " of its range from nominal"),

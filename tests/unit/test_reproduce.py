@@ -56,7 +56,7 @@ def test_a_name_means_a_table_or_a_chapter() -> None:
     assert chosen(["3.8"]) == ["figure 3.8"]
     assert chosen(["4"]) == ["4.1", "4.2", "4.3", "4.4"]
     assert chosen([]) == tables()
-    with pytest.raises(ValueError, match=r"no table 9.9; there are .*5\.10"):
+    with pytest.raises(ValueError, match=r"unknown table .9\.9.; choose from .*5\.10"):
         chosen(["9.9"])
 
 
@@ -149,7 +149,7 @@ class TestHeld:
         [row] = reproduce(published=[Result("5.1", "nominal", UNICYCLE, asked, 0.9436, model=Model(0.9, 1e-3))]).rows
         assert (row.ours, row.agrees, row.available) == (None, False, True)
         assert row.broken, "it must give a value"
-        assert "nothing can be shown" in row.note
+        assert "avoidance cannot be tested" in row.note
 
 
 @pytest.mark.parametrize(
@@ -202,13 +202,13 @@ class TestCommand:
         expected = {"3.6", "3.7", "3.8", "5.2", "5.3", "5.4", "6.1"}  # of case 1 alone
         assert {p.stem for p in folder.glob("*.csv")} == {f"figure-{figure}" for figure in expected}
         lines = (folder / "figure-3.7.csv").read_text().splitlines()
-        assert lines[0] == "share of the range [-],m [kg],d_min over m [m]"
+        assert lines[0] == "fraction of the range [-],m [kg],d_min over m [m]"
         assert len(lines) == 1 + ours.SWEEP
         assert (folder / "figure-6.1.csv").read_text().count("\n") == 1001
 
     def test_no_such_table_is_wrong_input(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert invoke(["reproduce", "--table", "9.9"]) == WRONG_INPUT
-        assert "no table 9.9" in capsys.readouterr().err
+        assert "unknown table '9.9'" in capsys.readouterr().err
 
     def test_a_broken_row_is_the_exit_code(
         self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -106,7 +106,7 @@ def test_a_member_that_ends_begins_anew_unless_it_would_do_the_same_again() -> N
     for part, anew in ((once, False), (replace(once, again=True), True)):
         member = Member(part, given)
         while member.ready(record) and member.used < 50:
-            values = ((member.wanted - 0.3) ** 2).sum(axis=1)
+            values = ((member.requested - 0.3) ** 2).sum(axis=1)
             member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)), record)
         assert (member.used >= 50) == anew
 
@@ -117,7 +117,7 @@ def test_turns_follow_the_shares() -> None:
     used = []
     for _ in range(60):
         for member in _turn(members, record, 10**9):
-            values = ((member.wanted - 0.3) ** 2).sum(axis=1)
+            values = ((member.requested - 0.3) ** 2).sum(axis=1)
             member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)), record)
         used.append([m.used for m in members])
     assert all(abs(a - b) <= 120 for a, b in used)

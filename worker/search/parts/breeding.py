@@ -18,9 +18,9 @@ Rows = NDArray[np.intp]
 
 
 def expectation(costs: Floats) -> Floats:
-    """Expected fraction of the parents: 1 / sqrt(rank), the lowest cost first; sums to 1.
+    """Expected fraction of the parents: proportional to 1 / sqrt(rank), the lowest cost first; sums to 1.
 
-    Only the order counts, so what has no cost (infinity) ranks last without needing a number.
+    Only the order counts, so points without a cost (infinity) rank last without a penalty value.
     """
     share = np.empty(len(costs))
     share[np.argsort(costs, kind="stable")] = 1.0 / np.sqrt(np.arange(1.0, len(costs) + 1.0))
@@ -32,7 +32,7 @@ def _on_wheel(share: Floats, places: Floats) -> Rows:
 
 
 def roulette(random: np.random.Generator, share: Floats, count: int, entrants: int) -> Rows:
-    """Every parent by its own spin of a wheel whose slots are as wide as the fractions."""
+    """Every parent by a separate spin of a wheel whose slots are as wide as the fractions."""
     return _on_wheel(share, random.random(count))
 
 
@@ -89,8 +89,8 @@ def gaussian(random: np.random.Generator, parents: Floats, deviation: float) -> 
 
 def uniform(random: np.random.Generator, parents: Floats, rate: float) -> Floats:
     """Every parameter redrawn from its range with this probability."""
-    anew = random.random(parents.shape) < rate
-    return np.where(anew, random.random(parents.shape), parents)
+    mutated = random.random(parents.shape) < rate
+    return np.where(mutated, random.random(parents.shape), parents)
 
 
 def directed(random: np.random.Generator, parents: Floats, length: float) -> Floats:

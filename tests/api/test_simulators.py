@@ -255,4 +255,4 @@ class TestEveryRoute:
         file.write_text(json.dumps(package.campaign()), encoding="utf-8")
         done = clearance(installed, "explain", str(file))
         assert done.returncode == 3, done.stderr
-        assert "Two basins, simulator two_basins has no text to print; only a closed loop does" in done.stderr
+        assert "Two basins, simulator two_basins has no Python code to print; only a closed loop has" in done.stderr

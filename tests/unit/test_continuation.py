@@ -281,4 +281,4 @@ def test_evaluations_that_are_not_what_the_search_asks_for_are_refused(
     arrays["points_2"][5] += 0.01
     np.savez(folder / "evaluations.npz", **arrays)
     assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "no longer asks for the point stored as evaluation" in capsys.readouterr().err
+    assert "no longer requests the point stored as evaluation" in capsys.readouterr().err

@@ -156,7 +156,7 @@ def _stage(store: MemoryStore, position: int) -> JsonObject:
 
 
 def _flying(threads: int | None, quiet: bool) -> Fly:
-    """What runs a campaign into a store, with progress on the terminal unless quiet."""
+    """A function that runs a campaign into a store, with progress on the terminal unless quiet."""
     from worker.processes import memory
     from worker.runs.runner import execute
 

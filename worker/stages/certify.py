@@ -31,7 +31,7 @@ STREAM = 2**21
 
 BLOCK = 4096
 MOST_DRAWS = 20
-"""At most so many draws, including excluded ones, per requested sample: a limit for scenarios that rarely hold."""
+"""The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
 
 
 @dataclass

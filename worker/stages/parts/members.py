@@ -1,4 +1,4 @@
-"""Which member of a portfolio requested which evaluation."""
+"""Attributes the evaluations of a portfolio to its members."""
 
 from __future__ import annotations
 

@@ -37,9 +37,9 @@ POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol poin
 
 @dataclass(frozen=True)
 class Noise:
-    """Which realisations of the scenario's noise a statement holds for.
+    """The realisations of the scenario's noise that a statement holds for.
 
-    `kind`: none (no noise), drawn (one for every sample), stated (those that the campaign lists); `clause` in words.
+    kind: none (no noise), drawn (one for every sample), stated (those that the campaign lists); clause: as text.
     """
 
     kind: NoiseKind = "none"

@@ -35,8 +35,8 @@ _WORDS = {
     "reach": "reach",
     "kind": "kind",
     "source": "source",
-    "how": "way to search, in short",
-    "starts": "taking of start points",
+    "how": "short description of the search",
+    "starts": "use of start points",
     "evaluations": "usual budget",
 }
 _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}

@@ -25,8 +25,19 @@ BEGIN = -3
 
 
 def compiled(function: F) -> F:
-    """The function as machine code, kept on disk."""
+    """The function as machine code, stored on disk."""
     made: Any = njit(cache=True, error_model="numpy")(function)
+    return cast(F, made)
+
+
+def inner(function: F) -> F:
+    """The same for a function that only compiled functions of its own file call; Python cannot call it.
+
+    A wrapper for Python, which unpacks the whole state, takes longer to compile than most of these functions. For the
+    same reason they copy and add element by element: whole-array statements bring their messages of wrong shapes along.
+    """
+    bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    made: Any = njit(error_model="numpy", **bare)(function)
     return cast(F, made)
 
 
@@ -116,10 +127,14 @@ def receive(s: State, rows: Ints, values: Floats) -> None:
 @compiled
 def wanted(s: State, rows: Ints) -> Floats:
     """The points these searchers want, one searcher after another."""
-    points = np.empty((s.wanted[rows].sum(), s.best.shape[1]))
+    count = 0
+    for t in rows:
+        count += s.wanted[t]
+    points = np.empty((count, s.best.shape[1]))
     at = 0
     for t in rows:
         for i in range(s.wanted[t]):
-            points[at] = s.points[t, s.which[t, i]]
+            for k in range(s.best.shape[1]):
+                points[at, k] = s.points[t, s.which[t, i], k]
             at += 1
     return points

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from worker.search.base import Floats
-from worker.search.racing.state import BEGIN, CMA, Ints, State, compiled
+from worker.search.racing.state import BEGIN, CMA, Ints, State, compiled, inner
 
 Random = np.random.Generator
 
@@ -40,21 +40,21 @@ def _tell(s: State, rows: Ints, random: Random) -> None:
                 _draw_all(s, t, random)
 
 
-@compiled
+@inner
 def _begin(s: State, t: int, random: Random) -> None:
     n = s.best.shape[1]
     s.flat[t] = 0
-    s.matrix[t] = 0.0
-    s.factor[t] = 0.0
-    s.vectors[t] = 0.0
-    s.vectors[t, 1] = s.best[t]
     for i in range(n):
-        s.matrix[t, i, i] = 1.0
-        s.factor[t, i, i] = 1.0
+        for k in range(n):
+            s.matrix[t, i, k] = s.factor[t, i, k] = 1.0 if i == k else 0.0
+    for k in range(n):
+        s.matrix[t, n, k] = 0.0
+        s.vectors[t, 0, k] = s.vectors[t, 2, k] = s.vectors[t, 3, k] = 0.0
+        s.vectors[t, 1, k] = s.best[t, k]
     _draw_all(s, t, random)
 
 
-@compiled
+@inner
 def _draw_all(s: State, t: int, random: Random) -> None:
     s.stage[t] = 0
     s.requested[t] = int(s.rates[6])
@@ -63,7 +63,7 @@ def _draw_all(s: State, t: int, random: Random) -> None:
         _draw(s, t, i, random)
 
 
-@compiled
+@inner
 def _draw(s: State, t: int, i: int, random: Random) -> None:
     """Point i: mean + sigma A z, reflected."""
     n = s.best.shape[1]
@@ -77,7 +77,7 @@ def _draw(s: State, t: int, i: int, random: Random) -> None:
         s.points[t, i, k] = 2.0 - x if x > 1.0 else x
 
 
-@compiled
+@inner
 def _redrawn(s: State, t: int, random: Random) -> bool:
     """Redraw and request points without a value; returns whether there are any."""
     lost = 0
@@ -92,43 +92,68 @@ def _redrawn(s: State, t: int, random: Random) -> bool:
     return lost > 0
 
 
-@compiled
+@inner
 def _learn(s: State, t: int) -> None:
     """One generation: update mean, evolution paths, covariance and step size."""
-    n, population = s.best.shape[1], int(s.rates[6])
-    values = s.values[t, :population]
-    rank = np.argsort(values, kind="mergesort")
-    known = 0
-    for i in range(population):
-        known += 1 if np.isfinite(values[i]) else 0
-    if known == 0 or values[rank[0]] == values[rank[known - 1]]:
+    population = int(s.rates[6])
+    rank = np.empty(population, np.int64)
+    known = _ranked(s, t, rank)
+    if known == 0 or s.values[t, rank[0]] == s.values[t, rank[known - 1]]:
         s.flat[t] += 1
     else:
         s.flat[t] = 0
     if known == 0:
         s.step[t] *= 0.5
         return
-    if values[rank[0]] < s.cost[t]:
-        s.cost[t] = values[rank[0]]
-        s.best[t] = s.points[t, rank[0]]
-    mu = min(len(s.weights), known)
-    total = s.weights[:mu].sum()
-    m, c_sigma, d_sigma, c_c, c_1, c_mu = s.rates[:6]
-    sigma = s.step[t]
-    mean, path, walk = s.vectors[t, 1], s.vectors[t, 2], s.vectors[t, 3]
-    old = mean.copy()
-    mean[:] = 0.0
+    if s.values[t, rank[0]] < s.cost[t]:
+        s.cost[t] = s.values[t, rank[0]]
+        for k in range(s.best.shape[1]):
+            s.best[t, k] = s.points[t, rank[0], k]
+    _adapt(s, t, rank, min(len(s.weights), known))
+    _factorise(s, t)
+
+
+@inner
+def _ranked(s: State, t: int, rank: Ints) -> int:
+    """Rank a generation from its lowest value, by insertion sort; returns the number of points with a value."""
+    known = 0
+    for i in range(len(rank)):
+        value = s.values[t, i]
+        known += 1 if np.isfinite(value) else 0
+        j = i
+        while j > 0 and (value < s.values[t, rank[j - 1]] or (np.isnan(s.values[t, rank[j - 1]]) and value == value)):
+            rank[j] = rank[j - 1]
+            j -= 1
+        rank[j] = i
+    return known
+
+
+@inner
+def _adapt(s: State, t: int, rank: Ints, mu: int) -> None:
+    """Mean, evolution paths, covariance and sigma from the mu best points (Hansen 2016, equations 24 to 37)."""
+    n, sigma = s.best.shape[1], s.step[t]
+    total = 0.0
     for i in range(mu):
-        mean += s.weights[i] / total * s.points[t, rank[i]]
-    y = (mean - old) / sigma
+        total += s.weights[i]
+    m, c_sigma, d_sigma, c_c, c_1, c_mu = s.rates[0], s.rates[1], s.rates[2], s.rates[3], s.rates[4], s.rates[5]
+    mean, path, walk = s.vectors[t, 1], s.vectors[t, 2], s.vectors[t, 3]
+    old, y = np.empty(n), np.empty(n)
+    for k in range(n):
+        old[k] = mean[k]
+        mean[k] = 0.0
+        for i in range(mu):
+            mean[k] += s.weights[i] / total * s.points[t, rank[i], k]
+        y[k] = (mean[k] - old[k]) / sigma
     z = _solved(s.factor[t], y)
-    walk *= 1.0 - c_sigma
-    walk += np.sqrt(c_sigma * (2.0 - c_sigma) * m) * z
-    length = np.sqrt((walk**2).sum())
+    squared = 0.0
+    for k in range(n):
+        walk[k] = walk[k] * (1.0 - c_sigma) + np.sqrt(c_sigma * (2.0 - c_sigma) * m) * z[k]
+        squared += walk[k] * walk[k]
+    length = np.sqrt(squared)
     expected = np.sqrt(n) * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n))
     h_sigma = 1.0 if length < (1.4 + 2.0 / (n + 1.0)) * expected else 0.0  # 0 stalls the path while sigma must grow
-    path *= 1.0 - c_c
-    path += h_sigma * np.sqrt(c_c * (2.0 - c_c) * m) * y
+    for k in range(n):
+        path[k] = path[k] * (1.0 - c_c) + h_sigma * np.sqrt(c_c * (2.0 - c_c) * m) * y[k]
     for a in range(n):
         for b in range(a + 1):
             many = 0.0
@@ -139,21 +164,21 @@ def _learn(s: State, t: int) -> None:
                 (1.0 - c_1 - c_mu) * s.matrix[t, a, b] + c_1 * path[a] * path[b] + c_mu * many / sigma**2
             )
     s.step[t] = sigma * np.exp(min(1.0, c_sigma / d_sigma * (length / expected - 1.0)))
-    _factorise(s, t)
 
 
-@compiled
+@inner
 def _solved(factor: Floats, y: Floats) -> Floats:
     """Solve factor z = y for a lower triangular factor."""
-    z = y.copy()
+    z = np.empty(len(y))
     for k in range(len(y)):
+        z[k] = y[k]
         for j in range(k):
             z[k] -= factor[k, j] * z[j]
         z[k] /= factor[k, k]
     return z
 
 
-@compiled
+@inner
 def _factorise(s: State, t: int) -> None:
     """Cholesky factorisation; if rounding made the covariance indefinite, the step becomes 0 and causes a restart."""
     n = s.best.shape[1]
@@ -171,7 +196,7 @@ def _factorise(s: State, t: int) -> None:
                 s.factor[t, a, b] = rest / s.factor[t, b, b]
 
 
-@compiled
+@inner
 def _widest(s: State, t: int) -> float:
     """The largest standard deviation of any parameter."""
     widest = 0.0

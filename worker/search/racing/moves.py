@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from worker.search.racing.state import BEGIN, CMA, COMPASS, NELDER_MEAD, Ints, State, compiled
+from worker.search.racing.state import BEGIN, CMA, COMPASS, NELDER_MEAD, Ints, State, compiled, inner
 
 Random = np.random.Generator
 
@@ -40,7 +40,7 @@ def _tell(s: State, rows: Ints, random: Random) -> None:
                 _simplex_tell(s, t)
 
 
-@compiled
+@inner
 def _hand_over(s: State, t: int) -> None:
     s.kind[t] = CMA
     s.stage[t] = BEGIN
@@ -48,12 +48,12 @@ def _hand_over(s: State, t: int) -> None:
     s.requested[t] = 0
 
 
-@compiled
+@inner
 def _clip(x: float) -> float:
     return min(max(x, 0.0), 1.0)
 
 
-@compiled
+@inner
 def _request(s: State, t: int, count: int) -> None:
     """Request the first `count` rows of its points."""
     s.requested[t] = count
@@ -61,20 +61,21 @@ def _request(s: State, t: int, count: int) -> None:
         s.which[t, i] = i
 
 
-@compiled
+@inner
 def _accept(s: State, t: int, i: int) -> bool:
     """Make point i the incumbent if it is better."""
     if not s.values[t, i] < s.cost[t]:
         return False
     s.cost[t] = s.values[t, i]
-    s.best[t] = s.points[t, i]
+    for k in range(s.best.shape[1]):
+        s.best[t, k] = s.points[t, i, k]
     return True
 
 
 # ---- compass search: a random orthonormal basis per poll, the last successful direction first
 
 
-@compiled
+@inner
 def _poll(s: State, t: int, random: Random) -> None:
     """Draw a random basis (Gram-Schmidt) and a random order; position -1 is the last successful direction."""
     n = s.best.shape[1]
@@ -90,8 +91,12 @@ def _poll(s: State, t: int, random: Random) -> None:
                     along += q[i, k] * q[j, k]
                 for k in range(n):
                     q[i, k] -= along * q[j, k]
-            norm = np.sqrt((q[i] ** 2).sum())
-        q[i] /= norm
+            norm = 0.0
+            for k in range(n):
+                norm += q[i, k] * q[i, k]
+            norm = np.sqrt(norm)
+        for k in range(n):
+            q[i, k] /= norm
     for i in range(2 * n):
         j = int(random.random() * (i + 1))
         s.order[t, i] = s.order[t, j]
@@ -99,7 +104,7 @@ def _poll(s: State, t: int, random: Random) -> None:
     s.stage[t] = -2
 
 
-@compiled
+@inner
 def _compass_next(s: State, t: int, random: Random) -> None:
     """Request the next point of the poll that differs from the incumbent; after the last one, halve the step."""
     n = s.best.shape[1]
@@ -125,7 +130,7 @@ def _compass_next(s: State, t: int, random: Random) -> None:
     _hand_over(s, t)
 
 
-@compiled
+@inner
 def _compass_tell(s: State, t: int, random: Random) -> None:
     if _accept(s, t, 0):
         at = s.stage[t]
@@ -133,7 +138,8 @@ def _compass_tell(s: State, t: int, random: Random) -> None:
             s.step[t] = min(2.0 * s.step[t], 0.5)
         else:
             d = int(s.order[t, at])
-            s.vectors[t, 0] = s.matrix[t, d // 2] * (1.0 if d % 2 == 0 else -1.0)
+            for k in range(s.best.shape[1]):
+                s.vectors[t, 0, k] = s.matrix[t, d // 2, k] * (1.0 if d % 2 == 0 else -1.0)
         _poll(s, t, random)
     _compass_next(s, t, random)
 
@@ -141,37 +147,43 @@ def _compass_tell(s: State, t: int, random: Random) -> None:
 # ---- Nelder-Mead with the coefficients of Gao and Han (2012)
 
 
-@compiled
+@inner
 def _simplex_begin(s: State, t: int) -> None:
     """Request one vertex per axis, towards the inside at the faces of the box."""
     n = s.best.shape[1]
     for i in range(n):
-        s.points[t, i] = s.best[t]
+        for k in range(n):
+            s.points[t, i, k] = s.best[t, k]
         h = s.step[t]
         s.points[t, i, i] += h if s.best[t, i] + h <= 1.0 else -h
-    s.matrix[t, 0] = s.best[t]
+    for k in range(n):
+        s.matrix[t, 0, k] = s.best[t, k]
     s.order[t, 0] = s.cost[t]
     s.stage[t] = 0
     _request(s, t, n)
 
 
-@compiled
+@inner
 def _simplex_point(s: State, t: int, i: int, along: float) -> None:
     """Point i of the request: on the line from the worst vertex through the centroid of the others."""
     n = s.best.shape[1]
     for k in range(n):
-        centre = s.matrix[t, :n, k].sum() / n
+        centre = 0.0
+        for j in range(n):
+            centre += s.matrix[t, j, k]
+        centre /= n
         s.points[t, i, k] = _clip(centre + along * (centre - s.matrix[t, n, k]))
 
 
-@compiled
+@inner
 def _simplex_put(s: State, t: int, row: int, i: int) -> None:
     """Point i becomes vertex `row`."""
-    s.matrix[t, row] = s.points[t, i]
+    for k in range(s.best.shape[1]):
+        s.matrix[t, row, k] = s.points[t, i, k]
     s.order[t, row] = s.values[t, i]
 
 
-@compiled
+@inner
 def _simplex_tell(s: State, t: int) -> None:
     """Stages: 0 initial vertices or shrink, 1 reflection, 2 expansion, 3 outside contraction, 4 inside contraction."""
     n = s.best.shape[1]
@@ -184,7 +196,8 @@ def _simplex_tell(s: State, t: int) -> None:
         for i in range(n):
             _simplex_put(s, t, i + 1, i)
     elif stage == 1:
-        s.points[t, 1] = s.points[t, 0]  # the reflected point, in case the next point is worse
+        for k in range(n):
+            s.points[t, 1, k] = s.points[t, 0, k]  # the reflected point, in case the next point is worse
         s.values[t, 1] = value
         if value < s.order[t, 0]:
             s.stage[t] = 2
@@ -213,13 +226,27 @@ def _simplex_tell(s: State, t: int) -> None:
     _simplex_next(s, t)
 
 
-@compiled
+@inner
+def _sort(s: State, t: int) -> None:
+    """Sort the vertices by cost (insertion sort); those without a value come last."""
+    n = s.best.shape[1]
+    for i in range(1, n + 1):
+        j = i
+        while j > 0:
+            left, right = s.order[t, j - 1], s.order[t, j]
+            if not (right < left or (np.isnan(left) and not np.isnan(right))):
+                break
+            s.order[t, j - 1], s.order[t, j] = right, left
+            for k in range(n):
+                s.matrix[t, j - 1, k], s.matrix[t, j, k] = s.matrix[t, j, k], s.matrix[t, j - 1, k]
+            j -= 1
+
+
+@inner
 def _simplex_next(s: State, t: int) -> None:
     """Sort the vertices and reflect the worst, or hand over when the simplex is small."""
     n = s.best.shape[1]
-    rank = np.argsort(s.order[t, : n + 1], kind="mergesort")
-    s.matrix[t] = s.matrix[t][rank]
-    s.order[t, : n + 1] = s.order[t, : n + 1][rank]
+    _sort(s, t)
     size = 0.0
     for i in range(1, n + 1):
         for k in range(n):

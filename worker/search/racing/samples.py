@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from worker.search.base import Floats
-from worker.search.racing.state import compiled
+from worker.search.racing.state import compiled, inner
 
 BLOCK = 1024
 """Number of Sobol points drawn at a time: a power of 2, as the sequence requires."""
@@ -99,10 +99,13 @@ def _update_neighbours(
 
     far (m, k) and around (m, k): squared distances of the nearest neighbours, in ascending order, and their values.
     """
-    changed = np.zeros(last, dtype=np.bool_)
+    changed = np.empty(last, np.bool_)
+    for i in range(last):
+        changed[i] = False
     squared = np.empty(last)
     for j in range(max(first, 1), last):
-        squared[:j] = 0.0
+        for i in range(j):
+            squared[i] = 0.0
         for k in range(axes.shape[0]):
             x = axes[k, j]
             for i in range(j):
@@ -119,10 +122,26 @@ def _update_neighbours(
             known = 0
             while known < far.shape[1] and np.isfinite(far[i, known]):
                 known += 1
-            contrast[i] = value[i] - np.median(around[i, :known])
+            contrast[i] = value[i] - _median(around[i], known)
 
 
-@compiled
+@inner
+def _median(values: Floats, count: int) -> float:
+    """The median of the first `count` values, which are few; NaN if there are none."""
+    if count == 0:
+        return np.nan
+    ordered = np.empty(count)
+    for i in range(count):
+        j = i
+        while j > 0 and ordered[j - 1] > values[i]:
+            ordered[j] = ordered[j - 1]
+            j -= 1
+        ordered[j] = values[i]
+    middle = count // 2
+    return float(ordered[middle] if count % 2 else 0.5 * (ordered[middle - 1] + ordered[middle]))
+
+
+@inner
 def _insert(far: Floats, around: Floats, squared: float, value: float) -> None:
     """Insert one neighbour in order of distance; the farthest is dropped."""
     at = len(far) - 1

@@ -30,6 +30,17 @@ def compiled(function: F) -> F:
     return cast(F, made)
 
 
+def inner(function: F) -> F:
+    """Compile a function that only compiled functions of the same file call; Python cannot call it.
+
+    A Python wrapper, which unpacks the whole state, takes longer to compile than most of these functions. For the same
+    reason they copy and add element by element: whole-array statements also compile their shape checks.
+    """
+    bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    made: Any = njit(error_model="numpy", **bare)(function)
+    return cast(F, made)
+
+
 class State(NamedTuple):
     """All searchers: r rows, n parameters, at most c points in one request."""
 
@@ -116,10 +127,14 @@ def receive(s: State, rows: Ints, values: Floats) -> None:
 @compiled
 def requested(s: State, rows: Ints) -> Floats:
     """The points that these searchers request, in their order."""
-    points = np.empty((s.requested[rows].sum(), s.best.shape[1]))
+    count = 0
+    for t in rows:
+        count += s.requested[t]
+    points = np.empty((count, s.best.shape[1]))
     at = 0
     for t in rows:
         for i in range(s.requested[t]):
-            points[at] = s.points[t, s.which[t, i]]
+            for k in range(s.best.shape[1]):
+                points[at, k] = s.points[t, s.which[t, i], k]
             at += 1
     return points

@@ -29,7 +29,7 @@ from worker.kernels.component import Environment, Fault
 from worker.reference import Reference
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.systems.closed_loop.trace import fly, trace
+from worker.systems.closed_loop.trace import simulate, trace
 
 CASE = load_file(library()["unicycle_static"])
 NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.05, "period": 0.1}}
@@ -116,7 +116,7 @@ class TestShown:
 
     def test_it_is_flown_alone_bit_by_bit_and_takes_the_memory_of_one(self) -> None:
         problem = Problem(noisy(list(range(32))))
-        flown = fly(problem.system, {})
+        flown = simulate(problem.system, {})
         vectors = problem.realisations.flights(problem.vector({})[None, :])
         every = problem.system.loop.fly(
             vectors, problem.system.step, *problem.system.counts(problem.system.step), traced=len(vectors)
@@ -127,7 +127,7 @@ class TestShown:
         assert flown.costs[0, 0] == flown.own_cost == every.costs[shown, 0]
         tracemalloc.start()
         try:
-            fly(problem.system, {})
+            simulate(problem.system, {})
             peak = tracemalloc.get_traced_memory()[1]
         finally:
             tracemalloc.stop()

@@ -106,7 +106,7 @@ def test_a_nominal_flight_that_violates_has_no_distance() -> None:
     told, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
     assert (told.rays, told.line) == ([], None)
     assert told.text == "the nominal case itself violates the criterion or fails"
-    assert evaluations == 1 + 5 * boundary.LOOKS
+    assert evaluations == 1 + 5 * boundary.SAMPLES
 
 
 def test_what_is_told_of_a_finding() -> None:

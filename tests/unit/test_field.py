@@ -18,7 +18,7 @@ from worker.catalogue.installed import components
 from worker.kernels.component import Avoider
 from worker.systems.base import Floats
 from worker.systems.closed_loop.field import UNITS, Field, field
-from worker.systems.closed_loop.trace import Flown, fly
+from worker.systems.closed_loop.trace import SimulatedCase, simulate
 
 AVOIDERS = sorted(c.name for c in components().values() if isinstance(c, Avoider))
 SHIPPED = {name: load_file(path) for name, path in library().items()}
@@ -37,7 +37,7 @@ def case1() -> Problem:
 
 def test_the_potential_field_of_case_1_is_its_closed_form(case1: Problem) -> None:
     places = around(np.array([4.0, 4.0]), 3.7, 12)
-    found = field(case1.system, fly(case1.system, {}), 2.5, places)
+    found = field(case1.system, simulate(case1.system, {}), 2.5, places)
     assert (found.kind, UNITS[found.kind], found.time) == ("force", "N", 2.5)
     values = {path: float(case1.system.nominal[k]) for path, k in case1.paths.items()}
     goal = np.array([values["goal.x"], values["goal.y"]])
@@ -58,7 +58,11 @@ def test_the_potential_field_of_case_1_is_its_closed_form(case1: Problem) -> Non
 @pytest.mark.parametrize("name", ["unicycle_static", "uav_aca"])
 def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
     flown_by = Problem(SHIPPED[name])
-    loop, flown, every = flown_by.system.loop, fly(flown_by.system, {}), flown_by.system.counts(flown_by.system.step)[1]
+    loop, flown, every = (
+        flown_by.system.loop,
+        simulate(flown_by.system, {}),
+        flown_by.system.counts(flown_by.system.step)[1],
+    )
     dimension = flown_by.system.parts.vehicle.dimension
     # Guidance that is asked at every stage is kept in the trace as it was at the start only.
     rows = [0, every, len(flown.states) // 2 // every * every] if flown_by.system.parts.sampled else [0]
@@ -70,24 +74,24 @@ def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
         believed = loop.part("measurements")(time, state, p)[0]
         held = loop.part("held_demand")(believed, tuple(found.own[:dimension].tolist()), p)
         assert held == pytest.approx(flown.states[row, loop.n_state : loop.n_state + dimension], rel=1e-9, abs=1e-9)
-        same = field(flown_by.system, flown, time, found.place[None, :2])
+        same = field(flown_by.system, flown, time, found.position[None, :2])
         assert same.demand[0] == pytest.approx(found.own, rel=1e-9, abs=1e-9)
 
 
-def standing(made: Problem) -> Flown:
+def standing(made: Problem) -> SimulatedCase:
     """A flight of no duration, which nothing has to be compiled for."""
     vector = made.realisations.flights(made.vector({})[None, :])[0]
     with np.errstate(all="ignore"):
         p = made.system.loop.extend(vector)
         state = (*made.system.loop.part("initial")(p), *made.system.loop.part("initial_guidance")(p))
-    return Flown(vector, np.array([state]), 0, "", np.full((1, 1), np.nan), 0, np.nan)
+    return SimulatedCase(vector, np.array([state]), 0, "", np.full((1, 1), np.nan), 0, np.nan)
 
 
 def check(made: Problem) -> None:
     """The avoider answers wherever it is asked, each place by itself, with a demand of its kind and dimension."""
     flown = standing(made)
     here = field(made.system, flown, 0.0, np.zeros((1, 2)))
-    places = around(here.place, 30.0, 7)
+    places = around(here.position, 30.0, 7)
     found = field(made.system, flown, 0.0, places)
     assert found.kind == made.system.parts.avoider.demand
     assert found.demand.shape == (49, 3)
@@ -112,31 +116,31 @@ def test_every_campaign_of_the_library_has_a_field(name: str) -> None:
 
 @pytest.mark.parametrize(("time", "shown"), [(-1.0, 0.0), (0.0, 0.0), (7.4 * 0.005, 0.035), (1e9, 15.0)])
 def test_the_time_is_that_of_the_nearest_step_of_the_flight(case1: Problem, time: float, shown: float) -> None:
-    flown = fly(case1.system, {})
+    flown = simulate(case1.system, {})
     found = field(case1.system, flown, time, np.zeros((1, 2)))
     assert found.time == pytest.approx(shown)
-    assert found.place[:2] == pytest.approx(flown.states[round(shown / case1.system.step), :2])
+    assert found.position[:2] == pytest.approx(flown.states[round(shown / case1.system.step), :2])
 
 
 def test_values_change_the_field_and_unknown_ones_are_refused(case1: Problem) -> None:
     place = np.array([[3.0, 3.0]])
     weak, strong = (
-        field(case1.system, fly(case1.system, {"avoider.k_rep": k}), 1.0, place).demand[0] for k in (0.0, 8.0)
+        field(case1.system, simulate(case1.system, {"avoider.k_rep": k}), 1.0, place).demand[0] for k in (0.0, 8.0)
     )
     assert np.linalg.norm(strong - weak) > 1.0
     with pytest.raises(KeyError):
-        fly(case1.system, {"avoider.nothing": 1.0})
+        simulate(case1.system, {"avoider.nothing": 1.0})
 
 
 def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
     places = [[1.0, 2.0], [4.5, 4.5]]
     answer = live.ask(id=1, kind="field", campaign=CASE1, parameters={"vehicle.m": 6.0}, time=3.0, places=places)
-    found: Field = field(case1.system, fly(case1.system, {"vehicle.m": 6.0}), 3.0, np.array(places))
+    found: Field = field(case1.system, simulate(case1.system, {"vehicle.m": 6.0}), 3.0, np.array(places))
     assert answer["id"] == 1
     assert {k: answer[k] for k in ("time", "kind", "unit")} == {"time": 3.0, "kind": "force", "unit": "N"}
     assert answer["demand"] == found.demand.tolist()
     assert answer["own"] == found.own.tolist()
-    assert answer["place"] == found.place.tolist()
+    assert answer["place"] == found.position.tolist()
     assert set(answer) == {"id"} | {f.name for f in dataclasses.fields(Field)} | {"unit"}
 
 

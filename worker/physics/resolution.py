@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Parameter
 from worker.kernels.maths import atan2, kernel, norm2, sincos
-from worker.physics.space import Vector, arcsine, course, dot3, norm3
+from worker.physics.space import Vector, arcsine, dot3, norm3, velocity_vector
 
 NEVER = 1e9
 """The time to the closest approach if there is none ahead [s]."""
@@ -70,13 +70,13 @@ class Encounter(NamedTuple):
 @kernel
 def planned(plan: Plan) -> Vector:
     """The planned velocity."""
-    return course(plan.speed, plan.heading, plan.climb)
+    return velocity_vector(plan.speed, plan.heading, plan.climb)
 
 
 @kernel
 def own_reading(v: Vector, plan: Plan, p: Any) -> Vector:
     """The own velocity as measured, with errors."""
-    as_planned = course(plan.speed + p.du, plan.heading + p.dpsi, plan.climb)
+    as_planned = velocity_vector(plan.speed + p.du, plan.heading + p.dpsi, plan.climb)
     speed = norm3(v)
     s, c = sincos(p.dpsi)
     longer = 1.0 + p.du / (speed if speed > TINY else 1.0)

@@ -76,7 +76,7 @@ def norm3(v: Vector) -> float:
 
 
 @kernel
-def course(speed: float, heading: float, climb: float) -> Vector:
+def velocity_vector(speed: float, heading: float, climb: float) -> Vector:
     """The velocity from speed [m/s], heading from north over east and climb angle [rad]; axes with z down."""
     s_climb, c_climb = sincos(climb)
     s, c = sincos(heading)

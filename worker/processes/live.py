@@ -33,7 +33,7 @@ from worker.stages.parts import seeds
 from worker.systems.base import CampaignUnusable
 from worker.systems.closed_loop.field import MOST, UNITS, field
 from worker.systems.closed_loop.flights import Flights
-from worker.systems.closed_loop.trace import fly, trace
+from worker.systems.closed_loop.trace import simulate, trace
 
 PROBLEMS = 16
 """Number of problems kept in memory; the least recently used one is dropped."""
@@ -130,10 +130,10 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -
     wanted = np.asarray(places, dtype=np.float64)
     if wanted.ndim != 2 or wanted.shape[1] != 2 or not 0 < len(wanted) <= MOST or not np.isfinite(wanted).all():
         raise ValueError(f"places must be 1 to {MOST} pairs of finite numbers")
-    found = field(flights, fly(flights, values), float(time), wanted)
+    found = field(flights, simulate(flights, values), float(time), wanted)
     return {
         "time": found.time,
-        "place": found.place.tolist(),
+        "place": found.position.tolist(),
         "velocity": _plain(found.velocity),
         "kind": found.kind,
         "memory": found.memory,

@@ -82,8 +82,8 @@ def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, n
             "move the nominal values away from the worst case",
         )
     apart = max(s.best.cost - worst for s in counted if s.best is not None)
-    places = listed([finding(label) for label in sorted({str(_finding_of(s, evidence)) for s in counted})])
-    return _check(True, reached, " agree on the worst case (", places, ") within ", number(apart, unit, "apart"))
+    labels = listed([finding(label) for label in sorted({str(_finding_of(s, evidence)) for s in counted})])
+    return _check(True, reached, " agree on the worst case (", labels, ") within ", number(apart, unit, "apart"))
 
 
 def _check(ok: bool, *said: Part) -> Check:

@@ -24,11 +24,11 @@ def avoider_demand(s: Scenario) -> None:
 
 
 def avoider_demand_at(s: Scenario) -> None:
-    f = s.function("avoider_demand_at(t, x, g, place, p)")
+    f = s.function("avoider_demand_at(t, x, g, position, p)")
     errors = summed(s, f, "navigation", "errors", "t")
     f.add(f"xm = {f.call('vehicle', s.parts.vehicle.measured, s.state['vehicle'], errors)}")
-    f.add(f"v = {f.call('vehicle', s.parts.vehicle.velocity, 'xm')}", f"seen = {seen(s, f, 'place')}")
-    f.add(f"return avoider_demand(t, place, v, seen, {memory(s)}, p)[0]")
+    f.add(f"v = {f.call('vehicle', s.parts.vehicle.velocity, 'xm')}", f"seen = {seen(s, f, 'position')}")
+    f.add(f"return avoider_demand(t, position, v, seen, {memory(s)}, p)[0]")
 
 
 def memory(s: Scenario, held: str = "g") -> str:

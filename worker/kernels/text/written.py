@@ -20,7 +20,7 @@ FUNCTIONS = {
     "perceived": "The obstacles as the avoider perceives them; own is the measured pose of the vehicle.",
     "measurements": "The measured state, position and velocity of the vehicle, and the obstacles as perceived.",
     "avoider_demand": "The avoider's demand and its new memory.",
-    "avoider_demand_at": "The avoider's demand if the measured position were `place`, everything else unchanged.",
+    "avoider_demand_at": "The avoider's demand if the measured position were `position`, everything else unchanged.",
     "held_demand": "The demand as it is held between samples.",
     "demand": "The demand at this instant.",
     "guide": "One guidance sample: the demand, the avoider's memory and, with delayed guidance, earlier demands.",

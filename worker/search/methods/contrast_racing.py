@@ -188,9 +188,9 @@ def hops(pool: Pool, count: int, random: np.random.Generator) -> Floats:
     return made
 
 
-def _some(n: int, share: float, random: np.random.Generator) -> np.ndarray:
+def _some(n: int, fraction: float, random: np.random.Generator) -> np.ndarray:
     """A random subset of the parameters, never empty."""
-    chosen = random.random(n) < share
+    chosen = random.random(n) < fraction
     chosen[random.integers(n)] |= not chosen.any()
     return chosen
 

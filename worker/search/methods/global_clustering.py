@@ -87,14 +87,14 @@ class Clusters:
 
     def grow(self, label: int, point: Floats, cost: float) -> None:
         """Single linkage: every lone point near a lower point of the cluster joins it, transitively."""
-        sample, front = self.sample, [(point, cost)]
+        sample, queue = self.sample, [(point, cost)]
         points, costs, cluster = (a[: self.reduced] for a in (sample.points, sample.costs, sample.cluster))
-        while front:
-            point, cost = front.pop(0)
+        while queue:
+            point, cost = queue.pop(0)
             near = (cluster == ALONE) & (costs > cost)
             near[near] = np.abs(points[near] - point).max(axis=1) < self.distance
             cluster[near] = label
-            front += [(points[i], float(costs[i])) for i in np.flatnonzero(near)]
+            queue += [(points[i], float(costs[i])) for i in np.flatnonzero(near)]
 
     def grow_all(self) -> None:
         """Grow all clusters: from minima and their members first, then from seeds."""

@@ -56,14 +56,14 @@ def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]
     if len(order) <= 1:
         return order
     low = points[order]
-    gap = np.empty(len(order))
-    gap[0] = np.inf
+    nearest = np.empty(len(order))
+    nearest[0] = np.inf
     for first in range(1, len(order), 256):
         rows = np.arange(first, min(first + 256, len(order)))
         apart = np.abs(low[rows, None, :] - low[None, : rows[-1] + 1, :]).max(axis=2)
         apart[np.arange(rows[-1] + 1)[None, :] >= rows[:, None]] = np.inf
-        gap[rows] = apart.min(axis=1)
-    chosen = np.argsort(-gap, kind="stable")[:at_most]
+        nearest[rows] = apart.min(axis=1)
+    chosen = np.argsort(-nearest, kind="stable")[:at_most]
     return order[np.sort(chosen)]
 
 

@@ -34,11 +34,11 @@ LIBRARY: dict[Any, Function] = {
 }
 """The platform's functions for the elementary functions of `maths`."""
 
-FLOWN = ("extend", "initial", "initial_guidance", "guide", "closed_loop", "settled", "envelope", "costs_of", "excluded")
+SLOTS = ("extend", "initial", "initial_guidance", "guide", "closed_loop", "settled", "envelope", "costs_of", "excluded")
 
 
-class Flown:
-    """The result of `Loop.fly`: costs (n, k) of k criteria, the deciding one first, NaN unless ok; status (n,) and
+class Simulations:
+    """The output of `Loop.fly`: costs (n, k) of k criteria, the deciding one first, NaN unless ok; status (n,) and
     when (n,) [s] as in `loop.fly`; trace."""
 
     def __init__(self, n: int, k: int, trace: Floats) -> None:
@@ -69,7 +69,7 @@ class Loop:
 
     @cached_property
     def _fly(self) -> Any:
-        return self._made(loop.fly, FLOWN)
+        return self._made(loop.fly, SLOTS)
 
     @cached_property
     def _observe(self) -> Any:
@@ -88,7 +88,7 @@ class Loop:
         channels = [Signal(f"channel.{i}", f"y{i}", "") for i in range(self.channels.total)]
         return (*pose, *self.parts.vehicle.inputs, *self.parts.controller.signals, *centres, *channels)
 
-    def fly(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Flown:
+    def fly(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Simulations:
         """Simulate every row of params (n, size); the first `traced` ones store their states. Thread-safe.
 
         step [s]; every: steps per guidance sample, for sampled guidance.
@@ -97,18 +97,18 @@ class Loop:
             every = 1 if self.parts.avoider.memory else steps + 1
         params = np.ascontiguousarray(params, dtype=np.float64)
         trace = np.full((traced, steps + 1, self.n_state + self.n_held), np.nan)
-        flown = Flown(len(params), len(self.parts.criteria), trace)
+        result = Simulations(len(params), len(self.parts.criteria), trace)
         # Comparisons inside components may lose a NaN, so rows with non-finite parameters are not simulated at all.
         finite: NDArray[np.bool_] = np.asarray(np.isfinite(params).all(axis=1))
         if not finite.all():
             fine = self.fly(params[finite], step, steps, every, int(np.count_nonzero(finite[:traced])))
-            flown.costs[:], flown.status[:], flown.when[:] = np.nan, loop.NOT_FINITE, 0.0
-            flown.costs[finite], flown.status[finite], flown.when[finite] = fine.costs, fine.status, fine.when
+            result.costs[:], result.status[:], result.when[:] = np.nan, loop.NOT_FINITE, 0.0
+            result.costs[finite], result.status[finite], result.when[finite] = fine.costs, fine.status, fine.when
             trace[finite[:traced]] = fine.trace
-            return flown
+            return result
         with np.errstate(all="ignore"):
-            self._fly(params, step, steps, every, flown.costs, flown.status, flown.when, trace)
-        return flown
+            self._fly(params, step, steps, every, result.costs, result.status, result.when, trace)
+        return result
 
     def warm(self) -> None:
         """Compile, or load from the disk cache, so that this time is not counted as evaluation time."""
@@ -144,7 +144,7 @@ class Loop:
     @property
     def digest(self) -> str:
         """Identifies the loop: everything that results depend on except the parameters, the step and the machine."""
-        return digest(self._filled(loop.fly, FLOWN))
+        return digest(self._filled(loop.fly, SLOTS))
 
     def extend(self, params: Floats) -> tuple[float, ...]:
         """The flat parameters (size,) followed by all derived constants, as the functions of `part` take them."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from worker.systems.base import Floats
 from worker.systems.closed_loop.flights import Flights
-from worker.systems.closed_loop.trace import Flown
+from worker.systems.closed_loop.trace import SimulatedCase
 
 UNITS = {"force": "N", "velocity": "m/s"}
 MOST = 10_000
@@ -28,7 +28,7 @@ class Field:
 
     time: float
     """The step nearest to the requested time, at most the last one [s]."""
-    place: Floats
+    position: Floats
     """True position of the vehicle (3,) [m]."""
     velocity: Floats
     """As navigation reports it (3,) [m/s]."""
@@ -42,40 +42,40 @@ class Field:
     """The demand at every requested position (m, 3); NaN if not finite."""
 
 
-def field(flights: Flights, flown: Flown, time: float, places: Floats) -> Field:
+def field(flights: Flights, case: SimulatedCase, time: float, positions: Floats) -> Field:
     """The demands at positions (m, 2), x and y [m] in world axes, at a time [s] of a simulated case.
 
     The navigation error at these positions is the one at the vehicle's actual position.
     """
     loop = flights.loop
-    row = min(max(round(time / flights.step), 0), len(flown.states) - 1)
-    at, p = row * flights.step, loop.extend(flown.vector)
-    state = _numbers(flown.states[row, : loop.n_state])
+    row = min(max(round(time / flights.step), 0), len(case.states) - 1)
+    at, p = row * flights.step, loop.extend(case.vector)
+    state = _numbers(case.states[row, : loop.n_state])
     # The loop evaluates the avoider at this step with the memory left by the step before.
-    memory = loop.part("initial_guidance")(p) if row == 0 else _numbers(flown.states[row - 1, loop.n_state :])
+    memory = loop.part("initial_guidance")(p) if row == 0 else _numbers(case.states[row - 1, loop.n_state :])
     dimension = flights.parts.vehicle.dimension
     avoider_demand_at = loop.part("avoider_demand_at")
 
-    def asked(place: Sequence[float]) -> Floats:
-        return np.array([*avoider_demand_at(at, state, memory, tuple(place), p), 0.0][:3], dtype=np.float64)
+    def demand_at(position: Sequence[float]) -> Floats:
+        return np.array([*avoider_demand_at(at, state, memory, tuple(position), p), 0.0][:3], dtype=np.float64)
 
     with np.errstate(all="ignore"):
         _, believed, velocity, _ = loop.part("measurements")(at, state, p)
-        true = loop.observe(flown.states[row : row + 1], flown.vector, flights.step)[0, :3]
+        true = loop.observe(case.states[row : row + 1], case.vector, flights.step)[0, :3]
         height = believed[2:dimension]
         error = np.array(believed[:2]) - true[:2]
-        demand = np.array([_finite(asked, [*place, *height]) for place in (places + error).tolist()])
-        own = _finite(asked, believed)
+        demand = np.array([_finite(demand_at, [*position, *height]) for position in (positions + error).tolist()])
+        own = _finite(demand_at, believed)
     full = np.zeros(3)
     full[:dimension] = velocity
     avoider = flights.parts.avoider
-    return Field(at, true, full, avoider.demand, avoider.memory, own, demand.reshape(len(places), 3))
+    return Field(at, true, full, avoider.demand, avoider.memory, own, demand.reshape(len(positions), 3))
 
 
-def _finite(asked: Any, place: Sequence[float]) -> Floats:
+def _finite(demand_at: Any, position: Sequence[float]) -> Floats:
     """The demand at a position; NaN if plain Python raises where compiled code continues with infinity or NaN."""
     try:
-        found: Floats = asked(place)
+        found: Floats = demand_at(position)
     except ArithmeticError:
         return np.full(3, np.nan)
     return np.where(np.isfinite(found), found, np.nan)

@@ -30,8 +30,8 @@ def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | 
     With several realisations it shows the worst; the reported cost is that of the evaluation.
     values: parameters by path; missing ones are nominal. Raises KeyError for an unknown path.
     """
-    flown = fly(flights, values)
-    states, vector = flown.states, flown.vector
+    case = simulate(flights, values)
+    states, vector = case.states, case.vector
     seen = _Seen(flights, flights.loop.observe(states, vector, flights.step), vector)
     closest = _closest(flights, seen)
     kept = _kept(len(states), rows, closest)
@@ -45,11 +45,11 @@ def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | 
             seen.separation(kept),
         )
     )
-    return Trace(name, _columns(flights), data, _head(flights, seen, values, flown, closest))
+    return Trace(name, _columns(flights), data, _head(flights, seen, values, case, closest))
 
 
 @dataclass(frozen=True)
-class Flown:
+class SimulatedCase:
     """One simulated case: the worst of several realisations, with the evaluation's costs and status."""
 
     vector: Floats
@@ -65,27 +65,27 @@ class Flown:
     """Cost of the realisation shown."""
 
 
-def fly(flights: Flights, values: Mapping[str, float]) -> Flown:
+def simulate(flights: Flights, values: Mapping[str, float]) -> SimulatedCase:
     """Simulate one case; values: parameters by path, missing ones are nominal. Raises KeyError for an unknown path."""
     vectors = flights.realisations.flights(flights.vector(values)[None, :])
     several = len(vectors) > 1
-    flown = flights.loop.fly(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
-    codes, said = flights.judge(flown.status, flown.when)
-    batch, reasons = flights.realisations.combined(flown.costs, codes, said)
-    shown = flights.realisations.worst(flown.costs, codes)
-    states = flown.trace[0] if not several else _again(flights, vectors[shown])
+    result = flights.loop.fly(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
+    codes, said = flights.judge(result.status, result.when)
+    batch, reasons = flights.realisations.combined(result.costs, codes, said)
+    shown = flights.realisations.worst(result.costs, codes)
+    states = result.trace[0] if not several else _again(flights, vectors[shown])
     finite = np.isfinite(states).all(axis=1)
     states = states[: int(np.argmin(finite)) if not finite.all() else len(states)]
     if codes[shown] == FAILED:  # the loop checks only every 64 steps; rows after the failure are meaningless
-        states = states[: round(float(flown.when[shown]) / flights.step) + 1]
-    return Flown(
+        states = states[: round(float(result.when[shown]) / flights.step) + 1]
+    return SimulatedCase(
         vector=vectors[shown],
         states=states,
         status=int(batch.status[0]),
         reason=reasons.get(0, ""),
         costs=batch.costs[:1],
         realisation=shown,
-        own_cost=float(flown.costs[shown, 0]),
+        own_cost=float(result.costs[shown, 0]),
     )
 
 
@@ -94,8 +94,8 @@ def _again(flights: Flights, vector: Floats) -> Floats:
 
     Results depend only on the vector, so this is bit for bit the simulation that gave the cost.
     """
-    flown = flights.loop.fly(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
-    states: Floats = flown.trace[0]
+    result = flights.loop.fly(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
+    states: Floats = result.trace[0]
     return states
 
 
@@ -237,7 +237,7 @@ def _free(flights: Flights, vector: Floats, i: int) -> float | None:
 
 
 def _head(
-    flights: Flights, seen: _Seen, values: Mapping[str, float], flown: Flown, closest: Closest | None
+    flights: Flights, seen: _Seen, values: Mapping[str, float], case: SimulatedCase, closest: Closest | None
 ) -> TraceHead:
     vector = seen.vector
 
@@ -270,9 +270,9 @@ def _head(
         threshold=float(vector[flights.paths["criterion.threshold"]]),
         parameters={p: float(vector[flights.paths[p]]) for p in flights.campaign.uncertain} | dict(values),
         closest=closest,
-        status=STATUS[flown.status],
-        reason=flown.reason,
-        cost=_known(flown.costs[0, 0]),
-        values=_values(flights, flown.costs),
-        realisation=_realisation(flights, flown.realisation, flown.own_cost) if several else None,
+        status=STATUS[case.status],
+        reason=case.reason,
+        cost=_known(case.costs[0, 0]),
+        values=_values(flights, case.costs),
+        realisation=_realisation(flights, case.realisation, case.own_cost) if several else None,
     )

@@ -131,7 +131,7 @@ def test_a_service_that_comes_back_is_waited_for(
 def test_a_service_that_stays_away_is_said(command: Command, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ("submit", file, "--service", "http://127.0.0.1:9", "--patience", "0")
     assert command(*arguments).result(30) == INTERNAL
-    assert "http://127.0.0.1:9 did not answer for 0 s" in capsys.readouterr().err
+    assert "http://127.0.0.1:9 did not respond for 0 s" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from types import FrameType
 
 
 @contextmanager
-def kept(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
+def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
     """Yields `cancelled`, which now raises `KeyboardInterrupt` after SIGINT; for the main thread."""
     came = False
 

@@ -41,7 +41,7 @@ class Members:
         finally:
             search.close()
 
-    def told(self, columns: Columns) -> list[Member]:
+    def rows(self, columns: Columns) -> list[Member]:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
         if not self.owner:
             return []

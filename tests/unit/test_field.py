@@ -74,7 +74,7 @@ def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
         believed = loop.part("measurements")(time, state, p)[0]
         held = loop.part("held_demand")(believed, tuple(found.own[:dimension].tolist()), p)
         assert held == pytest.approx(flown.states[row, loop.n_state : loop.n_state + dimension], rel=1e-9, abs=1e-9)
-        same = field(flown_by.system, flown, time, found.position[None, :2])
+        same = field(flown_by.system, flown, time, found.place[None, :2])
         assert same.demand[0] == pytest.approx(found.own, rel=1e-9, abs=1e-9)
 
 
@@ -91,7 +91,7 @@ def check(made: Problem) -> None:
     """The avoider answers wherever it is asked, each place by itself, with a demand of its kind and dimension."""
     flown = standing(made)
     here = field(made.system, flown, 0.0, np.zeros((1, 2)))
-    places = around(here.position, 30.0, 7)
+    places = around(here.place, 30.0, 7)
     found = field(made.system, flown, 0.0, places)
     assert found.kind == made.system.parts.avoider.demand
     assert found.demand.shape == (49, 3)
@@ -119,7 +119,7 @@ def test_the_time_is_that_of_the_nearest_step_of_the_flight(case1: Problem, time
     flown = simulate(case1.system, {})
     found = field(case1.system, flown, time, np.zeros((1, 2)))
     assert found.time == pytest.approx(shown)
-    assert found.position[:2] == pytest.approx(flown.states[round(shown / case1.system.step), :2])
+    assert found.place[:2] == pytest.approx(flown.states[round(shown / case1.system.step), :2])
 
 
 def test_values_change_the_field_and_unknown_ones_are_refused(case1: Problem) -> None:
@@ -140,7 +140,7 @@ def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
     assert {k: answer[k] for k in ("time", "kind", "unit")} == {"time": 3.0, "kind": "force", "unit": "N"}
     assert answer["demand"] == found.demand.tolist()
     assert answer["own"] == found.own.tolist()
-    assert answer["place"] == found.position.tolist()
+    assert answer["place"] == found.place.tolist()
     assert set(answer) == {"id"} | {f.name for f in dataclasses.fields(Field)} | {"unit"}
 
 

@@ -133,7 +133,7 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -
     found = field(flights, simulate(flights, values), float(time), wanted)
     return {
         "time": found.time,
-        "place": found.position.tolist(),
+        "place": found.place.tolist(),
         "velocity": _plain(found.velocity),
         "kind": found.kind,
         "memory": found.memory,

@@ -28,7 +28,7 @@ class Field:
 
     time: float
     """The step nearest to the requested time, at most the last one [s]."""
-    position: Floats
+    place: Floats
     """True position of the vehicle (3,) [m]."""
     velocity: Floats
     """As navigation reports it (3,) [m/s]."""

@@ -431,10 +431,10 @@ def test_the_command_tells_given_and_recomputed(tmp_path: Path, capsys: pytest.C
     ("name", "spoil", "why"),
     [
         ("result.json", lambda p: p.unlink(), "No such file"),
-        ("result.json", lambda p: p.write_text("{"), "can be read"),
-        ("result.json", lambda p: p.write_text("[]"), "can be read"),
-        ("result.json", lambda p: p.write_text('{"digest": "x"}'), "has not the shape"),
-        ("evaluations.npz", lambda p: p.write_bytes(b"PK"), "can be read"),
+        ("result.json", lambda p: p.write_text("{"), "is not a readable folder"),
+        ("result.json", lambda p: p.write_text("[]"), "is not a readable folder"),
+        ("result.json", lambda p: p.write_text('{"digest": "x"}'), "is not that of a run"),
+        ("evaluations.npz", lambda p: p.write_bytes(b"PK"), "is not a readable folder"),
         ("campaign.json", lambda p: p.write_text("{}"), "cannot be used"),
     ],
 )

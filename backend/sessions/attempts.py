@@ -43,7 +43,7 @@ class Attempts:
         self._wrong = min(self._wrong + 1, BURST + 1)  # until it is known to be good: many may ask at once
         if few or at - self._looked >= RECENT:
             self._looked = at
-            self._good = await self._door.ask(access.good_codes)
+            self._good = await self._door.ask(access.valid_codes)
         good = access.hashed(code) in self._good
         if good:
             self._wrong = max(0.0, self._wrong - 1)

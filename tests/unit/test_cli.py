@@ -23,7 +23,7 @@ from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
         (["serve", "--port", "70000"], "--port"),
         (["token"], ""),
         (["token", "create"], "Missing argument"),
-        (["token", "list", "--database", "mysql://x"], "sqlite:///FILE and postgresql://..."),
+        (["token", "list", "--database", "mysql://x"], "sqlite:///FILE or postgresql://..."),
         (["worker", "--database", "nonsense"], "database"),
         (["worker", "--database", "sqlite://"], "sqlite:///path/to/file"),
     ],

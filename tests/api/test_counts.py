@@ -185,7 +185,7 @@ def test_the_report_counts_the_same(ran: Ran) -> None:
     stored, failed, excluded = map(grouped, expected(ran))
     assert f"Total {stored} {failed} {excluded}" in text
     assert f"{failed} of {stored} evaluations failed" in text
-    assert f"{failed} evaluations failed: how those flights would have ended is not known" in text
+    assert f"{failed} evaluations failed: their outcome is unknown" in text
     assert f"{excluded} evaluations were excluded" in text
     sample = ran.api()["summary"]["statistics"]
     assert f"{grouped(sample['samples'])} independent flights" in text

@@ -102,10 +102,10 @@ def test_what_is_installed_later_changes_nothing_of_what_a_run_says(service: Ser
     export = client.get(f"{run}/exports/run.json").json()
     assert export["components"] == told
     report = client.get(f"{run}/report.html").text
-    assert "describes them otherwise now" in report
+    assert "describes them differently" in report
     assert "was 0.05 kg m2, here it is 0.2 kg m2" in report
     assert told["digest"] in report
-    assert "does not know the component" not in report
+    assert "This installation has no component" not in report
 
 
 def test_a_run_from_before_is_told_by_what_is_installed_and_says_so(service: Service, client: httpx.Client) -> None:
@@ -117,9 +117,9 @@ def test_a_run_from_before_is_told_by_what_is_installed_and_says_so(service: Ser
     assert told["catalogue"] == snapshot(ASKED, CATALOGUE).model_dump(mode="json")
     assert client.get(f"{run}/exports/run.json").json()["components"] is None
     report = client.get(f"{run}/report.html").text
-    assert "What the components meant was not kept with this run." in report
+    assert "The component descriptions were not stored with this run." in report
     install(service, altered(heavier))
-    assert "does not know the component" in client.get(f"{run}/report.html").text
+    assert "This installation has no component" in client.get(f"{run}/report.html").text
 
 
 @BOTH

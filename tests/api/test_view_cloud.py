@@ -83,7 +83,7 @@ def test_a_click_on_a_point_flies_it_and_holds_it_against_what_is_stored(bare: S
             click(panel, eye, (0.0, 0.0, 1.0))
             frames_until(connection, b"There is no evaluation near that position.")
             click(panel, eye, middle - eye)
-            received = frames_until(connection, b"Identical, bit by bit.", b"/flights/what-if/path", seconds=120)
+            received = frames_until(connection, b"Bit-identical.", b"/flights/what-if/path", seconds=120)
             assert b"search \xc2\xb7 direct, evaluation 0 (from 0)" in received
             assert repr(cost).encode() in received
             panel.set("Show its flight", True)

@@ -21,7 +21,7 @@ def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
                 connection,
                 b"/field/slice/plane",
                 b"/field/slice/arrows",
-                b"asks for over the plane, at t = 2.00 s of Nominal",
+                b"demands over the plane, at t = 2.00 s of Nominal",
                 seconds=120,
             )
             assert b"Force [N]" in drawn

@@ -54,7 +54,7 @@ def test_the_file_opens_from_disk_and_asks_nobody(recorded: Service, browser: Br
         visit.page.context.set_offline(True)
         visit.go(str(file))
         playing(visit.page, LIGHT.worst)
-        expect(visit.page.locator("#told")).to_contain_text("R-0001 · F1")
+        expect(visit.page.locator("#caption")).to_contain_text("R-0001 · F1")
         assert visit.page.title() == "R-0001 F1: Recorded"
         visit.shot("recording-file", full=False)
 

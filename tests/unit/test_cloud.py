@@ -60,9 +60,9 @@ def test_a_click_meets_the_point_nearest_on_the_screen() -> None:
 @pytest.mark.parametrize(
     ("stored", "answer", "said"),
     [
-        (one(5.0, 0.75), {"cost": 0.75, "status": "ok", "reason": ""}, "Identical, bit by bit."),
+        (one(5.0, 0.75), {"cost": 0.75, "status": "ok", "reason": ""}, "Bit-identical."),
         (one(5.0, 0.75), {"cost": 0.7500000000000001, "status": "ok", "reason": ""}, "differ by 1.11e-16"),
-        (one(5.0, 0.75), {"cost": None, "status": "failed", "reason": "it fell"}, "Not the same. it fell"),
+        (one(5.0, 0.75), {"cost": None, "status": "failed", "reason": "it fell"}, "Not identical. it fell"),
         (
             one(5.0, None, "failed"),
             {"cost": None, "status": "failed", "reason": "it fell"},

@@ -1,4 +1,4 @@
-"""In which order the files of tests are taken: those that need minutes first, so that all workers end together."""
+"""The order of test files: slow ones first, so that all workers finish at the same time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A small catalogue and campaign written out by hand, so that the service is tested without the physics."""
+"""A small hand-written catalogue and campaign, to test the service without the physics."""
 
 from __future__ import annotations
 

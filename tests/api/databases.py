@@ -1,4 +1,4 @@
-"""On which databases a test of the service runs. SQLite where nothing is said. Start reading at `BOTH`."""
+"""The databases on which a test of the service runs; SQLite by default. Start reading at `BOTH`."""
 
 from __future__ import annotations
 

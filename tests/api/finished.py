@@ -1,4 +1,4 @@
-"""A run with a flight or two, written as a worker writes it. Start reading at `finish`."""
+"""A finished run with stored flights, written in the way of a worker. Start reading at `finish`."""
 
 from __future__ import annotations
 

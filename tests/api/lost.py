@@ -1,4 +1,4 @@
-"""A run whose intruder may start inside the safety radius and whose robot may spin: flights that were really lost.
+"""A run with excluded and failed evaluations: its intruder may start inside the safety radius, its robot may spin.
 
 Start reading at `lose`.
 """

@@ -1,4 +1,4 @@
-"""Requests with values that break readers, drivers and databases, made for any operation of the document.
+"""Requests with values that break parsers, drivers and databases, for any operation of the OpenAPI document.
 
 Start reading at `requests`.
 """

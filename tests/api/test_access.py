@@ -1,4 +1,4 @@
-"""Who may come in: login links, sessions, tokens, origins."""
+"""Access control: login links, sessions, tokens, origins."""
 
 from __future__ import annotations
 

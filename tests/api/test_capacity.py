@@ -1,4 +1,4 @@
-"""Long work waits in short queues of its own, and the service answers meanwhile."""
+"""Long work waits in its own short queues while the service stays responsive."""
 
 from __future__ import annotations
 

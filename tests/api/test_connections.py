@@ -1,4 +1,4 @@
-"""How many connections may be open, and how long a client may take: to send, to read, and to stay once signed out."""
+"""Limits on the number of connections and on the time to send, to read, and to stay connected after signing out."""
 
 from __future__ import annotations
 

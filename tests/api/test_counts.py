@@ -1,4 +1,4 @@
-"""Failed, excluded and sampled evaluations: every place that shows how many there are shows the same numbers.
+"""The numbers of failed, excluded and sampled evaluations are the same everywhere.
 
 A campaign that fails where the inertia is small and excludes where the obstacle is at the start, run once by the real
 runner into a service and into the command line's memory. Start reading at `ran`.

@@ -1,4 +1,4 @@
-"""Whatever is sent to a route of the API is answered, and as its document says: no fault of ours, a problem document.
+"""Any input to a route gets a documented response: a problem document, never an internal error.
 
 The values are those that break readers, drivers and databases: digits that are none of ASCII, numbers beyond 64 bits or
 beyond what Python reads, halves of surrogate pairs, null characters, far too many or too long of everything.

@@ -1,4 +1,4 @@
-"""Progress as server-sent events: told at once, at most four times a second, from one poller for all."""
+"""Progress as server-sent events: sent at once, at most four times per second, by one poller for all listeners."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run as files: names, every evaluation, streaming of a large run, flights as CSV and MAT, entity tags."""
+"""Export files of a run: names, all evaluations, streaming of a large run, flights as CSV and MAT, entity tags."""
 
 from __future__ import annotations
 

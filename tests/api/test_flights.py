@@ -1,4 +1,4 @@
-"""One flight of a run with other parameters: its numbers, what is refused and why, the newest request, the view."""
+"""What-if flights of a run: numbers, refusals, superseded requests, drawing in the view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""HEAD is answered at every address that answers GET, and changes nothing."""
+"""HEAD works at every address that supports GET, and changes nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The run list: search, filters, counts, orders, and pages that hold their place."""
+"""The run list: search, filters, counts, orders, and stable pages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The OpenAPI document: complete, up to date beside the front end, and true of what is answered."""
+"""The OpenAPI document: complete, up to date in the front end, and consistent with responses."""
 
 from __future__ import annotations
 

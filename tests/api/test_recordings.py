@@ -1,4 +1,4 @@
-"""A flight as a recording: what is in the file, its tag, its page's policy, and what is refused."""
+"""Recordings of flights: content of the file, entity tag, content security policy, and refusals."""
 
 from __future__ import annotations
 

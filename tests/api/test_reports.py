@@ -1,4 +1,4 @@
-"""The report for a safety case: its sections, its figures, what it says of unfinished runs, hostile names, the PDF."""
+"""The report for a safety case: sections, figures, unfinished runs, hostile names, the PDF."""
 
 from __future__ import annotations
 

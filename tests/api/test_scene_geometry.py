@@ -1,4 +1,4 @@
-"""Where the scene draws things: axes, bodies, tracks, the camera's box."""
+"""Geometry of the scene: axes, bodies, tracks, the bounding box for cameras."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sign-offs: bound to the results that were reviewed, never edited, withdrawn with a reason, all of it audited."""
+"""Sign-offs: bound to the reviewed results, never edited, withdrawn with a reason, recorded in the audit trail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A simulator of an installed package through the command line and a whole service, each in processes of its own."""
+"""A simulator of an installed package through the command line and a whole service, in separate processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A run keeps what its components meant: shared among runs, told beside what is installed now, part of the digest."""
+"""A run stores its component descriptions: shared by runs, compared with the installed ones, part of the digest."""
 
 from __future__ import annotations
 

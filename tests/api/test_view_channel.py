@@ -1,4 +1,4 @@
-"""A page steers the 3D view that it has opened, and nobody else's."""
+"""A page controls the 3D view that it opened, and no other."""
 
 from __future__ import annotations
 

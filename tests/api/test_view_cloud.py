@@ -1,4 +1,4 @@
-"""The parameter space in a viewer: shown in place of the flights, and a click that flies a stored evaluation."""
+"""The parameter space in a viewer: shown instead of the flights, and a click that simulates a stored evaluation."""
 
 from __future__ import annotations
 

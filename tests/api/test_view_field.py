@@ -1,4 +1,4 @@
-"""The avoider's field in a viewer: computed by the process that flies, drawn, computed again for another time."""
+"""The avoider's field in a viewer: computed by the simulation process, drawn, updated with the time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The 3D view shows every flight where its trace has it: intruders that move, aircraft with z down."""
+"""The 3D view draws every flight at the positions of its trace: intruders that move, aircraft with z down."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A viewer's socket as a browser holds it, and the panel that its visitor uses. Start reading at `viewing`."""
+"""A client of a viewer's socket in place of a browser, and its panel. Start reading at `viewing`."""
 
 from __future__ import annotations
 

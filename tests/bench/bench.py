@@ -1,4 +1,4 @@
-"""`make bench`: what an evaluation costs, as ratios measured in one run; prints a table, writes build/bench.json.
+"""`make bench`: cost of an evaluation, as ratios measured in one run; prints a table, writes build/bench.json.
 
 Every figure is the best of several repetitions on one thread; the machine should be idle. Start reading at `main`.
 """

@@ -1,4 +1,4 @@
-"""`python -m tests.bench.faults [campaign ...]`: what faults and parts of the environment cost, and what vectorises.
+"""`python -m tests.bench.faults [campaign ...]`: cost of faults and environment components, and which vectorise.
 
 Each is put alone into the loop of a library campaign, at a magnitude at which it does something. Cost is the ratio to
 the bare loop in one run; wide and scalar count the instructions on whole registers and on single numbers, libm calls

@@ -1,4 +1,4 @@
-"""What the search methods cost: DIRECT in batches against NLopt's, every method's own time, DIRECT's counts.
+"""Cost of the search methods: batched DIRECT against NLopt's, own time of every method, DIRECT's counts.
 
 `measure` gives the figures for `make bench`; `python -m tests.bench.methods` prints them and the table of counts, ours
 beside those of Jones et al. (1993), NLopt and SciPy. All run on one core, and its time is what counts: what others do

@@ -1,4 +1,4 @@
-"""What `tests.bench.pages` shows: a run really flown with 100,000 evaluations, 10,000 stored runs, and runs that grow.
+"""Data for `tests.bench.pages`: a real run with 100,000 evaluations, 10,000 stored runs, and active runs.
 
 Everything goes through the store that workers write to, but the copies of a run in the list. Start reading at `flown`.
 """

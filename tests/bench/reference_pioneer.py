@@ -1,4 +1,4 @@
-"""Case 2 as one plain scalar program: the yardstick of the lockstep loop's speed, and an independent formulation.
+"""Case 2 as one plain scalar program: the reference for the lockstep loop's speed, and an independent formulation.
 
 Nothing of the product is used but its parameters: libm, branches, one flight after another. Start reading at `fly`.
 """

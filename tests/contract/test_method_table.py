@@ -1,4 +1,4 @@
-"""Every search method on every function of the table, with several criteria, and going on under more budget."""
+"""Every search method on every function of the table, with several criteria, and resumed with a larger budget."""
 
 from __future__ import annotations
 

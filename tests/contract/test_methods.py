@@ -1,4 +1,4 @@
-"""Every search method: inside the box, within its budget, the same from the same seed, whatever the evaluations do."""
+"""Every search method: inside the box, within its budget, reproducible from its seed, for any outcomes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A browser that watches what it should not see: errors on the console, requests that leave the service.
+"""A browser that fails on console errors and on requests to other hosts.
 
 Start reading at `Visit`.
 """
@@ -71,7 +71,7 @@ class Visit:
         return self.page
 
     def shot(self, name: str, *, full: bool = True, of: Locator | None = None) -> None:
-        """Keep a picture of the page, or of a part of it, where CLEARANCE_SCREENSHOTS asks for them."""
+        """Save a screenshot of the page, or of a part of it, if CLEARANCE_SCREENSHOTS is set."""
         if not os.environ.get("CLEARANCE_SCREENSHOTS"):
             return
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
@@ -103,7 +103,7 @@ class Visit:
 
 @contextmanager
 def visiting(browser: Browser, address: str) -> Iterator[Visit]:
-    """A fresh browser profile at 1440 x 900; at the end nothing may have gone wrong in it."""
+    """A new browser profile at 1440 x 900; fails at the end if the browser reported errors."""
     context = browser.new_context(viewport={"width": 1440, "height": 900}, color_scheme="light")
     context.set_default_timeout(PATIENCE)
     visit = Visit(context.new_page(), address)

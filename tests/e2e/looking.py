@@ -1,4 +1,4 @@
-"""How a page looks at both widths in both themes, and what the API says to its browser. Start reading at `looks`."""
+"""Screenshots of a page at both widths in both themes, and API requests from its browser. Start reading at `looks`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs browsed, written on, selected and explained, as engineers who share them do.
+"""Browsing, annotating, selecting and explaining runs.
 
 The tests of this file are one story, in order, over runs that a worker really flew.
 """
@@ -173,7 +173,7 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, ru
             "Integrations agree" if finding["validation"]["agrees"] else "Integrations disagree"
         )
         if not finding["found"]:
-            expect(row).to_contain_text("reached only by polishing")
+            expect(row).to_contain_text("reached only by local refinement")
     expect(page.locator("tr[data-finding=F1]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
     view = page.locator("#flight iframe")
     view.scroll_into_view_if_needed()

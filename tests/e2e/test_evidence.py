@@ -1,4 +1,4 @@
-"""From a finished run to evidence: files, the report, figures, a sign-off, and two runs beside each other.
+"""From a finished run to evidence: files, the report, figures, a sign-off, and the comparison of two runs.
 
 The runs are written as a worker writes them, so that nothing is flown here. Start reading at `finished`.
 """

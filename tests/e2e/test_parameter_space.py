@@ -1,4 +1,4 @@
-"""The parameter space on a run's page: what is drawn, ranges by mouse and keys, switches, the data.
+"""The parameter space on a run's page: drawing, ranges by mouse and keyboard, toggles, the data.
 
 Start reading at `finished`.
 """
@@ -60,7 +60,7 @@ def kept(card: Locator) -> Locator:
 
 
 def drag(visit: Visit, area: Locator, start: tuple[float, float], end: tuple[float, float]) -> None:
-    """Drag between two places, in shares of an area's width and height."""
+    """Drag between two positions, in fractions of an area's width and height."""
     area.scroll_into_view_if_needed()
     box = area.bounding_box()
     assert box is not None
@@ -142,7 +142,7 @@ def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> No
     method = card.get_by_role("button", name=re.compile("^DIRECT"))
     method.click()
     expect(kept(card)).to_have_text(re.compile("^0 of 1.?000 evaluations kept, none with a value"))
-    expect(card).to_contain_text("Nothing is kept.")
+    expect(card).to_contain_text("No evaluation is selected.")
     method.click()
     expect(kept(card)).to_have_text(ALL)
 

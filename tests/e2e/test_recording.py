@@ -1,4 +1,4 @@
-"""The flight in a browser: a recording from disk, the page that a link leads to, the run page and its 3D view as one.
+"""The flight in a browser: a recording from disk, the linked page, and the run page with its 3D view.
 
 Start reading at `recorded`.
 """
@@ -138,7 +138,7 @@ def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Serv
         until(lambda: page.evaluate("true") and f"since={shown.revision}&" in asked[-1])
         recorded.stop()
         notice = page.locator("#flight [role=status]").last
-        expect(notice).to_contain_text("There is no answer at this address")
+        expect(notice).to_contain_text("No response from this address")
         again = Service(recorded.settings, recorded.port)
         again.start()
         try:

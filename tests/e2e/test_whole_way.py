@@ -1,4 +1,4 @@
-"""From the login link to a verdict and its flight, as an engineer goes.
+"""From the login link to a verdict and its flight.
 
 The tests of this file are one story, in order: each begins where the one before it ended.
 """
@@ -103,7 +103,7 @@ def test_further_criteria_and_faults_are_added_and_taken_out(signed_in: Visit) -
     expect(page.locator("[data-problem='objectives.1.component']")).to_contain_text("already given")
     page.get_by_role("combobox", name="Add fault").click()
     page.get_by_role("option", name="Sensor noise").click()
-    page.get_by_text("Realisations of what is random").click()
+    page.get_by_text("Noise realisations").click()
     page.get_by_label("Seeds of the realisations").fill("1, 2, x")
     expect(page.locator("[data-problem='scenario.realisations.seeds.2']")).to_be_visible()
     page.get_by_label("Seeds of the realisations").fill("0")

@@ -1,4 +1,4 @@
-"""The text editor of the launch page, used as a visitor does: by the keyboard, and by taking the file along.
+"""The text editor of the launch page, used by keyboard and by file.
 
 Start reading at `write_over`.
 """

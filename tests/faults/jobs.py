@@ -1,4 +1,4 @@
-"""What a child runs in the fault tests in place of the physics: crashes, hangs, refusals. Each is a runner.
+"""Replacements of the physics in a child process for fault tests: crashes, hangs, refusals. Each is a runner.
 
 Start reading at `steps`; campaigns choose by their name what happens.
 """

@@ -1,4 +1,4 @@
-"""A PostgreSQL server of the test's own, from Debian's binaries, on a socket in a folder of its own.
+"""A temporary PostgreSQL server from Debian's binaries, on a socket in its own folder.
 
 Start reading at `server`; where the binaries are missing it says so and the tests that need it are skipped.
 """

@@ -1,4 +1,4 @@
-"""Real processes for the fault tests: started in a session of their own, watched through /proc, never left behind.
+"""Real processes for the fault tests: started in their own session, monitored through /proc, always cleaned up.
 
 Start reading at `Started`.
 """

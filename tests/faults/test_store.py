@@ -1,4 +1,4 @@
-"""The store over the tables: bit-exact numbers, counters in step, all or nothing, resumable."""
+"""The store over the tables: bit-exact numbers, consistent counters, atomic writes, resumable."""
 
 from __future__ import annotations
 

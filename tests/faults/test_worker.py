@@ -1,4 +1,4 @@
-"""A worker whose child crashes, hangs, refuses or is killed: real processes, accidents in place of the physics."""
+"""A worker whose child crashes, hangs, refuses or is killed: real processes, faults in place of the physics."""
 
 from __future__ import annotations
 

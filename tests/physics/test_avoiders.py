@@ -1,4 +1,4 @@
-"""Avoiders: gradients of the potentials, closed forms of the geometric laws, and each flown with each vehicle."""
+"""Avoiders: gradients of the potentials, closed forms of the geometric laws, and each combined with each vehicle."""
 
 from __future__ import annotations
 

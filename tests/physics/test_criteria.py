@@ -1,4 +1,4 @@
-"""Criteria beside the separation, held to closed forms on flights whose motion is known, and to the flights themselves.
+"""Criteria other than separation against closed forms for known motions, and against traces.
 
 A vehicle made for this drifts along a straight line, and rolls and pulls as its parameters say. Start at `flown`.
 """

@@ -1,4 +1,4 @@
-"""DOP853 as we wrote it: its order, its dense output, jumps, minima between steps, and flights that cannot be flown.
+"""The own DOP853: order, dense output, discontinuities, minima between steps, and cases that cannot be simulated.
 
 Everything here is the same code that is compiled, run in plain Python on systems with a closed form. The compiled code
 is held against SciPy's in `test_reference_flights`.

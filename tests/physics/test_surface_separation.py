@@ -1,4 +1,4 @@
-"""The distance to surfaces: closed forms along straight flights, its sign, and how far a surface is from its centre."""
+"""The distance to surfaces: closed forms along straight paths, sign, and extents of obstacles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Loops of a few components, and what holds for the text of every loop."""
+"""Loops of a few components, and invariants of the generated text."""
 
 from __future__ import annotations
 

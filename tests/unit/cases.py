@@ -1,4 +1,4 @@
-"""Case 1 with changes, for tests that need a campaign or a problem of their own. Start reading at `document`."""
+"""Case 1 with changes, for tests that need their own campaign or problem. Start reading at `document`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Evidence for a verdict written out by hand, by which everything is cleared. Start reading at `evidence`."""
+"""Hand-written evidence for a verdict of cleared. Start reading at `evidence`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The arrows between the rooms, outer and inner, read from the imports of every module; every module has a docstring.
+"""The dependency rules between packages, checked on the imports of all modules; every module has a docstring.
 
 worker -> backend.db -> campaigns; backend -> backend.db, campaigns. Start reading at `test_the_arrows`.
 """

@@ -1,4 +1,4 @@
-"""`clearance audit`: it agrees with real runs in every form, and disagrees with every corrupted record."""
+"""`clearance audit`: it accepts real runs in every form, and detects every corrupted record."""
 
 from __future__ import annotations
 

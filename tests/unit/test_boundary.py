@@ -1,4 +1,4 @@
-"""Slices through a worst case, and the distance to the boundary of a violation, on a formula that is known."""
+"""Slices through a worst case, and the distance to the boundary of a violation, on a known formula."""
 
 from __future__ import annotations
 

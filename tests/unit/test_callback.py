@@ -1,4 +1,4 @@
-"""Libraries that call back as generators, and several searches side by side; no thread outlives its search."""
+"""Callback libraries as generators, and concurrent searches; no thread outlives its search."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A campaign is known by its digest: the same however it is written, another for every value; and its JSON Schema."""
+"""The digest of a campaign: independent of formatting, different for every value; and the JSON Schema."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values that no campaign has are refused with field, given value and what is allowed."""
+"""Invalid values in a campaign are refused with field, given value and what is allowed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`clearance purge`: says what would go, asks, deletes, and makes the file smaller."""
+"""`clearance purge`: lists what would be deleted, asks, deletes, and compacts the file."""
 
 from __future__ import annotations
 

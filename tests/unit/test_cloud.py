@@ -1,4 +1,4 @@
-"""A run's parameter space: where evaluations stand, which one a click meets, what is said of one flown again."""
+"""A run's parameter space: positions of evaluations, picking by a click, texts on a repeated evaluation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The compose file and the image: who can reach what, as whom, and that everything has its health check."""
+"""The compose file and the image: network access, users, and health checks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an avoider asks for elsewhere: closed form, what the loop itself asked, every avoider of the library."""
+"""An avoider's demand at other positions: closed form, the loop's own demand, every avoider of the library."""
 
 from __future__ import annotations
 

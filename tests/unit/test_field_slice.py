@@ -1,4 +1,4 @@
-"""The avoider's field as drawn: grid, axes, scale, words. The demands themselves are held in `test_field`."""
+"""The avoider's field as drawn: grid, axes, scale, legend. The demands are tested in `test_field`."""
 
 from __future__ import annotations
 

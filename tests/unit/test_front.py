@@ -1,4 +1,4 @@
-"""The front of several criteria: what dominates what, equal rows, and what a stage's result and file tell of it."""
+"""The Pareto front of several criteria: dominance, equal rows, and its form in a stage's result and file."""
 
 from __future__ import annotations
 

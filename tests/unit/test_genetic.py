@@ -1,4 +1,4 @@
-"""The genetic algorithm: published settings, its operators one by one, what it never flies twice, how it goes on."""
+"""The genetic algorithm: published settings, each operator, no repeated evaluations, resumption."""
 
 from __future__ import annotations
 

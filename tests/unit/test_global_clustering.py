@@ -1,4 +1,4 @@
-"""GLOBAL: its critical distance, clustering, stops, the minima it tells; UNIRANDI's lines and steps."""
+"""GLOBAL: critical distance, clustering, stopping rules, reported minima; UNIRANDI's lines and steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Live flights: the protocol of `python -m worker.processes.live`, with a real process."""
+"""Live simulations: the protocol of `python -m worker.processes.live`, with a real process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Portfolio: shares the budget by promise, tells who asked, starves who does not get on, visits both of two basins."""
+"""Portfolio: shares the budget by progress, attributes evaluations, stops unproductive members, visits both basins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What README and guides show works: the campaign runs, the component simulates, commands and links exist."""
+"""The examples of README and guides work: the campaign runs, the component simulates, commands and links exist."""
 
 from __future__ import annotations
 

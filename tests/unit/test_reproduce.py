@@ -1,4 +1,4 @@
-"""`clearance reproduce` without the physics of all cases: rows complete, judged, rendered; what is missing says so."""
+"""`clearance reproduce` complete, judged and rendered rows; missing values are reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text between the components and the loop: every campaign of the library, what it calls, help for debuggers."""
+"""The generated text between components and loop: all library campaigns, called functions, debugging aids."""
 
 from __future__ import annotations
 

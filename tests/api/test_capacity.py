@@ -26,11 +26,11 @@ from tests.api.server import Service, until
 from tests.api.submitting import submit
 
 MANY = 45
-"""More than the threads that all requests share."""
+"""More than the number of threads shared by all requests."""
 
 
 class Asked:
-    """A request under way; nobody reads the answer yet."""
+    """A pending request whose response is not read yet."""
 
     def __init__(
         self, service: Service, client: httpx.Client, path: str, method: str = "GET", more: str = "", body: str = ""

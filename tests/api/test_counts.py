@@ -47,7 +47,7 @@ STAGES = {
 
 
 class Both:
-    """A run kept by a service and in memory, as the command line keeps it."""
+    """A run stored by a service, and in memory as by the command line."""
 
     def __init__(self, service: RunStore, memory: MemoryStore) -> None:
         self.service, self.memory = service, memory
@@ -206,7 +206,7 @@ def test_the_command_line_counts_the_same(ran: Ran, capsys: pytest.CaptureFixtur
 
 
 def test_no_violation_is_not_said_to_hold_where_evaluations_failed(ran: Ran) -> None:
-    """Whatever the check of the values says, those that failed have none."""
+    """Failed evaluations have no value, whatever the result of the check."""
     for told in (ran.api()["summary"]["checks"], summary(ran.campaign, ran.memory, ran.verdict)["checks"]):
         standing = {check["name"]: check["standing"] for check in told}
         assert standing["evaluations"] == "fails"

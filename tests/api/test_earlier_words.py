@@ -43,7 +43,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def rows(folder: Path) -> dict[str, dict[str, Any]]:
-    """What the database holds of each run."""
+    """The stored rows of each run."""
     with sqlite3.connect(folder / "clearance.sqlite3") as connection:
         found: dict[str, dict[str, Any]] = {}
         for run_id, summary, reason in connection.execute("select id, summary, reason from runs").fetchall():

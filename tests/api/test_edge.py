@@ -41,7 +41,7 @@ JSON = "application/problem+json"
 
 @pytest.fixture(scope="module")
 def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """One with a finished run, a draft, and a simulation process that only stands in."""
+    """A service with a finished run, a draft, and a stand-in simulation process."""
     folder = tmp_path_factory.mktemp("edge")
     (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
     with running(fresh_sqlite, folder) as service:

@@ -137,7 +137,7 @@ def marks(block: list[str]) -> list[str]:
 
 
 def told(stream: Stream, count: int) -> list[tuple[Any, str]]:
-    """The next runs that are told, each with its id."""
+    """The next reported runs with their ids."""
     found: list[tuple[Any, str]] = []
     for block in stream.blocks():
         if "event: run" in block:
@@ -149,7 +149,7 @@ def told(stream: Stream, count: int) -> list[tuple[Any, str]]:
 
 
 def test_whoever_was_away_when_a_run_ended_is_told_on_coming_back(service: Service, client: httpx.Client) -> None:
-    fill(service, 20, finished=1.0, started=0.5, created=0.1, state="done")  # ended long ago: not told again
+    fill(service, 20, finished=1.0, started=0.5, created=0.1, state="done")  # ended long ago: not reported again
     run, other = submit(client), submit(client, seed=2)
     work = Work(service)
     with listening(client) as stream:

@@ -52,7 +52,7 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) ->
     assert [file["name"] for file in listed] == [f"R-0001-unicycle-past-a-pillar-{file}" for file in kinds]
     for file in listed:
         assert file["unavailable"] is None or "Chromium" in file["unavailable"]
-        if file["media_type"] == "application/pdf":  # held in test_reports
+        if file["media_type"] == "application/pdf":  # tested in test_reports
             continue
         answer = client.get(file["href"])
         assert answer.status_code == 200

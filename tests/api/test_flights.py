@@ -69,7 +69,7 @@ def patient(bare: Service) -> Service:
 
 @pytest.fixture
 def held(service: Service, tmp_path: Path) -> Iterator[Path]:
-    """A folder: while it has a file `5.5.held`, the flight with a mass of 5.5 kg is not answered."""
+    """A folder: while it contains `5.5.held`, the response for a mass of 5.5 kg is delayed."""
     service.app.state.live.close()
     live = Live((sys.executable, "-c", STAND_IN.replace("FOLDER", repr(str(tmp_path)))), limit=60, first_limit=60)
     service.app.state.live = live
@@ -236,7 +236,7 @@ def test_a_run_whose_components_are_not_installed_says_so(patient: Service) -> N
 
 
 class Asking(threading.Thread):
-    """A request under way, and its answer."""
+    """A pending request, and its response."""
 
     def __init__(self, visitor: httpx.Client, run: str, mass: float, **more: Any) -> None:
         super().__init__()

@@ -207,7 +207,7 @@ def test_a_browser_that_fails_or_hangs_is_a_problem(
 ) -> None:
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
     _stand_in(tmp_path, "echo no display >&2; exit 7")
-    assert "ended without a file" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+    assert "ended without writing a file" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
     monkeypatch.setattr(pdf, "PATIENCE", 0.3)
     _stand_in(tmp_path, "sleep 600 & sleep 600")
     assert "took too long" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])

@@ -76,7 +76,7 @@ def test_a_later_change_of_a_result_shows(
     now = client.get(run).json()
     assert now["items"][0]["current"] is False
     assert now["digest"] != now["items"][0]["digest"]
-    assert "they have changed since" in client.get(run.replace("signoffs", "report.html")).text
+    assert "which have changed since" in client.get(run.replace("signoffs", "report.html")).text
 
 
 @BOTH

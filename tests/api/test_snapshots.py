@@ -212,5 +212,5 @@ def test_what_was_not_recorded_yet_is_no_difference() -> None:
     [("title", True), ("goal", True), ("one more", True), ("unit", False), ("start", False), ("no method", True)],
 )
 def test_what_makes_other_flights_is_told_apart(case: str, same: bool) -> None:
-    """A default counts where the campaign does not give the value; the goal it gives."""
+    """A default is used if the campaign does not give the value; it gives the goal."""
     assert (values_changed(ASKED, snapshot(ASKED, CATALOGUE), altered(OTHERWISE[case][0])) == []) is same

@@ -21,7 +21,7 @@ Command = Callable[..., "Future[int]"]
 
 @pytest.fixture
 def command(service: Service, monkeypatch: pytest.MonkeyPatch) -> Iterator[Command]:
-    """The command line beside the test, with the service's address and a token in its environment."""
+    """The command line as a process, with the service's address and a token in its environment."""
     monkeypatch.setenv("CLEARANCE_SERVICE", service.url)
     monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
     monkeypatch.setenv("NO_PROXY", "127.0.0.1")

@@ -101,7 +101,7 @@ def test_what_is_found_while_watching_appears(service: Service, client: httpx.Cl
 
 
 def test_a_view_that_is_told_parameters_simulates_them(bare: Service) -> None:
-    """With the components as workers publish them, and the process that really flies."""
+    """With the published catalogue, and the real simulation process."""
     bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
     bare.publish(published_by_workers())
     with bare.signed_in() as client:

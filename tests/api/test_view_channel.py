@@ -38,7 +38,7 @@ def address(run: str, key: str = KEY) -> str:
 
 
 def said(state: dict[str, Any]) -> dict[str, Any]:
-    """What can be told beforehand of what a view shows."""
+    """The predictable part of a view's state."""
     assert state["revision"] > 0
     return {name: state[name] for name in ("opened", "flight", "time", "camera", "playing", "theme")}
 
@@ -140,7 +140,7 @@ def test_a_browser_that_leaves_while_its_camera_is_moved_is_no_matter(
         server, camera = shown._server, shown._following
         clients = server.get_clients()
     until(lambda: all(c._websock_connection.get_message_buffer().done for c in clients.values()))
-    monkeypatch.setattr(server, "get_clients", lambda: clients)  # as it was asked a moment before
+    monkeypatch.setattr(server, "get_clients", lambda: clients)  # as requested just before
     camera.place((np.zeros(3), np.ones(3)))
     camera.work(time.monotonic())
     assert len(clients) == 1

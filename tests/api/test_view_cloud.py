@@ -45,7 +45,7 @@ def stored(service: Service, cost: float) -> None:
 
 
 def camera(connection: ClientConnection) -> tuple[Any, Any]:
-    """Where the browser's camera is told to stand and to look, once the points are there."""
+    """Position and target of the camera as sent to the browser, once the points are drawn."""
     eye = target = None
     drawn = False
     for frame in frames(connection):
@@ -121,13 +121,13 @@ def test_what_was_really_excluded_or_failed_has_its_own_sign_and_flies_again_the
             drawn = viewer._panel._cloud._drawn
             for row, status in ((0, b"excluded"), (4, b"failed")):
                 click(panel, drawn.points[row] - np.array([0.0, 0.01, 0.0]) * drawn.side, (0.0, 1.0, 0.0))
-                said = frames_until(connection, b"simulated again", b"The same: " + status, seconds=120)
+                said = frames_until(connection, b"simulated again", b"Identical: " + status, seconds=120)
                 assert f"evaluation {row} (from 0)".encode() in said
                 assert html.escape(lost.reasons[row]).encode() in said
 
 
 def test_nothing_of_the_flights_is_left_out_when_they_are_hidden(bare: Service) -> None:
-    """Whatever a scene has stands below what is hidden with it, or is one of the few that have their own switch."""
+    """All nodes of a scene are below a node that is hidden with it, or have their own switch."""
     with bare.signed_in() as client:
         run = shipped(bare, client, "uav_aca")
         work = Work(bare)

@@ -33,7 +33,7 @@ FLYING = {
 
 
 def main() -> None:
-    """Measure every loop asked for, print, write."""
+    """Measure all requested loops, print and write the results."""
     BUILD.mkdir(exist_ok=True)
     found = {name: measure(load_file(library()[name])) for name in sys.argv[1:] or ["unicycle_static"]}
     (BUILD / "faults.json").write_text(json.dumps(found, indent=2) + "\n")
@@ -80,7 +80,7 @@ def loop(campaign: Campaign, part: Fault | Environment | None, period: float) ->
 
 
 def instructions(problem: Problem) -> dict[str, Any]:
-    """Counts over the machine code of the compiled loop, which must have been flown."""
+    """Counts over the machine code of the compiled loop, which must have been run."""
     code = problem.system.loop.assembly()
     return {
         "wide": len(re.findall("%zmm|%ymm", code)),

@@ -84,9 +84,9 @@ def _nlopt(cost: Callable[[Floats, Floats], float], dimension: int) -> tuple[int
 
 
 def overhead(method: Method, evaluations: int = EVALUATIONS, repeats: int = REPEATS) -> float:
-    """A method's own time per evaluation [us]: what passes between an answer and the next request.
+    """A method's own time per evaluation [us]: the time between a result and the next request.
 
-    On a function of `DIMENSION` parameters; a method that ends earlier begins again with another seed.
+    On a function of `DIMENSION` parameters; a method that ends earlier restarts with another seed.
     """
     f = on_unit_cube(f"Levy {DIMENSION}", 1)
     _own(method, f, 500)

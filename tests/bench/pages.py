@@ -161,7 +161,7 @@ class Visitor:
             return 1e3 * (time.perf_counter() - began)
 
     def run_page(self, run: str) -> dict[str, float]:
-        """A run's page: until it is interactive [ms], and all that it has transferred once its 3D view stands [MB]."""
+        """A run's page: until it is interactive [ms], and the data transferred until its 3D view is open [MB]."""
         with self.page() as page:
             traffic = Traffic(page)
             began = time.perf_counter()
@@ -178,7 +178,7 @@ class Visitor:
         }
 
     def core(self, path: str, seen: str) -> float:
-        """The service's share of one core while a live page is watched [%]."""
+        """The service's load of one core while a live page is open [%]."""
         with self.page() as page:
             page.goto(self.address + path)
             page.locator(seen).wait_for()

@@ -145,7 +145,7 @@ def fly_all(starts: Any, vehicles: Any, laws: Any, encounters: Any, dt: float, s
 
 
 class Reference:
-    """The yardstick for flights of a campaign of case 2: `costs()` flies them all and returns d_min (m,) [m]."""
+    """The reference for simulations of a campaign of case 2: `costs()` simulates all and returns d_min (m,) [m]."""
 
     def __init__(self, problem: Problem, vectors: Floats) -> None:
         def of(prefix: str, *names: str) -> Floats:

@@ -40,7 +40,7 @@ expect.set_options(timeout=PATIENCE / 2)  # a 3D view drawn in software holds it
 
 
 def chromium() -> str:
-    """Where the system's browser is; fails where there is none."""
+    """The path of the system's browser; fails if there is none."""
     found = next(
         (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
     )
@@ -65,7 +65,7 @@ class Visit:
         self.page.goto(self.address + path)
 
     def stay(self, path: str) -> Page:
-        """Be at an address, whatever its query: a page that stands there already stays as it is."""
+        """Go to an address; a page that is already there, with any query, is not reloaded."""
         if urlsplit(self.page.url).path != path:
             self.go(path)
         return self.page

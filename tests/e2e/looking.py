@@ -14,7 +14,7 @@ LOOKS = [(width, theme) for width in (1440, 1280) for theme in ("light", "dark")
 
 
 def api(visit: Visit, path: str) -> Any:
-    """What the API says to this browser's session."""
+    """An API response in this browser's session."""
     answer = visit.page.request.get(f"{visit.address}/api/v1{path}")
     assert answer.ok, answer.text()
     return answer.json()

@@ -231,7 +231,7 @@ def steered(page: Page) -> None:
     for _ in range(2):
         before = box.is_checked()
         with page.expect_response(lambda answer: "/views/" in answer.url and answer.request.method == "PATCH") as told:
-            box.click()  # ticked or not once the view has said so
+            box.click()  # final state once confirmed by the view
         assert told.value.json()["layers"]["velocity"] is not before
         expect(box).to_be_checked(checked=not before)
     page.keyboard.press("Escape")

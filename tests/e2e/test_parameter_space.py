@@ -29,7 +29,7 @@ ALL = re.compile("^1.?000 of 1.?000 evaluations kept, lowest dmin 1.007 m")
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """A service with a finished run of 1000 evaluations of two parameters, every tenth of them failed, and one of 21
-    that were flown, of which 4 are excluded and 7 failed."""
+    simulated ones, of which 4 are excluded and 7 failed."""
     with served(tmp_path_factory.mktemp("space"), published_by_workers()) as service:
         with service.signed_in() as client:
             assert client.post("/api/v1/runs", json={"campaign": campaign(), "name": "Space"}).status_code == 201

@@ -33,13 +33,13 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 
 
 def playing(page: Page, worst: str | None = None) -> Locator:
-    """The play bar, once the time runs, and the worst flight is drawn where its colour is given."""
+    """Wait until the play bar advances; if a colour is given, until the worst flight is drawn."""
     page.set_viewport_size({"width": 900, "height": 600})  # software draws every pixel
     expect(page.locator("canvas").first).to_be_visible()
     time = page.locator("input").first
     expect(time).to_be_visible()
     if worst is not None:
-        # The middle: in the corners stand the caption and viser's word on software rendering, in colours like these.
+        # The centre: the corners contain the caption and viser's notice of software rendering, in similar colours.
         until(lambda: near(pixels(page.screenshot())[150:540, 310:540], rgb(worst), 40) > 60, 60)
     before = time.input_value()
     until(lambda: time.input_value() != before, 60)
@@ -97,7 +97,7 @@ def dragged(page: Page) -> bool:
 
 
 REFUSED = re.compile(r"ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 404")
-"""What a browser says of a service that is gone for a while."""
+"""Console messages of a browser while the service is unavailable."""
 
 
 def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Service, browser: Browser) -> None:

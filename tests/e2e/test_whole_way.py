@@ -84,7 +84,7 @@ def test_the_scenario_is_drawn_and_flown_while_it_is_edited(signed_in: Visit) ->
     page.get_by_label("Criterion, threshold").fill("0.95")
     expect(said).to_contain_text("violates 0.95 m by 0.0064 m")
     page.get_by_label("Criterion, threshold").fill("none")
-    expect(said).to_contain_text("when the problems are solved")
+    expect(said).to_contain_text("after the problems are solved")
     expect(said).to_contain_text("Of the campaign before the last edit")
     page.get_by_label("Criterion, threshold").fill("0.5")
     expect(said).to_contain_text("clear by 0.4436 m")
@@ -192,7 +192,7 @@ def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> 
     expect(page.get_by_role("list", name="Stages").get_by_role("listitem")).to_have_count(6)
     expect(page.get_by_role("img", name=re.compile("^Convergence"))).to_be_visible(timeout=2 * PATIENCE)
     signed_in.shot("run-live-1440-light")
-    # The page is not loaded again: it hears of the verdict by itself.
+    # The page is not reloaded: the event stream delivers the verdict.
     expect(outcome).to_have_text(re.compile(VERDICTS), timeout=2 * PATIENCE)
     run = api(signed_in, "/runs/R-0001")
     assert run["campaign"]["uncertain"]["vehicle.m"]["low"] == 4.3

@@ -20,7 +20,7 @@ CLEARANCE = [sys.executable, "-m", "worker.cli"]
 
 
 class Started:
-    """A command under way; what it prints is kept in a file."""
+    """A running command; its output is written to a file."""
 
     def __init__(self, command: list[str], output: IO[bytes], **environment: str) -> None:
         self.output = Path(output.name)
@@ -126,7 +126,7 @@ def descendants(pid: int) -> list[int]:
 
 
 def _stat(pid: int) -> list[str] | None:
-    """State, parent, ... of a process, as /proc says."""
+    """State, parent, ... of a process, from /proc."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     except OSError:

@@ -51,7 +51,7 @@ class Bench(Stored):
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
-    """A worker that all tests of this file share: it has to survive them all."""
+    """A worker shared by all tests of this file: it must survive all of them."""
     folder = tmp_path_factory.mktemp("worker")
     url = f"sqlite:///{folder}/clearance.sqlite3"
     migrate(url)

@@ -23,7 +23,7 @@ from worker.kernels.views import Body3
 
 
 def loops() -> dict[str, Campaign]:
-    """One campaign of every vehicle and avoider of the library, without the faults it has of its own."""
+    """One campaign of every vehicle and avoider of the library, without its own faults."""
     found: dict[str, Campaign] = {}
     for path in library().values():
         campaign = load_file(path)

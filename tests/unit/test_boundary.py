@@ -22,7 +22,7 @@ WORST = np.array([0.0, 0.0])
 
 
 def driven(asking: Asking[Told], flown: Any = None) -> tuple[Told, int]:
-    """What a request says under the driver, and how many evaluations it took."""
+    """The result of a request with the driver, and its number of evaluations."""
     told: list[Told] = []
 
     def search() -> Asking[str]:

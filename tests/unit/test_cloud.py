@@ -68,7 +68,7 @@ def test_a_click_meets_the_point_nearest_on_the_screen() -> None:
             {"cost": None, "status": "failed", "reason": "it fell"},
             "The same: failed. it fell",
         ),
-        (one(5.0, None, "failed"), {"cost": 0.7, "status": "ok", "reason": ""}, "Not the same."),
+        (one(5.0, None, "failed"), {"cost": 0.7, "status": "ok", "reason": ""}, "Not identical."),
     ],
 )
 def test_what_was_stored_and_what_was_flown_again_stand_side_by_side(

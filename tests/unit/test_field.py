@@ -60,7 +60,7 @@ def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
     flown_by = Problem(SHIPPED[name])
     loop, flown, every = flown_by.system.loop, fly(flown_by.system, {}), flown_by.system.counts(flown_by.system.step)[1]
     dimension = flown_by.system.parts.vehicle.dimension
-    # Guidance that is asked at every stage is kept in the trace as it was at the start only.
+    # For continuous guidance the trace contains only the value at the start of a step.
     rows = [0, every, len(flown.states) // 2 // every * every] if flown_by.system.parts.sampled else [0]
     p = loop.extend(flown.vector)
     for row in rows:
@@ -84,7 +84,7 @@ def standing(made: Problem) -> Flown:
 
 
 def check(made: Problem) -> None:
-    """The avoider answers wherever it is asked, each place by itself, with a demand of its kind and dimension."""
+    """The avoider returns a demand of its kind and dimension at every position independently."""
     flown = standing(made)
     here = field(made.system, flown, 0.0, np.zeros((1, 2)))
     places = around(here.place, 30.0, 7)

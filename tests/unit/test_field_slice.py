@@ -95,7 +95,7 @@ def test_the_words_say_what_is_shown() -> None:
 
 @pytest.mark.parametrize("dark", [False, True])
 def test_the_scale_is_the_pages_own(dark: bool) -> None:
-    """`frontend/src/run/space/space.test.ts` holds the other side of it."""
+    """`frontend/src/run/space/space.test.ts` tests the pages' version."""
     ends = colours([-1.0, 0.0, 1.0, 2.0], dark)
     assert (ends[0] == ends[1]).all()
     assert (ends[2] == ends[3]).all()

@@ -26,7 +26,7 @@ def two_basins(x: Floats) -> Floats:
 
 
 def shared(function: Function, dimension: int, budget: int, seed: int = 1) -> list[tuple[str, Floats, Floats]]:
-    """Who asked for which points, what they cost, request by request."""
+    """The requested points and their costs, by member and request."""
     told: list[tuple[str, int]] = []
     given = replace(space(dimension, budget, seed=seed), attribute=lambda member, count: told.append((member, count)))
     search, parts, asked = method.search(given, Options()), [], 0

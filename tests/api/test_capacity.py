@@ -179,7 +179,7 @@ def test_health_and_the_guard_answer_when_every_shared_thread_is_busy(
     assert {one.answer()[0] for one in asked} == {200}
 
 
-def test_whoever_waits_too_long_is_told_when_to_ask_again(
+def test_a_wait_that_is_too_long_returns_retry_after(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, go: threading.Event
 ) -> None:
     submit(client)

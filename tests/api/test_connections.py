@@ -199,7 +199,7 @@ def test_beyond_so_many_connections_there_is_a_refusal_and_one_gone_makes_room(s
         until(lambda: strict.app.state.hub.listeners == 0)
 
 
-def test_who_sends_nothing_keeps_nobody_out(strict: Service) -> None:
+def test_idle_clients_do_not_block_others(strict: Service) -> None:
     connections = strict.server.server_state.connections
     until(lambda: not connections)
     halves = [opened(strict) for _ in range(3 * MOST)]

@@ -85,7 +85,7 @@ def test_every_evaluation_is_a_row_with_all_its_digits(client: httpx.Client, run
     assert [float(row[8]) for row in rows] == (4.0 + (6.0 - 4.0) * flown.points[:, 0]).tolist()
 
 
-def test_without_a_catalogue_parameters_are_told_as_shares(service: Service, client: httpx.Client, run: str) -> None:
+def test_without_a_catalogue_parameters_are_fractions(service: Service, client: httpx.Client, run: str) -> None:
     with service.engine.begin() as connection:
         connection.execute(sa.delete(CatalogueDocument))
         connection.execute(sa.update(Run).values(snapshot=None))

@@ -272,9 +272,7 @@ def test_of_one_client_the_newest_request_counts(service: Service, client: httpx
     assert flown(client, run, parameters={"vehicle.m": 5.75})["cost"] == 1.0
 
 
-def test_so_many_are_simulated_at_once_and_the_rest_is_told_to_wait(
-    service: Service, client: httpx.Client, held: Path
-) -> None:
+def test_concurrent_simulations_are_limited(service: Service, client: httpx.Client, held: Path) -> None:
     run = submit(client)
     capacity = service.app.state.capacities.flights
     capacity.waiting = 1

@@ -199,7 +199,7 @@ def test_a_purge_that_breaks_off_has_done_nothing(
     assert (service.rows(), client.get(run).json()) == (before, told)
 
 
-def test_the_same_submit_again_is_told_what_became_of_its_run(service: Service, client: httpx.Client) -> None:
+def test_a_repeated_submission_reports_the_state_of_its_run(service: Service, client: httpx.Client) -> None:
     def post() -> httpx.Response:
         return client.post("/api/v1/runs", json={"campaign": campaign()}, headers={"Idempotency-Key": "k"})
 

@@ -108,7 +108,7 @@ def test_hostile_words_stay_words(service: Service, client: httpx.Client) -> Non
 
 
 @pytest.mark.parametrize("verdict", ["violated", "inconclusive"])
-def test_other_verdicts_are_told_as_such(service: Service, client: httpx.Client, verdict: str) -> None:
+def test_other_verdicts_are_reported(service: Service, client: httpx.Client, verdict: str) -> None:
     run = submit(client)
     finish_fully(service, verdict, "Nothing may be claimed.")
     text = report(client, run)
@@ -164,7 +164,7 @@ def test_components_that_may_have_changed_since_are_named(service: Service, clie
     assert "vehicle.J was" not in text
 
 
-def test_parameters_of_one_symbol_are_told_apart(client: httpx.Client) -> None:
+def test_parameters_with_one_symbol_are_distinguished(client: httpx.Client) -> None:
     document = campaign()
     document["scenario"]["obstacles"] *= 2
     document["uncertain"] |= {f"obstacles.{i}.radius": {"low": 0.4, "high": 0.6} for i in range(2)}

@@ -108,7 +108,7 @@ def test_what_is_installed_later_changes_nothing_of_what_a_run_says(service: Ser
     assert "This installation has no component" not in report
 
 
-def test_a_run_from_before_is_told_by_what_is_installed_and_says_so(service: Service, client: httpx.Client) -> None:
+def test_a_run_without_snapshot_uses_the_installed_descriptions(service: Service, client: httpx.Client) -> None:
     run = f"/api/v1/runs/{submit(client)}"
     finish_fully(service)
     forget(service)

@@ -162,7 +162,7 @@ def test_a_token_is_needed(
     assert said in capsys.readouterr().err
 
 
-def test_what_the_service_refuses_is_told_by_field(
+def test_refusals_of_the_service_are_reported_by_field(
     service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     document = campaign()

@@ -43,7 +43,7 @@ def said(state: dict[str, Any]) -> dict[str, Any]:
     return {name: state[name] for name in ("opened", "flight", "time", "camera", "playing", "theme")}
 
 
-def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, client: httpx.Client, run: str) -> None:
+def test_a_page_controls_its_view_and_receives_its_state(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}/") as connection:
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
         answer = client.get(address(run), params={"wait": 10}).json()
@@ -320,6 +320,6 @@ def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
         assert target.tolist() == eye["target"]
 
 
-def test_where_no_more_views_fit_the_page_is_told_so(service: Service, client: httpx.Client, run: str) -> None:
+def test_the_limit_of_views_is_reported_on_the_page(service: Service, client: httpx.Client, run: str) -> None:
     service.app.state.viewers.most = 0
     assert "0 3D views are open" in problem(client.patch(address(run), json={}), 503)["detail"]

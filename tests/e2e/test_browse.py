@@ -262,7 +262,7 @@ def test_selected_runs_are_cancelled_together(signed_in: Visit, runs: list[str])
         assert api(signed_in, f"/runs/{run}")["state"] == "cancelled"
 
 
-def test_the_keys_are_told_and_work(signed_in: Visit, runs: list[str]) -> None:
+def test_the_keys_are_listed_and_work(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.page
     signed_in.go(f"/runs/{runs[0]}")
     expect(page.get_by_role("heading", name="Findings")).to_be_visible()

@@ -147,7 +147,7 @@ def test_stages_and_failures_are_switched_off(visit: Visit, card: Locator) -> No
     expect(kept(card)).to_have_text(ALL)
 
 
-def test_what_was_really_excluded_or_failed_is_told_apart(visit: Visit) -> None:
+def test_excluded_and_failed_evaluations_are_distinguished(visit: Visit) -> None:
     """Last here: it goes to another run."""
     visit.page.set_viewport_size({"width": 1440, "height": 900})
     visit.go("/runs/R-0002")

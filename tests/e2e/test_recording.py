@@ -46,7 +46,7 @@ def playing(page: Page, worst: str | None = None) -> Locator:
     return time
 
 
-def test_the_file_opens_from_disk_and_asks_nobody(recorded: Service, browser: Browser, tmp_path: Path) -> None:
+def test_the_file_opens_from_disk_without_requests(recorded: Service, browser: Browser, tmp_path: Path) -> None:
     file = tmp_path / "flight.html"
     with recorded.signed_in() as client:
         file.write_bytes(client.get("/api/v1/runs/R-0001/exports/flight-F1.html").content)

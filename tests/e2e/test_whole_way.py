@@ -27,7 +27,7 @@ VERMILLION = (222, 103, 20)
 THIN = "\u202f"
 
 
-def test_a_stranger_is_told_how_to_come_in(service: Service, browser: Browser) -> None:
+def test_an_unauthenticated_client_is_told_how_to_sign_in(service: Service, browser: Browser) -> None:
     with visiting(browser, service.link().partition("/login")[0]) as stranger:
         stranger.go("/runs")
         expect(stranger.page.locator("body")).to_contain_text("clearance login-link")
@@ -209,7 +209,7 @@ def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> 
     expect(page.get_by_text("at high bound")).to_have_count(2)
 
 
-def test_every_method_is_told_and_drawn(signed_in: Visit) -> None:
+def test_every_method_is_listed_and_drawn(signed_in: Visit) -> None:
     page = signed_in.page
     for stage in api(signed_in, "/runs/R-0001/stages"):
         if stage["kind"] == "search":

@@ -109,7 +109,7 @@ def test_a_nominal_flight_that_violates_has_no_distance() -> None:
     assert evaluations == 1 + 5 * boundary.LOOKS
 
 
-def test_what_is_told_of_a_finding() -> None:
+def test_fields_of_a_finding() -> None:
     (_, violation), most = driven(boundary.after(case1(), WORST, THRESHOLD - 0.2))
     assert violation is not None
     assert violation.line is not None

@@ -69,7 +69,7 @@ def test_a_dry_run_and_a_no_delete_nothing(
     assert left(data) == [1, 2, 3]
 
 
-def test_where_nobody_answers_nothing_is_deleted(
+def test_without_confirmation_nothing_is_deleted(
     data: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.stdin", open("/dev/null"))  # noqa: SIM115

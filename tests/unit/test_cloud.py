@@ -66,7 +66,7 @@ def test_a_click_meets_the_point_nearest_on_the_screen() -> None:
         (
             one(5.0, None, "failed"),
             {"cost": None, "status": "failed", "reason": "it fell"},
-            "The same: failed. it fell",
+            "Identical: failed. it fell",
         ),
         (one(5.0, None, "failed"), {"cost": 0.7, "status": "ok", "reason": ""}, "Not identical."),
     ],

@@ -151,7 +151,7 @@ def test_its_local_searches_keep_to_their_evaluations() -> None:
         assert any(m.text == "used its 40 evaluations" for m in found.minima)
 
 
-def test_a_minimum_is_told_as_soon_as_it_is_found() -> None:
+def test_a_minimum_is_reported_as_soon_as_it_is_found() -> None:
     minima: list[Minimum] = []
     found = run(method, two_bowls, 2, 10**6, until=lambda f: bool(f.minima))
     minima += found.minima
@@ -251,7 +251,7 @@ def test_unirandi_never_accepts_what_failed() -> None:
     assert end.cost == pytest.approx(0.5, abs=0.01)
 
 
-def test_the_same_minimum_is_not_told_twice() -> None:
+def test_the_same_minimum_is_not_reported_twice() -> None:
     f = on_unit_cube("Hartman 3", 2)
     found = run(method, f, 3, 10_000, options={"local_evaluations": 5000})
     for i, one in enumerate(found.minima):

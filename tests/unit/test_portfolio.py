@@ -51,7 +51,7 @@ def counted(parts: list[tuple[str, Floats, Floats]]) -> Counter[str]:
     return count
 
 
-def test_every_point_is_told_apart_and_every_member_has_its_share() -> None:
+def test_points_are_attributed_and_every_member_has_its_share() -> None:
     count = counted(shared(on_unit_cube("Levy 8", 1), 8, 3000))
     assert set(count) == set(NAMES)
     assert min(count.values()) > 60

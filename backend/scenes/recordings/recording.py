@@ -91,7 +91,7 @@ class _Stage:
     def said(self) -> str:
         """The legend of dots and arrows."""
         ahead = self._vectors.ahead
-        arrows = f"The length of an arrow is the distance travelled in {ahead:g} s." if ahead else ""
+        arrows = f" The length of an arrow is the distance travelled in {ahead:g} s." if ahead else ""
         return f"The play bar shows flight time in seconds; dots every {self._flights.dots:g} s.{arrows}"
 
     def _separation_label(self, drawn: Drawn) -> Any:

@@ -1,4 +1,4 @@
-"""The pages: the built single-page application with deep links, and the few plain pages the service writes itself.
+"""Serves the built single-page application with deep links, and a few plain pages.
 
 Hashed assets are cached by browsers for a year; the page that names them is requested each time (RFC 9111).
 Start reading at `serve`.
@@ -26,7 +26,7 @@ _STYLE = (
 
 
 def serve(app: FastAPI, folder: Path) -> None:
-    """Answer every address that is not the API's from the built front end; to be called after all other routes."""
+    """Serve all addresses outside the API from the built front end; call it after all other routes."""
 
     @app.get("/", include_in_schema=False)
     def start() -> Response:
@@ -50,7 +50,7 @@ def serve(app: FastAPI, folder: Path) -> None:
 
 
 def _asset(file: Path, headers: Headers) -> Response:
-    """A hashed file, as the build has packed it for browsers that take that (RFC 7932)."""
+    """A hashed file, precompressed (RFC 7932) if the browser accepts that."""
     packed = file.with_name(f"{file.name}.br")
     if not packed.is_file():
         return FileResponse(file, headers=ASSET)
@@ -62,24 +62,24 @@ def _asset(file: Path, headers: Headers) -> Response:
 
 
 def _inside(folder: Path, path: str) -> Path | None:
-    """The file of that path, if it is one of the folder's."""
+    """The file at that path, if it is inside the folder."""
     if "\0" in path:
         return None
     root = folder.resolve()
     try:
         file = (root / path).resolve()
         return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
-    except OSError:  # a name that no file can have, such as one of more than 255 bytes
+    except OSError:  # an invalid file name, such as one of more than 255 bytes
         return None
 
 
 def wants_page(headers: Headers) -> bool:
-    """Whether the request was made by a person's browser going somewhere, not by a program or a script."""
+    """Whether the request is a browser navigation, not a call by a program or script."""
     return "text/html" in headers.get("accept", "")
 
 
 def plain(title: str, body: str, status: int) -> HTMLResponse:
-    """A page of a few words; `body` is HTML."""
+    """A short page; `body` is HTML."""
     text = (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)} · Clearance</title>'
         f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>'
@@ -89,7 +89,7 @@ def plain(title: str, body: str, status: int) -> HTMLResponse:
 
 
 def sign_in(status: int, why: str = "Sign in to Clearance") -> HTMLResponse:
-    """What to do without a session, or with a login link that is not good."""
+    """The page shown without a session or with an invalid login link."""
     body = (
         "<p>Open the login link that the service printed when it started: look at the output of "
         "<code>clearance serve</code> or <code>make run</code>, or at the container's log.</p>"

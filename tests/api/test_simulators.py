@@ -1,4 +1,4 @@
-"""A simulator of an installed package through the command line and a whole service, each in processes of its own."""
+"""A simulator of an installed package through the command line and a whole service, in separate processes."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def test_every_result_and_export_answers(visit: Visit) -> None:
         assert client.get(f"{base}/exports/{name}").status_code == 200, name
     report = client.get(f"{base}/report.html")
     assert report.status_code == 200, report.text
-    assert "This simulator gives no trace." in report.text
+    assert "This simulator provides no trace." in report.text
     assert "Evaluated again" in report.text
     assert "Reference integrator" not in report.text
     preview = client.post("/api/v1/campaigns/preview", json={"campaign": package.campaign()})

@@ -1,4 +1,4 @@
-"""A page steers the 3D view that it has opened, and nobody else's."""
+"""A page controls the 3D view that it opened, and no other."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def address(run: str, key: str = KEY) -> str:
 
 
 def said(state: dict[str, Any]) -> dict[str, Any]:
-    """What can be told beforehand of what a view shows."""
+    """The predictable part of a view's state."""
     assert state["revision"] > 0
     return {name: state[name] for name in ("opened", "flight", "time", "camera", "playing", "theme")}
 
 
-def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, client: httpx.Client, run: str) -> None:
+def test_a_page_controls_its_view_and_receives_its_state(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}/") as connection:
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
         answer = client.get(address(run), params={"wait": 10}).json()
@@ -140,7 +140,7 @@ def test_a_browser_that_leaves_while_its_camera_is_moved_is_no_matter(
         server, camera = shown._server, shown._following
         clients = server.get_clients()
     until(lambda: all(c._websock_connection.get_message_buffer().done for c in clients.values()))
-    monkeypatch.setattr(server, "get_clients", lambda: clients)  # as it was asked a moment before
+    monkeypatch.setattr(server, "get_clients", lambda: clients)  # as requested just before
     camera.place((np.zeros(3), np.ones(3)))
     camera.work(time.monotonic())
     assert len(clients) == 1
@@ -320,6 +320,6 @@ def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
         assert target.tolist() == eye["target"]
 
 
-def test_where_no_more_views_fit_the_page_is_told_so(service: Service, client: httpx.Client, run: str) -> None:
+def test_the_limit_of_views_is_reported_on_the_page(service: Service, client: httpx.Client, run: str) -> None:
     service.app.state.viewers.most = 0
     assert "0 3D views are open" in problem(client.patch(address(run), json={}), 503)["detail"]

@@ -1,4 +1,4 @@
-"""What every component is held to in flight: alone or among others, compiled or plain. Start at `unbreakable`."""
+"""The contract of components in simulation: alone or combined, compiled or plain. Start at `unbreakable`."""
 
 from __future__ import annotations
 

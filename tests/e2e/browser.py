@@ -1,4 +1,4 @@
-"""A browser that watches what it should not see: errors on the console, requests that leave the service.
+"""A browser that fails on console errors and on requests to other hosts.
 
 Start reading at `Visit`.
 """
@@ -40,7 +40,7 @@ expect.set_options(timeout=PATIENCE / 2)  # a 3D view drawn in software holds it
 
 
 def chromium() -> str:
-    """Where the system's browser is; fails where there is none."""
+    """The path of the system's browser; fails if there is none."""
     found = next(
         (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
     )
@@ -65,13 +65,13 @@ class Visit:
         self.page.goto(self.address + path)
 
     def stay(self, path: str) -> Page:
-        """Be at an address, whatever its query: a page that stands there already stays as it is."""
+        """Go to an address; a page that is already there, with any query, is not reloaded."""
         if urlsplit(self.page.url).path != path:
             self.go(path)
         return self.page
 
     def shot(self, name: str, *, full: bool = True, of: Locator | None = None) -> None:
-        """Keep a picture of the page, or of a part of it, where CLEARANCE_SCREENSHOTS asks for them."""
+        """Save a screenshot of the page, or of a part of it, if CLEARANCE_SCREENSHOTS is set."""
         if not os.environ.get("CLEARANCE_SCREENSHOTS"):
             return
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
@@ -103,7 +103,7 @@ class Visit:
 
 @contextmanager
 def visiting(browser: Browser, address: str) -> Iterator[Visit]:
-    """A fresh browser profile at 1440 x 900; at the end nothing may have gone wrong in it."""
+    """A new browser profile at 1440 x 900; fails at the end if the browser reported errors."""
     context = browser.new_context(viewport={"width": 1440, "height": 900}, color_scheme="light")
     context.set_default_timeout(PATIENCE)
     visit = Visit(context.new_page(), address)

@@ -30,7 +30,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="module")
 def signed_in(service: Service, browser: Browser) -> Iterator[Visit]:
-    """A page of one engineer's browser, who came by the login link; the tests of a module share it."""
+    """A page of a browser that signed in with the login link; shared by the tests of a module."""
     link = service.link()
     with visiting(browser, link.partition("/login")[0]) as visit:
         visit.page.goto(link)

@@ -1,4 +1,4 @@
-"""How a page looks at both widths in both themes, and what the API says to its browser. Start reading at `looks`."""
+"""Screenshots of a page at both widths in both themes, and API requests from its browser. Start reading at `looks`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LOOKS = [(width, theme) for width in (1440, 1280) for theme in ("light", "dark")
 
 
 def api(visit: Visit, path: str) -> Any:
-    """What the API says to this browser's session."""
+    """An API response in this browser's session."""
     answer = visit.page.request.get(f"{visit.address}/api/v1{path}")
     assert answer.ok, answer.text()
     return answer.json()

@@ -1,4 +1,4 @@
-"""Runs browsed, written on, selected and explained, as engineers who share them do.
+"""Browsing, annotating, selecting and explaining runs.
 
 The tests of this file are one story, in order, over runs that a worker really flew.
 """
@@ -173,7 +173,7 @@ def test_every_finding_and_the_nominal_flight_can_be_chosen(signed_in: Visit, ru
             "Integrations agree" if finding["validation"]["agrees"] else "Integrations disagree"
         )
         if not finding["found"]:
-            expect(row).to_contain_text("reached only by polishing")
+            expect(row).to_contain_text("reached only by local refinement")
     expect(page.locator("tr[data-finding=F1]").get_by_role("button")).to_have_attribute("aria-pressed", "true")
     view = page.locator("#flight iframe")
     view.scroll_into_view_if_needed()
@@ -231,7 +231,7 @@ def steered(page: Page) -> None:
     for _ in range(2):
         before = box.is_checked()
         with page.expect_response(lambda answer: "/views/" in answer.url and answer.request.method == "PATCH") as told:
-            box.click()  # ticked or not once the view has said so
+            box.click()  # final state once confirmed by the view
         assert told.value.json()["layers"]["velocity"] is not before
         expect(box).to_be_checked(checked=not before)
     page.keyboard.press("Escape")
@@ -262,7 +262,7 @@ def test_selected_runs_are_cancelled_together(signed_in: Visit, runs: list[str])
         assert api(signed_in, f"/runs/{run}")["state"] == "cancelled"
 
 
-def test_the_keys_are_told_and_work(signed_in: Visit, runs: list[str]) -> None:
+def test_the_keys_are_listed_and_work(signed_in: Visit, runs: list[str]) -> None:
     page = signed_in.page
     signed_in.go(f"/runs/{runs[0]}")
     expect(page.get_by_role("heading", name="Findings")).to_be_visible()

@@ -1,4 +1,4 @@
-"""From a finished run to evidence: files, the report, figures, a sign-off, and two runs beside each other.
+"""From a finished run to evidence: files, the report, figures, a sign-off, and the comparison of two runs.
 
 The runs are written as a worker writes them, so that nothing is flown here. Start reading at `finished`.
 """
@@ -73,7 +73,7 @@ def saved(page: Page, entry: str) -> Download:
 
 
 def test_nothing_is_asked_for_twice(visit: Visit) -> None:
-    visit.page.goto("about:blank")  # what the page before still asks for is not counted
+    visit.page.goto("about:blank")  # pending requests of the previous page are not counted
     asked: list[str] = []
     visit.page.on("request", lambda request: asked.append(request.url))
     visit.go("/runs/R-0001")

@@ -1,4 +1,4 @@
-"""The page of a run that evaluates a simulator: no 3D view, no words of flights, no errors."""
+"""The page of a run that evaluates a simulator: no 3D view, no mention of flights, no errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""kill -9 in the middle of a search: another worker finishes the run, and nobody can tell from its numbers."""
+"""kill -9 in the middle of a search: another worker finishes the run with identical numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults and environment: each changes nothing at zero magnitude, and each has the effect that its file states.
+"""Faults and environment: each changes nothing at zero magnitude, and each has its documented effect.
 
 Whatever is registered is covered by presence: a component's defaults are its zero magnitude. Start at `TestNeutral`;
 noise and gusts have their own tests in test_noise.py, realisations in test_realisations.py.
@@ -23,7 +23,7 @@ from worker.kernels.views import Body3
 
 
 def loops() -> dict[str, Campaign]:
-    """One campaign of every vehicle and avoider of the library, without the faults it has of its own."""
+    """One campaign of every vehicle and avoider of the library, without its own faults."""
     found: dict[str, Campaign] = {}
     for path in library().values():
         campaign = load_file(path)

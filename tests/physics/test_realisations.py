@@ -1,4 +1,4 @@
-"""Realisations: every evaluation flies the campaign's seeds, and the worst or the mean of them counts.
+"""Realisations: every evaluation simulates the campaign's seeds and uses the worst or the mean of them.
 
 Also what follows from noise being a function of seed and time alone: the same bits in every batch and process, the
 same flight under another integrator; and that nothing within the limits of the faults' parameters ends badly unseen.

@@ -1,4 +1,4 @@
-"""Avoiders and obstacles in space, flown by a point mass: lockstep against plain Python, and the clearance kept."""
+"""Avoiders and obstacles in space, with a point mass: lockstep against plain Python, and the achieved clearance."""
 
 from __future__ import annotations
 

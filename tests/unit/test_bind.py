@@ -1,4 +1,4 @@
-"""Compiled loops on disk: found again by the next process, compiled anew after any edit, however far away."""
+"""Compiled loops on disk: reused by the next process, recompiled after any edit of a dependency."""
 
 from __future__ import annotations
 

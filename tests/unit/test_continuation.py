@@ -43,7 +43,7 @@ SEARCHES = (
 
 @pytest.fixture
 def flown(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
-    """Every point that is really flown, by its bits."""
+    """Every point that is actually simulated, by its bits."""
     points: list[bytes] = []
     fly = InProcess.__call__
 

@@ -166,7 +166,7 @@ def test_it_goes_on_when_asked_for_more_than_its_budget() -> None:
         asked += len(points)
         points = search.send(batch(two_basins(points)))
     search.close()
-    assert method.extend is None  # but with another budget it would have gone another way
+    assert method.extend is None  # with another budget the search would differ
 
 
 def test_requests_are_blocks() -> None:

@@ -1,4 +1,4 @@
-"""What an avoider asks for elsewhere: closed form, what the loop itself asked, every avoider of the library."""
+"""An avoider's demand at other positions: closed form, the loop's own demand, every avoider of the library."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
         flown_by.system.counts(flown_by.system.step)[1],
     )
     dimension = flown_by.system.parts.vehicle.dimension
-    # Guidance that is asked at every stage is kept in the trace as it was at the start only.
+    # For continuous guidance the trace contains only the value at the start of a step.
     rows = [0, every, len(flown.states) // 2 // every * every] if flown_by.system.parts.sampled else [0]
     p = loop.extend(flown.vector)
     for row in rows:
@@ -88,7 +88,7 @@ def standing(made: Problem) -> SimulatedCase:
 
 
 def check(made: Problem) -> None:
-    """The avoider answers wherever it is asked, each place by itself, with a demand of its kind and dimension."""
+    """The avoider returns a demand of its kind and dimension at every position independently."""
     flown = standing(made)
     here = field(made.system, flown, 0.0, np.zeros((1, 2)))
     places = around(here.place, 30.0, 7)

@@ -1,4 +1,4 @@
-"""Live flights: the protocol of `python -m worker.processes.live`, with a real process."""
+"""Live simulations: the protocol of `python -m worker.processes.live`, with a real process."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def test_a_campaign_that_this_installation_cannot_fly(live: Live) -> None:
 
 
 def test_many_campaigns_in_turn(live: Live) -> None:
-    # More than it keeps ready; and the first again afterwards.
+    # More than it caches; then the first again.
     thresholds = [0.4 + k / 100 for k in range(18)] + [0.4]
     margins = [
         live.ask(id=k, campaign=document(criterion__threshold=t), rows=2)["margin"] for k, t in enumerate(thresholds)
@@ -154,7 +154,7 @@ def test_a_memory_bound_that_is_no_number_ends_the_process_with_a_sentence() -> 
 
 
 def test_a_flight_has_its_own_noise(live: Live) -> None:
-    """A seed, or the number of a draw of the certify stage, stands in place of the realisations of the campaign."""
+    """A seed, or the number of a draw of the certify stage, replaces the realisations of the campaign."""
     campaign = load_file(library()["unicycle_noise"])
     noisy, problem = campaign.document(), Problem(campaign)
     drawn = int(of_draws(problem.campaign.seed, 3, 1)[0])

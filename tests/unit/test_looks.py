@@ -1,4 +1,4 @@
-"""Components and methods of other packages are drawn as they declare; every shipped one has a look of its own."""
+"""Components and methods of other packages are drawn as they declare; every shipped one has its own look."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Monte Carlo: one stream of numbers, shaped by the campaign's distributions; even points; samples that stop early."""
+"""Monte Carlo: one random stream, shaped by the campaign's distributions; quasi-random points; early stopping."""
 
 from __future__ import annotations
 

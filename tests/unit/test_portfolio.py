@@ -1,4 +1,4 @@
-"""Portfolio: shares the budget by promise, tells who asked, starves who does not get on, visits both of two basins."""
+"""Portfolio: shares the budget by progress, attributes evaluations, stops unproductive members, visits both basins."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def two_basins(x: Floats) -> Floats:
 
 
 def shared(function: Function, dimension: int, budget: int, seed: int = 1) -> list[tuple[str, Floats, Floats]]:
-    """Who asked for which points, what they cost, request by request."""
+    """The requested points and their costs, by member and request."""
     told: list[tuple[str, int]] = []
     given = replace(space(dimension, budget, seed=seed), attribute=lambda member, count: told.append((member, count)))
     search, parts, asked = method.search(given, Options()), [], 0
@@ -51,7 +51,7 @@ def counted(parts: list[tuple[str, Floats, Floats]]) -> Counter[str]:
     return count
 
 
-def test_every_point_is_told_apart_and_every_member_has_its_share() -> None:
+def test_points_are_attributed_and_every_member_has_its_share() -> None:
     count = counted(shared(on_unit_cube("Levy 8", 1), 8, 3000))
     assert set(count) == set(NAMES)
     assert min(count.values()) > 60

@@ -1,4 +1,4 @@
-"""`clearance reproduce` without the physics of all cases: rows complete, judged, rendered; what is missing says so."""
+"""`clearance reproduce`: complete, judged and rendered rows; missing values are reported."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def made() -> Reproduction:
 @pytest.mark.parametrize("table", PRINTED)
 def test_every_printed_number_has_its_row(table: str) -> None:
     rows = [r for r in RESULTS if r.table == table and r.published is not None]
-    own = [r for r in rows if not r.row.startswith(("value at", "H-DIRECT"))]  # the text's, and points flown again
+    own = [r for r in rows if not r.row.startswith(("value at", "H-DIRECT"))]  # values of the text, and repeated points
     assert len(own) == PRINTED[table]
 
 
@@ -123,7 +123,7 @@ class TestMissing:
         assert "controller.k_p" in row.note
 
     def test_a_later_method_appears_by_itself(self) -> None:
-        # The first of the names that the installation knows is taken; options it does not know are left out.
+        # The first available method name is used; unknown options are omitted.
         asked = Search("Later", ("augury", "direct"), 50, (("iterations", 3), ("entrails", "fresh")))
         [row] = reproduce(published=[Result("5.1", "later", UNICYCLE, asked, 0.9)]).rows
         assert row.available

@@ -1,4 +1,4 @@
-"""Vectors and attitudes of the kernels against the standard library and SciPy; no number stays no number."""
+"""Vectors and attitudes of the kernels against the standard library and SciPy; NaN is preserved."""
 
 from __future__ import annotations
 

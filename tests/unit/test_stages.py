@@ -1,4 +1,4 @@
-"""The stages on real flights: what each hands over, its numbers in the parameters' units, distributions, the sample."""
+"""The stages on real simulations: results of each, numbers in the parameters' units, distributions, the sample."""
 
 from __future__ import annotations
 

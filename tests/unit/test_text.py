@@ -1,4 +1,4 @@
-"""The text between the components and the loop: every campaign of the library, what it calls, help for debuggers."""
+"""The generated text between components and loop: all library campaigns, called functions, debugging aids."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def campaign(name: str) -> Campaign:
 
 @pytest.mark.parametrize("avoider", ["potential_field", "gnron", "closest_approach"])
 def test_guidance_is_asked_once_for_what_a_trace_holds(avoider: str) -> None:
-    """Where guidance is continuous too: the held columns of a trace are the first demand, not zeros."""
+    """Also for continuous guidance: the held columns of a trace are the first demand, not zeros."""
     found: Any = components()["avoider", avoider]
     loop = Loop(parts(avoider=found), lanes=1, compiled=False)
     given = vector(loop)

@@ -1,4 +1,4 @@
-"""A trace shows the very flight whose cost was counted."""
+"""A trace shows exactly the simulation whose cost was stored."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""GET and PATCH /runs/{run}/views/{key}: the page that has opened a 3D view steers it. Start reading at `change_view`.
+"""GET and PATCH /runs/{run}/views/{key}: the page that opened a 3D view controls it.
 
-The key is the page's own, in the address of the view; it is good for whoever opened that view and for its run alone.
+The page generates the key, which is part of the view's address; it is valid only for the view's visitor and run.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from campaigns.runs import run_name
 
 router = APIRouter(tags=["views"])
 
-Key = Annotated[str, Path(pattern=f"^{KEY}$", description="Of the view: a UUID (version 4) in its address.")]
+Key = Annotated[str, Path(pattern=f"^{KEY}$", description="The key of the view: a UUID (version 4) in its address.")]
 Wait = Annotated[float, Query(ge=0, le=30, description="How long to wait for the view to open [s].")]
 Since = Annotated[
     int | None,
     Query(
         ge=0,
         le=LARGEST_WHOLE,
-        description="A revision that is known: the answer comes once the view shows something else, at the latest "
-        "after `wait`; at once where no such view is open.",
+        description="A known revision: the response is sent once the view has changed, at the latest "
+        "after `wait`; immediately if no such view is open.",
     ),
 ]
 
@@ -43,7 +43,7 @@ Since = Annotated[
 async def get_view(
     run: RunName, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
 ) -> ViewState:
-    """What an open 3D view shows now, or as soon as it shows something new."""
+    """The state of an open 3D view, now or after its next change."""
     handle = Handle(visitor, number(run), key)
     if since is not None:
         await request.app.state.viewers.news(handle, since, wait)
@@ -58,7 +58,7 @@ async def get_view(
 async def change_view(
     run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
-    """Show something else in an open 3D view: `/view/RUN/key/KEY/`. The answer says what it shows then."""
+    """Change an open 3D view, `/view/RUN/key/KEY/`; returns its new state."""
     return await _answer(request, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
 
 
@@ -80,7 +80,7 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
 
 
 def _purged(request: Request, handle: Handle) -> None:
-    """410 where the run is gone for good: its page need not try again."""
+    """Raise 410 if the run was purged, so that its page stops retrying."""
     with read(request.app.state.engine) as reader:
         refuse_purged(reader, handle.run_id)
 

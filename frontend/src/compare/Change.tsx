@@ -1,4 +1,4 @@
-// In one sentence: what became of the verdict and of the worst case from the first run to the others.
+// The change of verdict and worst case from the first run to the others, in one sentence.
 import { decimalsFor, fixed, signed } from '../format/numbers'
 import { Sign } from '../ui/Sign'
 import { lookOf, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'

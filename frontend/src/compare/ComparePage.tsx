@@ -1,4 +1,4 @@
-// Two to four runs side by side: what differs in their campaigns, and what became of it. The runs stand in the address.
+// Compares two to four runs: differences of their campaigns and results. The runs are in the address.
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useMemo } from 'react'
 import { Loading } from '../page/Trouble'

@@ -1,4 +1,4 @@
-// Finding by finding, what the margins are: the same case of each run beside each other, whatever its rank there.
+// Margins by finding: the same case in each run side by side, independent of its rank.
 import { decimalsFor, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { type Compared, unitOf } from './data'
@@ -58,7 +58,7 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
   )
 }
 
-/** The worst of each run beside each other, then the second worst. */
+/** The worst of each run side by side, then the second worst. */
 function ranked(runs: Compared[]): Case[] {
   const most = Math.max(0, ...runs.map(({ findings }) => findings.length))
   return Array.from({ length: most }, (_, i) => runs.map(({ findings }) => findings[i] ?? null))

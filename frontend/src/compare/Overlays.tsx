@@ -1,5 +1,5 @@
-// The curves of all runs on common axes: separation over time and convergence. Colour keeps its meaning, runs differ by
-// their dashes.
+// The curves of all runs on common axes: separation over time and convergence. Colours keep their meaning, runs are
+// distinguished by dashes.
 import { useMemo, useState } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { Plot } from '../charts/Plot'
@@ -121,7 +121,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   const unit = unitOf(runs) ?? ''
   const thresholds = runs.flatMap(({ run }) => run.threshold ?? [])
   const lowest = Math.min(...drawn.flatMap(({ trace }) => trace.meta.closest?.value ?? []))
-  // Each flight's own encounter, so that runs of very different size can stand together.
+  // Each flight's own encounter, so that runs of very different scales can be compared.
   const inside = drawn.flatMap(({ trace, of }, k) => {
     const reach = 2.4 * Math.max(of.run.threshold ?? 0, trace.meta.closest?.value ?? 0)
     const { x, y } = curves[k] as Curve

@@ -1,4 +1,4 @@
-// What each parameter alone can do in each run: the values over its bounds, with the others nominal.
+// One-at-a-time ranges: the values over the bounds of each parameter, with the others nominal.
 import { resultOf } from '../api/stages'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
@@ -63,7 +63,7 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
   )
 }
 
-/** The lowest and highest value of each curve, failed flights left out. */
+/** The lowest and highest value of each curve, without failed evaluations. */
 function spansOf({ stages }: Compared): Map<string, [number, number]> {
   const result = resultOf(
     stages.find(({ kind }) => kind === 'sensitivity'),

@@ -12,7 +12,7 @@ import { RunKeys } from './Overlays'
 interface Drawn {
   of: Compared
   edges: number[]
-  /** Share of the sample per unit of the value. */
+  /** Fraction of the sample per unit of the value. */
   density: number[]
   sample: Sample
 }
@@ -65,7 +65,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
   const ticks = linearTicks(low, high, Math.max(3, width / 100))
   return (
     <div ref={holder}>
-      <div className="ytitle">Density of the sampled flights</div>
+      <div className="ytitle">Density of the sampled evaluations</div>
       <svg className="ch" height={HEIGHT} role="img" aria-label="Independent samples of the runs as densities">
         {ticks.map((tick) => (
           <g key={tick}>

@@ -1,4 +1,4 @@
-// The flights of all runs seen from above: nominal grey, worst vermillion, the first run solid, the others dashed.
+// Plan view of the flights of all runs: nominal grey, worst vermillion, the first run solid, the others dashed.
 import { useState } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'

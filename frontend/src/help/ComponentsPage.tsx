@@ -1,4 +1,4 @@
-// Every component's equations with their source, and its parameters, from the catalogue: the text is that of its own file.
+// The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
 import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
 import { Loading, Trouble } from '../page/Trouble'
@@ -52,7 +52,7 @@ export function ComponentsPage() {
   )
 }
 
-/** Some come in two forms, for the plane and for space. */
+/** Some components have two variants, planar and spatial. */
 function distinctTitle({ title, dimension }: ComponentEntry, among: readonly ComponentEntry[]): string {
   const twice = among.filter((component) => component.title === title).length > 1
   return twice && dimension ? `${title}, ${dimension === 2 ? 'in the plane' : 'in space'}` : title

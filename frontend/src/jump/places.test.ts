@@ -1,4 +1,4 @@
-// Where a jump leads for what is typed.
+// Results of the search dialog.
 import { expect, it } from 'vitest'
 import type { Catalogue, LibraryCampaign } from '../client'
 import { matching, placesOf } from './places'

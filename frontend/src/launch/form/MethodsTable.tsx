@@ -1,4 +1,4 @@
-// The search methods with their budgets: which run, for how many evaluations, with which options.
+// The search methods: selection, budgets, options.
 import { IconAdjustments } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Campaign, SearchStage } from '../../api/campaign'
@@ -41,7 +41,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       title="Methods and budgets"
       note="Each search ends by its own rule or at its budget."
       flush
-      footer="Cleared needs global methods that agree on the worst case, and a certify stage where a target for P(violation) is set."
+      footer="Cleared requires global methods that agree on the worst case, and a certify stage if a target for P(violation) is set."
     >
       <table className={styles.ptable}>
         <thead>
@@ -98,11 +98,11 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
 }
 
 interface MethodRowProps {
-  /** Which of the campaign's searches it is; null while it is unticked. */
+  /** Its index among the campaign's searches; null if not selected. */
   at: number | null
   stage: SearchStage | undefined
   method: MethodEntry
-  /** There is no criterion besides the one that decides. */
+  /** True if there is only one criterion. */
   single: boolean
   parameters: Parameter[]
   set: MethodsTableProps['set']

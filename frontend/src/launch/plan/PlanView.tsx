@@ -1,5 +1,5 @@
-// A scenario seen from above, from its document alone: start with heading, goal or course, obstacles and the ways of
-// those that move. Nothing is simulated. The geometry is in plan.ts.
+// A scenario seen from above, from its document alone: start with heading, goal or course, obstacles and the paths of
+// moving ones. Nothing is simulated. The geometry is in plan.ts.
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { Free } from './Free'
@@ -63,7 +63,7 @@ export function PlanView({ campaign, catalogue, height = 140 }: PlanViewProps) {
   )
 }
 
-/** An obstacle with its safety radius at the start; a moving one with its way and where it leads. */
+/** An obstacle with its safety radius at the start; a moving one with its path and direction. */
 function Body({ body, reach, surface, view }: { body: PlanBody; reach: number; surface: boolean; view: Window }) {
   const { at, radius, rectangle, track } = body
   const [x, y] = [view.x(at), view.y(at)]
@@ -94,7 +94,7 @@ function Body({ body, reach, surface, view }: { body: PlanBody; reach: number; s
   )
 }
 
-/** The head of an arrow at the end of a way. */
+/** An arrow head at the end of a path. */
 function Head({ way, view, colour }: { way: Place[]; view: Window; colour: string }) {
   const [from, to] = way.slice(-2)
   if (!from || !to) return null

@@ -1,4 +1,4 @@
-// Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
+// All distinct worst cases with their evidence; the rest of the page shows the chosen one.
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { MouseEvent } from 'react'
@@ -144,7 +144,7 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
   )
 }
 
-/** The whole row chooses; the button in it does the same for the keyboard. */
+/** A click on the row selects it; the button in it does the same by keyboard. */
 const picking = (name: string, on: boolean, choose: (name: string) => void) => ({
   className: on ? 'sel' : undefined,
   onClick: (event: MouseEvent) => {
@@ -172,7 +172,7 @@ function Picture({ data, name }: { data: RunData; name: string }) {
   )
 }
 
-/** When and how fast the flight is nearest, and what the criteria that do not decide say of it. */
+/** Time and speed at the closest approach, and the values of the other criteria. */
 function Met({ data, name, values }: { data: RunData; name: string; values: Record<string, number | null> }) {
   const { run, findings, nominalTrace } = data
   const closest = data.traces.find((trace) => trace.name === name)?.meta.closest
@@ -192,7 +192,7 @@ function Met({ data, name, values }: { data: RunData; name: string; values: Reco
   )
 }
 
-/** Up to three by name; of more, how many. */
+/** Up to three names, otherwise the number. */
 function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: UncertainParameter[] }) {
   const at = parameters.filter((p) => p.path in finding.at_bounds)
   if (at.length === 0) return 'none'
@@ -206,7 +206,7 @@ function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: U
 }
 
 function FoundBy({ finding }: { finding: FindingDetail }) {
-  if (finding.found.length === 0) return <span className="sec">reached only by polishing</span>
+  if (finding.found.length === 0) return <span className="sec">reached only by local refinement</span>
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   return (
     <span className={styles.finders}>
@@ -234,7 +234,7 @@ function Validated({ finding }: { finding: FindingDetail }) {
   )
 }
 
-/** How far from nominal the chosen violation begins. */
+/** The distance of the chosen violation's boundary from nominal. */
 function Boundary({ data, said }: { data: RunData; said: readonly Span[] }) {
   return said.length > 0 ? (
     <div>
@@ -243,7 +243,7 @@ function Boundary({ data, said }: { data: RunData; said: readonly Span[] }) {
   ) : null
 }
 
-/** How the findings were told apart, in one sentence. */
+/** How the findings were distinguished, in one sentence. */
 function Told({ told, kept }: { told: Gathered; kept: number }) {
   return (
     <>

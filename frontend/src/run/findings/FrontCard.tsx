@@ -1,4 +1,4 @@
-// Several criteria at once: the front of the worst cases, two criteria against each other, and its points as a table.
+// Several criteria: the Pareto front of the worst cases for two criteria, and its points as a table.
 import { useMemo, useState } from 'react'
 import { resultOf } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
@@ -56,7 +56,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   return (
     <ChartCard
       title="Pareto front"
-      note={`${count(points.length)} Pareto-optimal flights: no other is worse in every criterion`}
+      note={`${count(points.length)} Pareto-optimal evaluations: no other is worse in every criterion`}
       className={className}
       id="front"
       run={run.id}
@@ -107,7 +107,7 @@ function specOf(
   const xs = sorted.map((point) => valueOf(point, x))
   const ys = sorted.map((point) => valueOf(point, y))
   const range = padded(ys, false, 0.06)
-  // The criterion belongs on the axis unless the points would shrink to a line beside it.
+  // The axis includes the criterion unless the points would shrink to a line.
   const near = threshold !== null && threshold > range[0] - (range[1] - range[0]) && threshold < range[1] + (range[1] - range[0])
   const [dx, dy] = [decimalsFor(xs, 5), decimalsFor(ys, 5)]
   return {

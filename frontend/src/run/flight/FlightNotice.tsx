@@ -1,4 +1,4 @@
-// What the page says over its 3D view: that it opens, that it was lost and comes back, or what to do where it does not.
+// Notices over the 3D view: opening, lost and being restored, or failed with advice.
 import { IconCheck, IconLoader, IconPlugConnectedX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { Known } from './view'

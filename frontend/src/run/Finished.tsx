@@ -14,7 +14,6 @@ import { EncounterCard } from './verdict/EncounterCard'
 import { Failures } from './search/Failures'
 import { FindingsCard } from './findings/FindingsCard'
 import { FiveFigures } from './verdict/FiveFigures'
-import { Card } from '../ui/Card'
 import { Flight } from './flight/Flight'
 import { overTime } from './flight/flown'
 import { FrontCard } from './findings/FrontCard'
@@ -112,9 +111,9 @@ export function Finished({ data }: { data: RunData }) {
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
         {flown && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
         {data.campaign.simulator && (
-          <Card title="Trace" className={shown ? 'c6' : 'c12'} id="trace">
-            <p className="sec">This system provides no trace: only the values of its results can be shown.</p>
-          </Card>
+          <p className="note c12" id="trace">
+            This system provides no trace: only the values of its results can be shown.
+          </p>
         )}
         {shown && (
           <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>

@@ -114,7 +114,7 @@ function Pair({ pieces: [left, right] }: { pieces: [Piece, Piece] }) {
   return (
     <>
       {left && left(right ? 'c7' : 'c12')}
-      {right && right(left ? 'c5' : 'c12')}
+      {right && right(left ? 'c5 wide' : 'c12')}
     </>
   )
 }

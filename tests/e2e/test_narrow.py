@@ -132,7 +132,8 @@ def fits(visit: Visit, path: str, marks: list[str]) -> None:
     for mark in marks:
         place = visit.page.locator(mark).first
         expect(place).to_be_attached()
-        place.scroll_into_view_if_needed()
+        # In the page: a chart may be built again meanwhile.
+        place.evaluate("element => element.scrollIntoView({behavior: 'instant', block: 'center'})")
         expect(place).to_be_visible()
     assert beyond(visit) == []
 

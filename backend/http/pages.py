@@ -18,11 +18,24 @@ from starlette.exceptions import HTTPException
 ASSET = {"Cache-Control": "public, max-age=31536000, immutable"}
 FRESH = {"Cache-Control": "no-cache"}
 _STYLE = (
-    "body{font:15px/24px system-ui,sans-serif;max-width:34em;margin:15vh auto;padding:0 24px;"
-    "color:#15202b;background:#fff}"
-    "h1{font-size:20px}code{font:13px ui-monospace,monospace;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
-    "@media(prefers-color-scheme:dark){body{color:#e7ecf2;background:#0d1115}code{background:#1a2027}}"
+    "*{box-sizing:border-box}"
+    "body{font:14px/22px Inter,system-ui,sans-serif;margin:0;padding:12vh 20px 48px;color:#15202b;background:#f6f7f9}"
+    "main{max-width:31em;margin:0 auto;padding:28px 32px;background:#fff;border:1px solid #e2e6eb;border-radius:8px}"
+    "header{display:flex;align-items:center;gap:9px;margin-bottom:24px;font-weight:600}"
+    "h1{font-size:20px;line-height:28px;margin:0 0 8px}p{margin:0 0 12px;color:#435061}p:last-child{margin:0}"
+    "code{font:12.5px ui-monospace,monospace;color:#15202b;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
+    "@media(max-width:600px){main{padding:20px}}"
+    "@media(prefers-color-scheme:dark){body{color:#e7ecf2;background:#0d1115}"
+    "main{background:#14191f;border-color:#28313a}p{color:#b0bbc7}code{color:#e7ecf2;background:#1a2027}}"
 )
+_BRAND = (
+    '<header><svg viewBox="0 0 24 24" width="22" height="22" fill="none" aria-hidden="true">'
+    '<circle cx="13.5" cy="10.5" r="6.2" stroke="currentColor" stroke-width="1.6" stroke-dasharray="2.6 2.1"/>'
+    '<circle cx="13.5" cy="10.5" r="2.1" fill="currentColor"/>'
+    '<path d="M2 20.5c6 .6 14.5-.2 19.5-5.5" stroke="#d55e00" stroke-width="2" stroke-linecap="round"/></svg>'
+    "Clearance</header>"
+)
+"""The mark and the name, as in the header of the other pages."""
 
 
 def serve(app: FastAPI, folder: Path) -> None:
@@ -83,7 +96,7 @@ def plain(title: str, body: str, status: int) -> HTMLResponse:
     text = (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)} · Clearance</title>'
         f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>'
-        f"<body><h1>{html.escape(title)}</h1>{body}</body></html>"
+        f"<body><main>{_BRAND}<h1>{html.escape(title)}</h1>{body}</main></body></html>"
     )
     return HTMLResponse(text, status)
 

@@ -36,8 +36,14 @@ location.replace('/runs/'+run+'/flight'+(q.size?'?'+q:''))}
 
 A view in its own window, without a key, has no controls: it redirects to the page that has them.
 """
+_DOCKS = b"""<script>
+{const ask=matchMedia.bind(window);window.matchMedia=query=>ask(query==='(max-width: 36em)'?'not all':query)}
+</script>"""
+"""Keeps the panel docked in narrow windows. There viser would show it as a sheet over the scene, which always begins
+unfolded and which no command folds.
+"""
 _PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_bytes()
-_PAGE = _PAGE.replace(b"<head>", b"<head>" + _MOVES, 1)
+_PAGE = _PAGE.replace(b"<head>", b"<head>" + _MOVES + _DOCKS, 1)
 _PACKED = gzip.compress(_PAGE, 9)
 CSP = (
     "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "

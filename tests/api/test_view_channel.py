@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import threading
 import time
 from typing import Any
@@ -170,12 +171,16 @@ def test_a_key_is_good_for_its_run_and_its_visitor_alone(service: Service, clien
         for asking, path in (
             (client, address(run, OTHER)),
             (client, address(other, KEY)),
-            (client, address("R-0099")),
             (stranger, address(run)),
         ):
             detail = problem(asking.patch(path, json={"time": 2.0}), 404)["detail"]
             assert "no 3D view of" in detail
             problem(asking.get(path), 404)
+            advised = re.search(r"open (/view/\S+/) first", detail)
+            assert advised, detail
+            assert asking.get(advised[1]).status_code == 200
+        for absent in (client.patch(address("R-0099"), json={"time": 2.0}), client.get(address("R-0099"))):
+            assert "/view/" not in problem(absent, 404)["detail"]
         assert steer(client, run)["time"] == 1.0
     until(lambda: service.app.state.viewers.open == 0)
     problem(client.get(address(run)), 404)

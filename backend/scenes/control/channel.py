@@ -19,7 +19,7 @@ from backend.runs.service import number
 from backend.runs.tombstones import refuse_purged
 from backend.scenes.base.address import KEY
 from backend.scenes.base.schemas import ViewChange, ViewState
-from backend.scenes.base.setting import UnknownParameterError
+from backend.scenes.base.setting import UnknownParameterError, drawable
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.viewer.viewer import GoneError, UnknownFlightError, Viewer
 from campaigns.runs import run_name
@@ -66,7 +66,7 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
     viewers: Viewers = request.app.state.viewers
     viewer = await viewers.find(handle, wait)
     if viewer is None:
-        await capacities(request).views.run(lambda: _purged(request, handle))
+        await capacities(request).views.run(lambda: _without_view(request, handle))
         full = viewers.full(handle.visitor)
         raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
     try:
@@ -79,10 +79,11 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
         raise RefusedError(422, "unknown-parameter", str(error)) from None
 
 
-def _purged(request: Request, handle: Handle) -> None:
-    """Raise 410 if the run was purged, so that its page stops retrying."""
+def _without_view(request: Request, handle: Handle) -> None:
+    """Raise 410 if the run was purged, 404 if it has no 3D view, so that its page stops retrying."""
     with read(request.app.state.engine) as reader:
         refuse_purged(reader, handle.run_id)
+        drawable(reader, handle.run_id)
 
 
 def _full(why: str) -> RefusedError:

@@ -58,6 +58,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     const read = () => latest.current.spec
     let crossed: number | undefined
     let placing = false
+    let settled = 0
     const stand = () => {
       const built = plot.current
       const x = standing?.time()
@@ -91,11 +92,14 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
       if (!plot.current) plot.current = build(width)
       else if (width !== plot.current.width) plot.current.setSize({ width, height: read().height })
       stand()
+      // Charts of one key move each other's crosshair while they are resized one after another.
+      settled = requestAnimationFrame(stand)
     })
     observer.observe(element)
     const end = standing?.subscribe(stand)
     return () => {
       observer.disconnect()
+      cancelAnimationFrame(settled)
       end?.()
       plot.current?.destroy()
       plot.current = null

@@ -19,41 +19,37 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
       title="Margin of each finding"
       note={`${unit ?? 'units differ'}; ${how}`}
       className={className}
-      flush={cases.length > 0}
+      flush
       id="findings"
     >
-      {cases.length === 0 ? (
-        <p className="sec">No run has a finding.</p>
-      ) : (
-        <table>
-          <thead>
-            <tr>
-              <RunHeads runs={runs} apart={two} />
-            </tr>
-          </thead>
-          <tbody>
-            {cases.map((one, i) => {
-              const [a, b] = one
-              return (
-                <tr key={i} data-case={one.map((finding) => finding?.label ?? '').join(' ')}>
-                  {one.map((finding, k) => (
-                    <td key={k} className={finding && finding.margin <= 0 ? 'num bad-t b' : 'num'}>
-                      {finding ? (
-                        <>
-                          <span className="mono mut small">{finding.label}</span> {signed(finding.margin, decimals)}
-                        </>
-                      ) : (
-                        <span className="mut">not among its findings</span>
-                      )}
-                    </td>
-                  ))}
-                  {two && <td className="num b">{a && b ? signed(b.margin - a.margin, decimals) : NONE}</td>}
-                </tr>
-              )
-            })}
-          </tbody>
-        </table>
-      )}
+      <table>
+        <thead>
+          <tr>
+            <RunHeads runs={runs} apart={two} />
+          </tr>
+        </thead>
+        <tbody>
+          {cases.map((one, i) => {
+            const [a, b] = one
+            return (
+              <tr key={i} data-case={one.map((finding) => finding?.label ?? '').join(' ')}>
+                {one.map((finding, k) => (
+                  <td key={k} className={finding && finding.margin <= 0 ? 'num bad-t b' : 'num'}>
+                    {finding ? (
+                      <>
+                        <span className="mono mut small">{finding.label}</span> {signed(finding.margin, decimals)}
+                      </>
+                    ) : (
+                      <span className="mut">not among its findings</span>
+                    )}
+                  </td>
+                ))}
+                {two && <td className="num b">{a && b ? signed(b.margin - a.margin, decimals) : NONE}</td>}
+              </tr>
+            )
+          })}
+        </tbody>
+      </table>
     </Card>
   )
 }

@@ -41,7 +41,7 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
             ))}
             {two && <td />}
           </tr>
-          {linesOf(runs).map((line) => (
+          {linesOf(runs).filter(({ values }) => values.some((value) => value !== null)).map((line) => (
             <Row key={line.key} line={line} difference={two} />
           ))}
         </tbody>

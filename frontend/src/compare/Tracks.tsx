@@ -51,11 +51,7 @@ export function Tracks({ runs, className }: { runs: Compared[]; className: strin
         </>
       }
     >
-      {flights.length === 0 ? (
-        <p className="sec">No flight of these runs is stored.</p>
-      ) : (
-        <Drawing flights={flights} near={window === 'encounter'} />
-      )}
+      <Drawing flights={flights} near={window === 'encounter'} />
     </ChartCard>
   )
 }

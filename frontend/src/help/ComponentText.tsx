@@ -26,7 +26,7 @@ export function ComponentText({ component, open }: { component: ComponentEntry; 
   )
 }
 
-function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
+export function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
   return (
     <table className="tight">
       <thead>

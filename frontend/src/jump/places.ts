@@ -35,8 +35,11 @@ export function placesOf(library: readonly LibraryCampaign[], catalogue: Catalog
     const note = role.charAt(0).toUpperCase() + role.slice(1) + space
     return { to: `/help/components#${idOfComponent(role, name)}`, group: 'Help', name: title, note }
   })
+  const simulators = (catalogue?.simulators ?? []).map(
+    ({ name, title }): Place => ({ to: `/help/components#${idOfComponent('simulator', name)}`, group: 'Help', name: title, note: 'Simulator' }),
+  )
   const guides = GUIDES.map(({ name, title }): Place => ({ to: `/help/guides/${name}`, group: 'Help', name: title, note: 'Guide' }))
-  return [...PAGES, ...campaigns, ...methods, ...components, ...guides]
+  return [...PAGES, ...campaigns, ...methods, ...components, ...simulators, ...guides]
 }
 
 /** The targets that contain every word, those whose names start with the text first; only pages for an empty text. */

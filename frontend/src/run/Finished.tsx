@@ -14,7 +14,6 @@ import { EncounterCard } from './verdict/EncounterCard'
 import { Failures } from './search/Failures'
 import { FindingsCard } from './findings/FindingsCard'
 import { FiveFigures } from './verdict/FiveFigures'
-import { Card } from '../ui/Card'
 import { Flight } from './flight/Flight'
 import { overTime } from './flight/flown'
 import { FrontCard } from './findings/FrontCard'
@@ -112,9 +111,9 @@ export function Finished({ data }: { data: RunData }) {
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
         {flown && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
         {data.campaign.simulator && (
-          <Card title="Trace" className={shown ? 'c6' : 'c12'} id="trace">
-            <p className="sec">This system provides no trace: only the values of its results can be shown.</p>
-          </Card>
+          <p className="note c12" id="trace">
+            This system provides no trace: only the values of its results can be shown.
+          </p>
         )}
         {shown && (
           <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>
@@ -134,9 +133,9 @@ export function Finished({ data }: { data: RunData }) {
         {flown && (
           <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
         )}
-        {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5" height={226} />}
+        {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5 wide" height={226} />}
         {timed && (
-          <div className={few ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5')} id="motion" style={{ minHeight: few ? 220 : 380 }}>
+          <div className={few ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few ? 220 : 380 }}>
             {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
           </div>
         )}
@@ -149,10 +148,10 @@ export function Finished({ data }: { data: RunData }) {
             height={150}
           />
         )}
-        {sensitivity && !raised && <Tornado data={data} result={sensitivity} className="c4" tall={data.parameters.length > 6} />}
+        {sensitivity && !raised && <Tornado data={data} result={sensitivity} className="c4 wide" tall={data.parameters.length > 6} />}
         {sensitivity && indices && <IndicesCard data={data} result={sensitivity} className="c12" />}
         {searched && <MethodsTable data={data} className="c7" id="methods" />}
-        {searched && <Convergence data={data} className="c5" height={Math.min(300, 180 + 30 * methods)} />}
+        {searched && <Convergence data={data} className="c5 wide" height={Math.min(300, 180 + 30 * methods)} />}
         <Columns
           pieces={[
             sample && {

@@ -52,7 +52,8 @@ function Page({ run }: { run: RunDetail }) {
   if (data.complete && !ready) setReady(true)
   const live = isLive(run)
   useEffect(() => {
-    if (live) view.steer({ panel: true }) // the panel shows the convergence of the searches
+    // The panel shows the convergence of the searches; a narrow window has no room for it.
+    if (live && !matchMedia('(max-width: 760px)').matches) view.steer({ panel: true })
   }, [view, live])
   if (!ready) return <Loading what="flight" />
   return (

@@ -57,28 +57,30 @@ function list({ ordered, start, items }: Tokens.List): ReactNode {
 function table({ header, rows, align }: Tokens.Table): ReactNode {
   const side = (i: number) => ({ textAlign: align[i] ?? undefined })
   return (
-    <table className="tight">
-      <thead>
-        <tr>
-          {header.map((cell, i) => (
-            <th key={i} style={side(i)}>
-              {inlines(cell)}
-            </th>
-          ))}
-        </tr>
-      </thead>
-      <tbody>
-        {rows.map((row, j) => (
-          <tr key={j}>
-            {row.map((cell, i) => (
-              <td key={i} style={side(i)}>
+    <div className="scrollx" tabIndex={0} role="region" aria-label="Table">
+      <table className="tight">
+        <thead>
+          <tr>
+            {header.map((cell, i) => (
+              <th key={i} style={side(i)}>
                 {inlines(cell)}
-              </td>
+              </th>
             ))}
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {rows.map((row, j) => (
+            <tr key={j}>
+              {row.map((cell, i) => (
+                <td key={i} style={side(i)}>
+                  {inlines(cell)}
+                </td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   )
 }
 

@@ -48,7 +48,7 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
           <tr>
             <th aria-label="Runs" />
             <th>Method</th>
-            <th>How it searches</th>
+            <th className="hide-s">How it searches</th>
             <th className="hide-n">Source</th>
             <th className="num" style={{ width: 140 }}>
               Evaluations at most
@@ -133,7 +133,7 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
         <td>
           <MethodName method={method.name} title={method.title} />
         </td>
-        <td className="sec">{method.how}</td>
+        <td className="sec hide-s">{method.how}</td>
         <td className="mut hide-n">{method.source}</td>
         <td>
           <NumberCell

@@ -142,44 +142,46 @@ function Points({ data, criteria, points }: PointsProps) {
   const digits = new Map(criteria.map((c) => [c.name, decimalsFor(points.map((p) => p.values[c.name] ?? null), 5)]))
   return (
     <>
-      <table className="tight">
-        <thead>
-          <tr>
-            <th>Found by</th>
-            {criteria.map((c) => (
-              <NumHead key={c.name} unit={unitText(c.unit)}>
-                {c.title}
-              </NumHead>
-            ))}
-            {data.parameters.map((p) => (
-              <NumHead key={p.path} unit={unitText(p.unit)}>
-                <Sign text={p.symbol} path={p.path} />
-              </NumHead>
-            ))}
-            <th className="num">Evaluation</th>
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map((point) => (
-            <tr key={`${point.method} ${point.index}`}>
-              <td>
-                <MethodName method={point.method} title={point.title} />
-              </td>
+      <div className="scrollx" tabIndex={0} role="region" aria-label="Points of the front">
+        <table className="tight">
+          <thead>
+            <tr>
+              <th>Found by</th>
               {criteria.map((c) => (
-                <td key={c.name} className="num">
-                  {fixed(point.values[c.name], digits.get(c.name) ?? 3)}
-                </td>
+                <NumHead key={c.name} unit={unitText(c.unit)}>
+                  {c.title}
+                </NumHead>
               ))}
               {data.parameters.map((p) => (
-                <td key={p.path} className="num sec">
-                  {fixed(point.parameters[p.path], decimalsFor([p.low, p.high]))}
-                </td>
+                <NumHead key={p.path} unit={unitText(p.unit)}>
+                  <Sign text={p.symbol} path={p.path} />
+                </NumHead>
               ))}
-              <td className="num sec">{count(point.index + 1)}</td>
+              <th className="num">Evaluation</th>
             </tr>
-          ))}
-        </tbody>
-      </table>
+          </thead>
+          <tbody>
+            {rows.map((point) => (
+              <tr key={`${point.method} ${point.index}`}>
+                <td>
+                  <MethodName method={point.method} title={point.title} />
+                </td>
+                {criteria.map((c) => (
+                  <td key={c.name} className="num">
+                    {fixed(point.values[c.name], digits.get(c.name) ?? 3)}
+                  </td>
+                ))}
+                {data.parameters.map((p) => (
+                  <td key={p.path} className="num sec">
+                    {fixed(point.parameters[p.path], decimalsFor([p.low, p.high]))}
+                  </td>
+                ))}
+                <td className="num sec">{count(point.index + 1)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
       {rows.length < points.length && (
         <p className="small mut">
           {rows.length} of {count(points.length)}, spread over {criteria[0]?.title.toLowerCase()}; all of them are in the

@@ -99,11 +99,18 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
     ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
     [campaign.simulator ? 'Simulator digest' : 'Simulation kernel', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
-    ...(campaign.simulator ? [['Simulator', campaign.simulator.name] satisfies Rows[number]] : loopRows(campaign, origin)),
+    ...(campaign.simulator ? [simulatorRow(campaign.simulator.name)] : loopRows(campaign, origin)),
     ['Started by', `${run.owner}, ${moment(run.created)}`],
     ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]
 }
+
+const simulatorRow = (name: string): Rows[number] => [
+  'Simulator',
+  <Link key="s" to="/help/components" hash={idOfComponent('simulator', name)}>
+    {name}
+  </Link>,
+]
 
 /** Rows of a closed loop only: integrator, horizon, components. */
 function loopRows(campaign: RunData['campaign'], origin: Origin): Rows {

@@ -2,7 +2,7 @@
 // parameters. A range on an axis filters all views. Start reading at `SpaceCard`.
 import { IconX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import { useEffect, useMemo, useState } from 'react'
+import { Fragment, useEffect, useMemo, useState } from 'react'
 import type { EvaluationSeries } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { useHidden } from '../../charts/Legend'
@@ -229,11 +229,13 @@ function Reading({ space, at, lowest }: { space: Space; at: number | null; lowes
       {space.axes.map((axis, k) => {
         const value = space.columns[k]?.[at] as number
         return Number.isNaN(value) ? null : (
-          <span key={axis.key} className="nw">
+          <Fragment key={axis.key}>
             {k > 0 && '; '}
-            <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
-            {axis.unit && ` ${unitText(axis.unit)}`}
-          </span>
+            <span className="nw">
+              <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
+              {axis.unit && ` ${unitText(axis.unit)}`}
+            </span>
+          </Fragment>
         )
       })}
     </p>

@@ -208,7 +208,7 @@ def test_the_document_names_the_problems_of_every_operation() -> None:
 
 def test_models_are_described_by_what_stands_below_their_fields() -> None:
     schemas = DOCUMENT["components"]["schemas"]
-    assert schemas["RunSummary"]["properties"]["upper_bound"]["description"].startswith("Of P(violation)")
+    assert schemas["RunSummary"]["properties"]["upper_bound"]["description"].startswith("Upper bound on P(violation)")
     assert schemas["Scenario"]["properties"]["horizon"]["description"] == "[s]"
     objects = {name: schema for name, schema in schemas.items() if schema.get("type") == "object"}
     assert [name for name, schema in objects.items() if not schema.get("description")] == []

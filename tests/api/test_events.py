@@ -188,15 +188,15 @@ def test_a_mark_that_was_not_given_here_counts_as_none(service: Service, client:
 
 def test_of_events_that_come_together_the_last_alone_has_the_new_mark() -> None:
     listener = hub._Listener(None, 5.0)
-    listener.greet([Event(1, "run", "{}"), Event(2, "run", "{}")], 7.0)
-    listener.tell([Event(1, "run", "{}"), Event(1, "stages", "[]"), Event(2, "run", "{}")], 8.0)
+    listener.send_all([Event(1, "run", "{}"), Event(2, "run", "{}")], 7.0)
+    listener.send([Event(1, "run", "{}"), Event(1, "stages", "[]"), Event(2, "run", "{}")], 8.0)
     texts = [listener.queue.get_nowait() for _ in range(listener.queue.qsize())]
     assert marks("".join(text or "" for text in texts).splitlines()) == ["5.000", "7.000", "7.000", "8.000"]
 
 
 def test_a_greeting_is_never_too_long() -> None:
     listener = hub._Listener(None)
-    listener.greet([Event(i, "run", "{}") for i in range(hub.BACKLOG + 1)], 7.0)
+    listener.send_all([Event(i, "run", "{}") for i in range(hub.BACKLOG + 1)], 7.0)
     assert listener.queue.qsize() == 1
     assert listener.queue.get_nowait() is not None
 
@@ -243,7 +243,7 @@ def test_at_most_four_times_a_second(service: Service, client: httpx.Client) -> 
 
 def test_a_listener_too_far_behind_is_let_go() -> None:
     listener = hub._Listener(None)
-    listener.tell([Event(1, "run", "{}")] * (hub.BACKLOG + 1))
+    listener.send([Event(1, "run", "{}")] * (hub.BACKLOG + 1))
     assert [listener.queue.get_nowait() for _ in range(hub.BACKLOG)][-1] is None
 
 

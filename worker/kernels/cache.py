@@ -6,9 +6,11 @@ is compiled again and replaced. Start reading at `cached`.
 
 from __future__ import annotations
 
+import fcntl
 import os
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from numba import config
 from numba.core import sigutils
 from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
+from numba.core.registry import CPUDispatcher
 
 
 def cache_folder() -> Path:
@@ -41,14 +44,45 @@ class KernelCache(FunctionCache):
             return None
 
 
+@contextmanager
+def _alone(function: Any) -> Iterator[None]:
+    """Of several processes that need the same function, one compiles it; the others wait, and load it.
+
+    The lock ends with its process. Where the folder cannot be written, everybody compiles.
+    """
+    folder = cache_folder() / "locks"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file = (folder / f"{function.__module__}.{function.__qualname__}").open("w")
+    except OSError:
+        yield
+        return
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+class _Cached(CPUDispatcher):
+    """A dispatcher that compiles one signature in one process at a time."""
+
+    def compile(self, sig: Any) -> Any:
+        with _alone(self.py_func):
+            return super().compile(sig)
+
+
 class _CachedCallback(CFunc):
     def enable_caching(self) -> None:
         self._cache = KernelCache(self.__wrapped__)  # type: ignore[no-untyped-call]
 
+    def compile(self) -> None:
+        with _alone(self.__wrapped__):
+            super().compile()
+
 
 def cached(function: Callable[..., Any], **flags: Any) -> Any:
     """A function that is compiled at its first call and cached on disk."""
-    made = numba.njit(**flags)(function)
+    made: Any = numba.njit(**flags)(function)
+    made.__class__ = _Cached
     made._cache = KernelCache(function)  # type: ignore[no-untyped-call]
     return made
 

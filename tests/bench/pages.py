@@ -63,7 +63,7 @@ def main() -> None:
         large = page_data.flown(engine)
         page_data.copies(engine, large, RUNS - 1)
         with sync_playwright() as playwright:
-            browser = launch(playwright)
+            browser = launch(playwright.chromium)
             found = measured(running, address, Visitor(browser, address, running), engine, large)
             browser.close()
         engine.dispose()

@@ -22,6 +22,7 @@ from tests.e2e.looking import LOOKS
 from tests.e2e.stored import served
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+DRAWS = False
 
 ALL = re.compile("^1.?000 of 1.?000 evaluations kept, lowest dmin 1.007 m")
 

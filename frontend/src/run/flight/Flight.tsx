@@ -7,9 +7,10 @@ import { useCalm } from '../../ui/useCalm'
 import { useNear } from '../../ui/useNear'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
+import { drawable } from './drawable'
 import { FlightHead } from './FlightHead'
 import { noiseOf } from './flown'
-import { FlightNotice } from './FlightNotice'
+import { FlightNotice, NotDrawable } from './FlightNotice'
 import { PlayBar } from './PlayBar'
 import { useInstant } from './useInstant'
 import type { View } from './view'
@@ -29,7 +30,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
   const theme = useTheme()
   // A viewer uses resources of the service: it is opened when it comes near the window.
   const [holder, near] = useNear<HTMLDivElement>()
-  const ready = useCalm() && near
+  const ready = useCalm() && near && drawable()
   const { t, cam } = useSearch({ from: '/runs/$id' })
   const place = useRef({ time: t, camera: cam })
   const known = useSyncExternalStore(view.subscribe, () => view.known)
@@ -72,7 +73,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
               inert={known.phase !== 'open'}
             />
           )}
-          <FlightNotice known={known} onRetry={() => view.retry()} />
+          {drawable() ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable />}
         </div>
         <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>

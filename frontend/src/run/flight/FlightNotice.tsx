@@ -39,3 +39,18 @@ export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
     </div>
   )
 }
+
+/** Shown in place of the view in a browser that cannot draw it. */
+export function NotDrawable() {
+  return (
+    <div className={runStyles.poster} role="status">
+      <span className={runStyles.failed}>
+        <IconPlugConnectedX className="i" aria-hidden />
+        <span>
+          No 3D view: this browser has no 3D graphics (WebGL 2). Enable them and reload the page. All numbers of the
+          flight are also on this page.
+        </span>
+      </span>
+    </div>
+  )
+}

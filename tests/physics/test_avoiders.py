@@ -238,6 +238,7 @@ class TestFlown:
         assert batch.status[0] == 0, reasons
         assert np.isfinite(flight(problem)).all()
 
+    @pytest.mark.nightly
     @pytest.mark.parametrize("name", ["orca", "closest_approach", "gnron"])
     def test_lockstep_equals_plain_python(self, name: str) -> None:
         avoider = next(a for a in AVOIDERS if a.name == name)

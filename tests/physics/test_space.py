@@ -122,6 +122,7 @@ GIVEN = {
 }
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("avoider", GIVEN)
 def test_lockstep_equals_plain_python(avoider: str) -> None:
     fast, slow = loop(avoider, *OBSTACLES, compiled=True), loop(avoider, *OBSTACLES)

@@ -8,8 +8,38 @@ from pathlib import Path
 from typing import Any
 
 from backend.db.engine import default_url, migrate
+from backend.scenes.base.schemas import Layers, ViewState
 from backend.settings import Settings
 from tests.api.server import Service
+
+VIEW = ViewState(
+    opened=1.0,
+    revision=1,
+    flight="F1",
+    time=10.0,
+    camera="chase",
+    eye=None,
+    playing=False,
+    speed=1.0,
+    theme="light",
+    panel=False,
+    layers=Layers(
+        nominal=True,
+        finding=True,
+        what_if=False,
+        velocity=True,
+        relative=False,
+        trail="whole",
+        sampled=False,
+        field=False,
+        space=False,
+        axes=("vehicle.m", "vehicle.J", "value"),
+    ),
+    what_if=None,
+    what_if_seed=None,
+    what_if_source=None,
+).model_dump(mode="json")
+"""What an open 3D view would answer."""
 
 
 @contextmanager

@@ -12,14 +12,13 @@ import httpx
 import pytest
 from playwright.sync_api import Browser, Page, Route, expect
 
-from backend.scenes.base.schemas import Layers, ViewState
 from campaigns import library, load_file
 from tests.api.catalogue import published_by_workers
 from tests.api.finished import Work
 from tests.api.reported import finish_fully
 from tests.api.server import Service
 from tests.e2e.browser import Visit, visiting
-from tests.e2e.stored import served
+from tests.e2e.stored import VIEW, served
 from tests.e2e.written import editor, write_over, written
 from tests.faults.processes import REPOSITORY
 
@@ -53,36 +52,6 @@ PAGES = {
     "no-such-page": ("/no/such/page", "main"),
 }
 """Each with its address and what is seen once it is there."""
-
-
-VIEW = ViewState(
-    opened=1.0,
-    revision=1,
-    flight="F1",
-    time=10.0,
-    camera="chase",
-    eye=None,
-    playing=False,
-    speed=1.0,
-    theme="light",
-    panel=False,
-    layers=Layers(
-        nominal=True,
-        finding=True,
-        what_if=False,
-        velocity=True,
-        relative=False,
-        trail="whole",
-        sampled=False,
-        field=False,
-        space=False,
-        axes=("vehicle.m", "vehicle.J", "value"),
-    ),
-    what_if=None,
-    what_if_seed=None,
-    what_if_source=None,
-).model_dump(mode="json")
-"""What an open 3D view would answer."""
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, ViewportSize, expect
 
 from tests.e2e.browser import PATIENCE, Visit, visiting
 from tests.e2e.looking import api
-from tests.e2e.test_accessibility import VIEW
+from tests.e2e.stored import VIEW
 from tests.faults.processes import until
 from tests.faults.serving import Service, serving
 from tests.simulators import package

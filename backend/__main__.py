@@ -1,8 +1,7 @@
 """`python -m backend`: migrates the database, prints a login link, serves until it is stopped.
 
-The link goes to standard output only, never into a file; `clearance serve`, whose log that would be, prints its own.
-
-Start reading at `main`.
+The link goes to standard output only, never into a file; `clearance serve` redirects this output to a log and therefore
+prints its own link.
 """
 
 from __future__ import annotations
@@ -26,17 +25,17 @@ from backend.scenes.control.allowed import LARGEST
 from backend.settings import Settings
 
 ADDRESS_FILE = "service-address"
-"""In the data folder: where a browser reaches the service, for `clearance login-link`."""
+"""File in the data folder with the service's address, for `clearance login-link`."""
 
 OLD_LINK_FILE = "login-link"
-"""Held a login link, in earlier versions; removed at start."""
+"""File with a login link, written by earlier versions; removed at start."""
 
 GRACE = 1
-"""How long answers under way may take when the service stops [s]."""
+"""Time limit of pending responses when the service stops [s]."""
 
 
 class Server(uvicorn.Server):
-    """Ends event streams, 3D views and previews first when it stops; they would otherwise hold it up."""
+    """Ends event streams, 3D views and previews first when it stops; otherwise they would delay the shutdown."""
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         app = self.config.app
@@ -48,7 +47,7 @@ class Server(uvicorn.Server):
 
 
 def main() -> int:
-    """Serve; 2 when the settings or the database cannot be used."""
+    """Serve; returns 2 if the settings or the database cannot be used."""
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     for chatty in ("websockets", "uvicorn"):
@@ -64,14 +63,17 @@ def main() -> int:
     app = create(settings)
     _announce(app, settings, listening.getsockname()[1])
     server = Server(server_config(app))
-    for number in (signal.SIGTERM, signal.SIGINT):  # uvicorn raises them again when it is done; that is then no news
+    for number in (
+        signal.SIGTERM,
+        signal.SIGINT,
+    ):  # uvicorn raises them again after its shutdown; ignore them
         signal.signal(number, lambda *_: setattr(server, "should_exit", True))
     asyncio.run(server.serve([listening]))
     return 0
 
 
 def server_config(app: FastAPI) -> uvicorn.Config:
-    """Sockets without per-message deflate, which makes the 3D view's bulk thirteen times slower; logging left alone."""
+    """Sockets without per-message deflate, which makes the 3D view thirteen times slower; own logging is kept."""
     settings: Settings = app.state.settings
     return uvicorn.Config(
         app,
@@ -87,10 +89,10 @@ def server_config(app: FastAPI) -> uvicorn.Config:
 
 
 def _listen(settings: Settings) -> socket.socket:
-    """Bound before anything is announced, so that a taken port is said in one sentence.
+    """Bind the socket before the announcement, so that an occupied port is reported in one sentence.
 
-    The protocol is named, because asyncio sends small answers without delay (TCP_NODELAY) on such sockets alone: head
-    and body of an answer are two writes, and the second would wait 40 ms until the browser has acknowledged the first.
+    The protocol is given explicitly, because asyncio sets TCP_NODELAY only on such sockets: headers and body of a
+    response are two writes, and the second would wait 40 ms for the acknowledgement of the first.
     """
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)

@@ -1,4 +1,4 @@
-"""Puts the service together. Start reading at `create`."""
+"""Assembles the application. Start reading at `create`."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ from campaigns.version import VERSION
 API = "/api/v1"
 
 PACKED = 1
-"""Level of compression: a run's evaluations, 1.7 MB, shrink to less than half in the time that they take to be read."""
+"""Compression level: halves a run's evaluations (1.7 MB) in about the time that reading them takes."""
 UNPACKED = (*DEFAULT_EXCLUDED_CONTENT_TYPES, "text/csv", "application/x-matlab-data")
 """Responses that are compressed already, and streams."""
 
 
 def create(settings: Settings) -> FastAPI:
-    """The application over the settings' database, whose tables must be there (`backend.db.engine.migrate`)."""
+    """The application on the settings' database, which must be migrated (`backend.db.engine.migrate`)."""
     engine = connect(settings.database_url)
     hub, live, door, capacities = Hub(engine), Live(), Door(settings.database_url, settings.cookie), Capacities()
 
@@ -97,7 +97,7 @@ def create(settings: Settings) -> FastAPI:
         api.include_router(feature.router)
     app.include_router(api)
     app.include_router(sessions.login)
-    app.include_router(recordings.router)  # before the viewer, whose addresses may end in anything
+    app.include_router(recordings.router)  # before the viewer, whose routes match any suffix
     app.include_router(scenes.router)
     pages.serve(app, settings.pages)
     openapi.install(app)

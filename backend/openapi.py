@@ -1,7 +1,7 @@
 """The OpenAPI document; `python -m backend.openapi [FILE]` writes it for the front end's client generator.
 
-FastAPI derives it from the endpoints. Added here: the schemas that endpoints name only by reference (problem documents,
-the campaign itself, event payloads). Start reading at `install`.
+FastAPI derives it from the endpoints. This module adds the schemas that endpoints only reference: problem documents,
+the campaign, event payloads. Start reading at `install`.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ _LEFT_OUT = {
     "ComponentEntry": ("look",),
     "MethodEntry": ("look",),
 }
-"""What answers leave out at its default."""
+"""Models whose defaults are omitted in responses."""
 _PARTIAL = frozenset(
     {
         *("RunSubmit", "RunEdit", "CampaignBody", "ProblemDocument", "SignoffRequest"),
         *("DraftContent", "DraftReplace", "ViewChange", "LayersChange", "FlightRequest"),
     }
 )
-"""All others are answers, and answers have every field."""
+"""Request models; all others are responses, which have every field."""
 _CAMPAIGN_BODY = {
     "type": "object",
     "description": "A campaign to be checked or previewed.",
@@ -57,7 +57,7 @@ _CAMPAIGN_BODY = {
     },
 }
 _HOLDING = (("RunDetail", "campaign"), ("LibraryCampaign", "document"), ("Checked", "document"))
-"""Where a plain mapping in an answer is a campaign."""
+"""Response fields that are a campaign, declared as a plain mapping."""
 
 TAGS = [
     {"name": "service", "description": "Health"},
@@ -80,7 +80,7 @@ SECURITY = {
 
 
 def install(app: FastAPI) -> None:
-    """Have the application answer with the complete document."""
+    """Make the application serve the complete document."""
 
     def document() -> JsonObject:
         if app.openapi_schema is None:
@@ -115,7 +115,7 @@ def _document(app: FastAPI) -> JsonObject:
 
 
 def _declare(operation: JsonObject, method: str, is_open: bool) -> None:
-    """Add the types of problems that the frame, the guard and the framework answer with, whatever the route."""
+    """Add the problem types that the middleware and the framework can return for any route."""
     kinds = ["bad-request", "too-long", "invalid-request", "internal", "busy", "too-many-requests"]
     if not is_open:
         kinds.append("not-signed-in")

@@ -26,11 +26,11 @@ class Settings(BaseModel):
     """`sqlite:///FILE` or `postgresql://...`; empty: clearance.sqlite3 in the data folder."""
     host: str = "127.0.0.1"
     port: Annotated[int, Field(ge=0, le=65535)] = 8000
-    """0: any free one."""
+    """0 selects a free port."""
     allow_any_host: bool = False
     """Permits a bind beyond loopback, for use inside a container that publishes on 127.0.0.1 only."""
     public_url: str = ""
-    """How a browser reaches the service, where that differs from host and port."""
+    """The public address of the service, if it differs from host and port."""
     print_link: bool = True
     """Whether a login link is printed on standard output at start."""
     pages: Path = Path(__file__).parent.parent / "frontend" / "dist"
@@ -38,11 +38,11 @@ class Settings(BaseModel):
     max_viewers: Annotated[int, Field(ge=0, le=1000)] = 32
     """Maximum number of open 3D views."""
     max_viewers_each: Annotated[int, Field(ge=1, le=1000)] = 6
-    """How many of them one session or token may have open."""
+    """Maximum number of open 3D views of one session or token."""
     max_requests_each: Annotated[int, Field(ge=1, le=100_000)] = 100
-    """How many requests, streams and 3D views one session or token may have open at once."""
+    """Maximum number of concurrent requests, streams and 3D views of one session or token."""
     max_connections: Annotated[int, Field(ge=1, le=100_000)] = 300
-    """How many connections may be open at once; those beyond are refused."""
+    """Maximum number of open connections; further ones are refused."""
     request_patience: Annotated[float, Field(gt=0, le=3600)] = 20.0
     """How long a client may take to send a request, and to read on while an answer is sent [s]."""
 
@@ -58,7 +58,7 @@ class Settings(BaseModel):
 
     @classmethod
     def load(cls, environment: Mapping[str, str] | None = None) -> Settings:
-        """Settings from the environment. Raises `ValueError` with one sentence a line for what is wrong."""
+        """Settings from the environment. Raises `ValueError` with one line for each error."""
         given = os.environ if environment is None else environment
         names = {PREFIX + name.upper(): name for name in cls.model_fields}
         try:
@@ -78,7 +78,7 @@ class Settings(BaseModel):
         return f"clearance_{self.port}"
 
     def url(self, port: int) -> str:
-        """Where a browser on this machine opens the service."""
+        """The service's address for a browser on this machine."""
         host = self.host if _is_loopback(self.host) else "127.0.0.1"
         return self.public_url.rstrip("/") or f"http://{f'[{host}]' if ':' in host else host}:{port}"
 

@@ -1,7 +1,7 @@
 """The versions behind a run: code, compiled loop, packages, machine; and the differences between two of them.
 
-Everything that can change a number and is not in the campaign. Stored when the first stage of a run begins; other
-versions neither resume nor extend that run. Start reading at `differences`.
+They cover everything outside the campaign that can change a number. They are stored when the first stage of a run
+begins; other versions can neither resume nor extend that run. Start reading at `differences`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How components and methods are drawn: colour tokens, markers, shapes, and which parameters give their sizes.
+"""The appearance of components and methods: colour tokens, markers, shapes, and the parameters that give sizes.
 
 A component or method declares its look, the catalogue contains it, and pages, scenes and reports use it, independent of
 its name. Start reading at `MethodLook`.

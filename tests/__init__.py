@@ -1,1 +1,1 @@
-"""The tests, by what they hold: see the folder names."""
+"""The tests, by kind: see the folder names."""

@@ -1,4 +1,4 @@
-"""Audits a run that a test made, whatever form it is in. Start reading at `audited`."""
+"""Audits a run created by a test, in any form. Start reading at `audited`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""In which order the files of tests are taken: those that need minutes first, so that all workers end together."""
+"""The order of test files: slow ones first, so that all workers finish at the same time."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ LONG = (
 
 
 SPREAD = ("contract/test_compiled.py",)
-"""Files whose tests share nothing but a closed loop: those whose ids begin with the same number stay together."""
+"""Files whose tests share only a closed loop: tests whose ids start with the same number stay together."""
 
 
 class ByFile(LoadFileScheduling):
-    """A file's tests share services and browsers and stay on one core, in order; but for those that are spread."""
+    """Tests of a file share services and browsers and stay on one worker, in order, except those that are spread."""
 
     def _split_scope(self, nodeid: str) -> str:
         file, _, rest = nodeid.partition("::")

@@ -1,4 +1,4 @@
-"""The problem of a campaign whose closed loop a test reaches into. Start reading at `Problem`."""
+"""The problem of a campaign, with access to its closed loop for tests. Start reading at `Problem`."""
 
 from __future__ import annotations
 

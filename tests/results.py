@@ -1,4 +1,4 @@
-"""Invented results of the right types, for tests of what stores and shows them. Start reading at `nominal`."""
+"""Synthetic results of the right types, for tests of storage and display. Start reading at `nominal`."""
 
 from __future__ import annotations
 

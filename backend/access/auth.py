@@ -1,7 +1,7 @@
-"""Who may do what: nothing is open but health, the login link and the pages' static files.
+"""Authorisation: only health, the login link and the pages' static files are accessible without authentication.
 
-A browser comes in by a session cookie, a program by `Authorization: Bearer` (RFC 6750). Writes and sockets must come
-from our own pages (RFC 6454, Origin). Start reading at `Guard`.
+A browser authenticates with a session cookie, a program with `Authorization: Bearer` (RFC 6750). Writes and sockets
+must come from the service's own pages (RFC 6454, Origin). Start reading at `Guard`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Guard:
     """Accepts authenticated clients, as `request.state.visitor`; refuses all others."""
 
     def __init__(self, app: ASGIApp, door: Door, most: int) -> None:
-        """most: requests and sockets that one session or token may have open at a time."""
+        """most: maximum number of concurrent requests and sockets of one session or token."""
         self.app, self.door, self.most = app, door, most
         self._open: Counter[str] = Counter()
 
@@ -45,9 +45,9 @@ class Guard:
             scope.setdefault("state", {}).update(visitor=visitor, still=partial(self.door.still, connection))
             await self._let_in(visitor, scope, receive, send)
         elif refused is None:
-            raise AssertionError("without a visitor there is a refusal")
+            raise AssertionError("a request without a visitor is refused")
         elif scope["type"] == "websocket":
-            await receive()  # the handshake; closing before accepting it answers 403
+            await receive()  # the handshake; closing before accepting it responds with 403
             await send({"type": "websocket.close", "code": 1008, "reason": refused.kind})
         elif refused.status == 401 and pages.wants_page(connection.headers):
             await pages.sign_in(401)(scope, receive, send)
@@ -94,7 +94,7 @@ def _refusal(scope: Scope, headers: Headers, visitor: Visitor | None) -> Refused
 
 
 def _from_our_pages(headers: Headers, required: bool) -> bool:
-    """Browsers send Origin with every write and every socket; a program that sends none is no browser."""
+    """Browsers send Origin with every write and socket; a client that does not send it is not a browser."""
     origin = headers.get("origin")
     if origin is None:
         return not required
@@ -102,7 +102,7 @@ def _from_our_pages(headers: Headers, required: bool) -> bool:
 
 
 async def visitor(request: Request) -> Visitor:
-    """The visitor that the guard let through. A coroutine, since a function would wait for a thread."""
+    """The authenticated visitor. A coroutine, because FastAPI runs plain functions in the thread pool."""
     found = request.state.visitor
     assert isinstance(found, Visitor)
     return found

@@ -1,7 +1,7 @@
-"""Looks up who a request comes from, in threads and over connections of its own: it answers while the rest is busy.
+"""Authenticates requests with its own threads and connections, so that it responds while the rest is busy.
 
-Reading never waits for a writer. That a token was used is written beside the request, which neither waits for it nor
-fails with it. Start reading at `Door`.
+Reading never waits for a writer. The use of a token is recorded in the background: the request neither waits for it
+nor fails with it. Start reading at `Door`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Result = TypeVar("Result")
 
 THREADS = 8
 NOTE_PATIENCE = 0.2
-"""How long the note of a token's use may wait for other writers [s]."""
+"""How long recording a token's use may wait for other writers [s]."""
 
 _log = logging.getLogger(__name__)
 
@@ -50,7 +50,7 @@ class Door:
         return await self.ask(lambda reader: access.by_session(reader, cookie)) if cookie else None
 
     async def still(self, connection: HTTPConnection) -> bool:
-        """Whether who sent this would be let in now; a database that cannot be read changes nothing."""
+        """Whether the sender is still authenticated; true if the database cannot be read."""
         try:
             return await self.visitor(connection) is not None
         except sa.exc.SQLAlchemyError:
@@ -62,11 +62,11 @@ class Door:
         await to_thread.run_sync(self._read, lambda reader: reader.execute(sa.select(1)), limiter=self._health)
 
     async def ask(self, question: Callable[[sa.Connection], Result]) -> Result:
-        """What the database says; never waits for writers."""
+        """Run a query; never waits for writers."""
         return await to_thread.run_sync(functools.partial(self._read, question), limiter=self._threads)
 
     def close(self) -> None:
-        """Give the connections back."""
+        """Close the connections."""
         self._engine.dispose()
         self._notes.dispose()
 
@@ -81,7 +81,7 @@ class Door:
         visitor, due = found
         at = time.monotonic()
         if due and at - self._noted.get(visitor.user, -access.USE_NOTED) >= access.USE_NOTED:
-            self._noted[visitor.user] = at  # once a minute, written or not
+            self._noted[visitor.user] = at  # at most once a minute, even if writing fails
             task = asyncio.create_task(self._note(visitor.user))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)

@@ -1,1 +1,1 @@
-"""Components, methods and the library of campaigns."""
+"""Components, methods and the campaign library."""

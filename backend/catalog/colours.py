@@ -1,6 +1,6 @@
-"""The colours of the tokens that methods name, as in `frontend/src/theme/tokens.css`.
+"""The colours of the theme tokens that methods declare, as in `frontend/src/theme/tokens.css`.
 
-`tests/unit/test_looks.py` compares them. Start reading at `METHODS`.
+`tests/unit/test_looks.py` compares them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ METHODS: Mapping[Colour, str] = {
     "extra-2": "#2e8b3d",
     "extra-3": "#7d5a8c",
 }
-"""In the light theme, and on paper."""
+"""Colours of the light theme, also used in reports."""
 METHODS_DARK: Mapping[Colour, str] = {
     "direct": "#3f9bdb",
     "hybrid": "#8ccbf2",

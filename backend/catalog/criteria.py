@@ -1,7 +1,6 @@
-"""The criteria of a campaign as the catalogue describes them: the one that decides, then the objectives.
+"""The criteria of a campaign as described by the catalogue: the deciding one, then the objectives.
 
-They are named as results name them (`campaigns.asked.criteria.named`), in the order of the costs' columns.
-Start reading at `criteria`.
+Their names are those used in results (`campaigns.asked.criteria.named`), in the order of the cost columns.
 """
 
 from __future__ import annotations
@@ -14,11 +13,11 @@ from campaigns import Catalogue
 from campaigns.asked.criteria import named
 
 EARLIER: dict[str, Literal["centre"]] = {"separation": "centre"}
-"""What snapshots from before a criterion declared it do not say."""
+"""Default for snapshots that are older than this declaration."""
 
 
 def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[CriterionOut]:
-    """Every criterion of a campaign's document, each name once; what the catalogue does not know (any more) is bare."""
+    """All criteria of a campaign's document with unique names; those not in the catalogue have no description."""
     if document.get("simulator"):
         return [_result(document, catalogue)]
     found: list[CriterionOut] = []
@@ -40,7 +39,7 @@ def criteria(document: Mapping[str, Any], catalogue: Catalogue | None) -> list[C
 
 
 def _result(document: Mapping[str, Any], catalogue: Catalogue | None) -> CriterionOut:
-    """The result of a simulator that decides."""
+    """The deciding result of a simulator."""
     name, simulator = str(document["criterion"]["result"]), str(document["simulator"]["name"])
     known = None if catalogue is None else catalogue.simulator(simulator)
     entry = None if known is None else known.result(name)

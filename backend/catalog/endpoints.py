@@ -1,4 +1,4 @@
-"""GET /components and the library of campaigns; POST /campaigns/check. Start reading at `check_campaign`."""
+"""GET /components and the campaign library; POST /campaigns/check."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def list_components(reader: Reader) -> Catalogue:
 
 @router.get("/campaigns")
 def list_campaigns(reader: Reader) -> list[LibraryCampaign]:
-    """The campaigns that are shipped with this installation."""
+    """The campaigns shipped with this installation."""
     return service.library_campaigns(reader)
 
 
@@ -58,7 +58,7 @@ def get_campaign(name: LibraryName, reader: Reader) -> LibraryCampaign:
     responses=problems("unsupported-media-type", "unreadable", "no-catalogue", "busy"),
 )
 async def check_campaign(request: Request, engine: Engine) -> Checked:
-    """What a campaign means and what is wrong with it, as `{"campaign": ...}` or as YAML; stores nothing."""
+    """Check a campaign, given as `{"campaign": ...}` or as YAML: its parsed form, or its errors. Stores nothing."""
     yaml = bodies.is_yaml(request)
     body = await request.body()
 
@@ -72,7 +72,7 @@ async def check_campaign(request: Request, engine: Engine) -> Checked:
 
 
 def given(body: bytes, yaml: bool) -> Campaign | CampaignError:
-    """The campaign of a request's body, or everything that is wrong with it."""
+    """The campaign of a request's body, or all its errors."""
     try:
         if yaml:
             return bodies.yaml_campaign(body)

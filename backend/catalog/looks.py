@@ -1,7 +1,4 @@
-"""How a run's methods, obstacles and vehicle are drawn, from what the run kept and what is installed.
-
-Start reading at `Looks`.
-"""
+"""How a run's methods, obstacles and vehicle are drawn, from its snapshot and the current catalogue."""
 
 from __future__ import annotations
 
@@ -18,26 +15,26 @@ from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
 
 @dataclass(frozen=True)
 class Looks:
-    """Looks by name, from the snapshot of a run and from today's catalogue.
+    """Looks by name, from the snapshot of a run and from the current catalogue.
 
-    A method has its colour of today in every run. Sizes are named by parameters, which are those of the snapshot; one
-    of an earlier version has no looks, and today's are taken where they fit.
+    Methods always have their current colour. Sizes refer to parameters of the snapshot; for snapshots of earlier
+    versions, which have no looks, the current looks are used if their parameters match.
     """
 
     kept: Catalogue | None = None
     installed: Catalogue | None = None
 
     def method(self, name: str) -> MethodLook | None:
-        """Of a search method; None where nothing declares one."""
+        """The look of a search method; None if it is not declared."""
         entries = [known.method(name) for known in (self.installed, self.kept) if known is not None]
         return next((entry.look for entry in entries if entry is not None and entry.look is not None), None)
 
     def obstacle(self, name: str) -> ObstacleLook | None:
-        """Of an obstacle; None where nothing declares one."""
+        """The look of an obstacle; None if it is not declared."""
         return next((e.look for e in self._entries("obstacle", name) if isinstance(e.look, ObstacleLook)), None)
 
     def vehicle(self, name: str) -> VehicleLook | None:
-        """Of a vehicle; None where nothing declares one."""
+        """The look of a vehicle; None if it is not declared."""
         return next((e.look for e in self._entries("vehicle", name) if isinstance(e.look, VehicleLook)), None)
 
     def _entries(self, role: Role, name: str) -> list[ComponentEntry]:
@@ -46,5 +43,5 @@ class Looks:
 
 
 def looks(reader: sa.Connection, run_id: int) -> Looks:
-    """Of a run's components and methods."""
+    """The looks of a run's components and methods."""
     return Looks(snapshots.of_run(reader, run_id), published(reader))

@@ -1,4 +1,4 @@
-"""What the API says of components, methods and the library of campaigns."""
+"""The API schemas of components, methods and the campaign library."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class LibraryCampaign(Schema):
 
 
 class ProblemOut(Schema):
-    """One thing wrong with a campaign: the field, what was given, and what is allowed or to do."""
+    """One error in a campaign: the field, the given value, and what is allowed or to be done."""
 
     field: str
     given: str
@@ -40,7 +40,7 @@ class CheckedParameter(Schema):
 
 
 class CriterionOut(Schema):
-    """A criterion of a campaign, by the name that results know it by: `goal_miss`, a second one `goal_miss#2`."""
+    """A criterion of a campaign under its name in results: `goal_miss`, a second one `goal_miss#2`."""
 
     name: str
     component: str
@@ -49,13 +49,13 @@ class CriterionOut(Schema):
     """d_goal"""
     unit: str
     worse: Literal["low", "high"]
-    """Which end is sought. Stored costs are all lower when worse; values told have their own sign."""
+    """The worse direction. Stored costs are always lower when worse; reported values have their own sign."""
     measured_to: Literal["", "centre", "surface"]
-    """The point of an obstacle that its distances end at; empty where it reads none, or that is not known."""
+    """The reference point of its distances on an obstacle; empty if it has none or it is unknown."""
 
 
 class Checked(Schema):
-    """A campaign as the product understands it, or what is wrong with it."""
+    """A checked campaign: its parsed form, or its errors."""
 
     ok: bool
     problems: list[ProblemOut]
@@ -64,9 +64,9 @@ class Checked(Schema):
     yaml: str | None
     parameters: list[CheckedParameter]
     evaluations: int | None
-    """How many evaluations a run of it would fly."""
+    """The number of evaluations that a run would have."""
     seconds: float | None
-    """Estimated from the speed of earlier runs of the same components; None when there are none."""
+    """Estimated from the speed of earlier runs with the same components; None if there are none."""
 
 
 LibraryCampaign.model_rebuild()

@@ -1,4 +1,4 @@
-"""The catalogue that the workers publish, and campaigns held against it. Start reading at `checked`."""
+"""The catalogue that the workers publish, and the check of campaigns against it. Start reading at `checked`."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ NO_CATALOGUE = (
     " and try again in a few seconds"
 )
 RECENT_RUNS = 300
-"""How far back runs are looked through for the speed of the same components."""
+"""Number of recent runs searched for the speed of the same components."""
 
 
 def published(reader: sa.Connection) -> Catalogue | None:
-    """The catalogue of the newest worker; None before any worker has started."""
+    """The catalogue of the newest worker; None if no worker has started."""
     document = sa.cast(CatalogueDocument.document, sa.Text)
     text = reader.scalar(sa.select(document).order_by(CatalogueDocument.published.desc()).limit(1))
     return None if text is None else _read(text)
@@ -35,17 +35,17 @@ def published(reader: sa.Connection) -> Catalogue | None:
 
 @functools.lru_cache(maxsize=4)
 def _read(text: str) -> Catalogue:
-    """Kept, because a live page asks for it several times a second and it is the largest document there is."""
+    """Cached: a live page needs it several times a second, and it is the largest document."""
     return Catalogue.model_validate_json(text)
 
 
 def described(reader: sa.Connection, run_id: int) -> Catalogue | None:
-    """What a run's components meant: as it kept them, of earlier runs as they are described now."""
+    """The descriptions of a run's components: those stored with it, or for earlier runs the current ones."""
     return snapshots.of_run(reader, run_id) or published(reader)
 
 
 def required(reader: sa.Connection) -> Catalogue:
-    """The catalogue, or 503 while there is none."""
+    """The catalogue, or 503 if there is none."""
     catalogue = published(reader)
     if catalogue is None:
         raise RefusedError(503, "no-catalogue", NO_CATALOGUE, headers={"Retry-After": "2"})
@@ -53,7 +53,7 @@ def required(reader: sa.Connection) -> Catalogue:
 
 
 def library_campaigns(reader: sa.Connection) -> list[LibraryCampaign]:
-    """Every shipped campaign, with what keeps this installation from running it."""
+    """All shipped campaigns, with the problems that prevent this installation from running them."""
     catalogue = published(reader)
     return [_library_campaign(name, catalogue) for name in library()]
 
@@ -80,7 +80,7 @@ def _shipped(name: str) -> tuple[Campaign, str]:
 
 
 def checked(reader: sa.Connection, given: Campaign | CampaignError) -> Checked:
-    """The campaign as the product understands it, or everything that is wrong with it; stores nothing."""
+    """The parsed campaign, or all its errors; stores nothing."""
     if isinstance(given, CampaignError):
         return Checked(
             ok=False,
@@ -125,7 +125,7 @@ def _parameters(campaign: Campaign, catalogue: Catalogue) -> list[CheckedParamet
 def bounds(campaign: Campaign, catalogue: Catalogue | None) -> dict[str, tuple[float, float, float]]:
     """Nominal value, low and high of each uncertain parameter, in the campaign's order.
 
-    A path that this catalogue does not know (any more) is left out.
+    Paths that are not in this catalogue are omitted.
     """
     known = {} if catalogue is None else parameters(campaign, catalogue)
     found = {}
@@ -137,9 +137,9 @@ def bounds(campaign: Campaign, catalogue: Catalogue | None) -> dict[str, tuple[f
 
 
 def _seconds(reader: sa.Connection, campaign: Campaign, evaluations: int) -> float | None:
-    """Working time that the evaluations would take at the speed of earlier runs of the same components [s].
+    """Estimated working time of the evaluations at the speed of earlier runs with the same components [s].
 
-    A flight's time goes with its number of steps, so speed is counted in steps; of a simulator nothing is known.
+    Evaluation time is proportional to the number of steps, so the speed is in steps per second; unknown for simulators.
     """
     if campaign.scenario is None:
         return None

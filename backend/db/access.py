@@ -1,7 +1,7 @@
-"""API tokens, login links and sessions as rows: only the SHA-256 of a secret is kept, the secret is shown once.
+"""API tokens, login links and sessions as rows: only the SHA-256 of a secret is stored; the secret is shown once.
 
-The secrets are 256 random bits, so that a plain hash is enough (OWASP Session Management Cheat Sheet, entropy), and
-looking a hash up leaks nothing of the secret. Start reading at `hashed`.
+A secret has 256 random bits, so a plain hash is sufficient (OWASP Session Management Cheat Sheet, entropy), and looking
+up a hash leaks nothing about the secret.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from backend.db import engine
 from backend.db.tables import LoginLink, Session, Token
 
 TOKEN_PREFIX = "clr_"
-"""Opens every API token, so that one that leaked into a file can be found by searching."""
+"""Prefix of every API token, so that a token that leaked into a file can be found by searching."""
 
 LINK_LIFETIME = 15 * 60.0
-"""How long an unused login link is good [s]."""
+"""How long an unused login link is valid [s]."""
 
 SESSION_LIFETIME = 14 * 24 * 3600.0
 """How long a browser stays signed in [s]."""
@@ -39,21 +39,21 @@ class AccessError(ValueError):
 
 @dataclass(frozen=True)
 class Visitor:
-    """Who is asking, and how they came in."""
+    """The user behind a request, and how they authenticated."""
 
     user: str
     via: Literal["link", "token"]
     key: str = field(default="", compare=False, repr=False)
-    """Tells one browser's session, or one token, from another: the hash that the tables keep."""
+    """Identifies the browser session or the token: its stored hash."""
 
 
 def hashed(secret: str) -> str:
-    """What the tables keep of a token, a login code or a session cookie: SHA-256, 64 hexadecimal digits."""
+    """The stored form of a token, a login code or a session cookie: SHA-256, 64 hexadecimal digits."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
 def create_token(connection: sa.Connection, name: str) -> str:
-    """A new API token under a name not used before; this is the only time that it can be seen."""
+    """Create an API token under a new name and return it; it cannot be read again later."""
     if not _NAME.fullmatch(name):
         raise AccessError(f"the name {name!r} is invalid: use 1 to 64 letters, digits and . _ + -, no spaces")
     if connection.scalar(sa.select(Token.id).where(Token.name == name)) is not None:
@@ -71,14 +71,14 @@ def tokens(connection: sa.Connection) -> list[sa.Row[tuple[str, float, float | N
 
 
 def revoke_token(connection: sa.Connection, name: str) -> None:
-    """From now on the token is refused; its row stays, so that the name still says who it was."""
+    """Revoke a token; its row stays, so that the audit trail can still be attributed to its name."""
     known = sa.update(Token).where(Token.name == name)
     if connection.execute(known.values(revoked=sa.func.coalesce(Token.revoked, engine.now(connection)))).rowcount == 0:
         raise AccessError(f"there is no token named {name!r}; `clearance token list` lists all tokens")
 
 
 def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME) -> str:
-    """The code of a fresh login link, single-use and valid for `lifetime` [s]; voids every earlier unused one."""
+    """Create the code of a single-use login link, valid for `lifetime` [s]; voids all earlier unused codes."""
     code = secrets.token_urlsafe(32)
     created = engine.now(connection)
     old = sa.or_(LoginLink.used.is_(None), LoginLink.expires < created - 7 * 24 * 3600.0)
@@ -88,14 +88,14 @@ def create_login_code(connection: sa.Connection, lifetime: float = LINK_LIFETIME
     return code
 
 
-def good_codes(connection: sa.Connection) -> frozenset[str]:
-    """The hashes of the login codes that would open a session now."""
+def valid_codes(connection: sa.Connection) -> frozenset[str]:
+    """The hashes of all login codes that are valid now."""
     good = (LoginLink.used.is_(None), LoginLink.expires > engine.now(connection))
     return frozenset(connection.scalars(sa.select(LoginLink.hash).where(*good)))
 
 
 def open_session(connection: sa.Connection, code: str, user: str) -> str | None:
-    """Use a login link up: the secret of a new session, or None when the code is wrong, used or expired."""
+    """Use a login code; returns the secret of a new session, or None if the code is wrong, used or expired."""
     at = engine.now(connection)
     good = (LoginLink.hash == hashed(code), LoginLink.used.is_(None), LoginLink.expires > at)
     if connection.execute(sa.update(LoginLink).where(*good).values(used=at)).rowcount != 1:
@@ -113,13 +113,13 @@ def close_session(connection: sa.Connection, secret: str) -> None:
 
 
 def by_session(connection: sa.Connection, secret: str) -> Visitor | None:
-    """The visitor a session's cookie belongs to."""
+    """The visitor to whom a session cookie belongs."""
     row = _found(connection, sa.select(Session.hash, Session.user, Session.expires), Session.hash, secret)
     return Visitor(row.user, "link", row.hash) if row is not None and row.expires > engine.now(connection) else None
 
 
 def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | None:
-    """The visitor an API token belongs to, and whether its use should be noted now."""
+    """The visitor to whom an API token belongs, and whether its use should be recorded now."""
     columns = (Token.hash, Token.name, Token.revoked, Token.last_used)
     row = _found(connection, sa.select(*columns), Token.hash, secret)
     if row is None or row.revoked is not None:
@@ -128,7 +128,7 @@ def by_token(connection: sa.Connection, secret: str) -> tuple[Visitor, bool] | N
 
 
 def note_use(connection: sa.Connection, name: str) -> None:
-    """Write down that a token was used."""
+    """Record the time of a token's last use."""
     connection.execute(sa.update(Token).where(Token.name == name).values(last_used=engine.now(connection)))
 
 

@@ -1,4 +1,4 @@
-"""The audit trail: who did what to which run, and when. Rows are only ever added. Start reading at `note`."""
+"""The audit trail: who did what to which run, and when. Rows are only added, never changed."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from campaigns.documents import JsonObject
 
 
 def note(writer: sa.Connection, visitor: Visitor, action: str, subject: str, detail: JsonObject) -> None:
-    """Write down what is done in this transaction: `action` such as `signoff.created`, `subject` such as R-0001."""
+    """Record an action in the caller's transaction: `action` such as `signoff.created`, `subject` such as R-0001."""
     _write(writer, action, subject, detail, {"user": visitor.user, "via": visitor.via})
 
 
 def note_command(writer: sa.Connection, user: str, action: str, subject: str, detail: JsonObject) -> None:
-    """The same of what is done on the command line, by a user of the machine."""
+    """Record an action on the command line by an operating-system user."""
     _write(writer, action, subject, detail, {"user": user[:64], "via": "cli"})
 
 

@@ -1,4 +1,4 @@
-"""The root of all tables, and how their Python types are stored. The tables are in `backend.db.tables`."""
+"""The declarative base of all tables, with the column types of their Python types."""
 
 from __future__ import annotations
 

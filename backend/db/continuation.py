@@ -1,7 +1,7 @@
-"""A run that goes on with another's searches: a new run that cites the old one and begins with its evaluations.
+"""Extends the searches of a run: a new run that cites the old one and starts with its evaluations.
 
-It is held at once by who asked for it, in the transaction that creates it, so that no worker takes it; when its lease
-runs out, any worker goes on with it like with every other. Start reading at `begin`.
+The transaction that creates the new run also claims it for the caller, so that no worker takes it. When that lease
+expires, any worker can resume it. Start reading at `begin`.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ from campaigns.results.trace import TraceColumn
 
 
 def state(connection: sa.Connection, run_id: int) -> tuple[str, JsonObject] | None:
-    """A run's state and the document of its campaign; None when there is no such run."""
+    """A run's state and the document of its campaign; None if there is no such run."""
     of = sa.select(Run.state, CampaignRow.document).join(CampaignRow, CampaignRow.digest == Run.campaign_digest)
     row = connection.execute(of.where(Run.id == run_id)).first()
     return None if row is None else (row.state, row.document)
 
 
 def flown(connection: sa.Connection, run_id: int) -> Flown:
-    """What flew a run; of one from before this was stored, what its verdict was stored with, which may be nothing."""
+    """The installation that ran a run; for a run older than this column, the one stored with its verdict, if any."""
     row = connection.execute(sa.select(Run.flown, Run.summary).where(Run.id == run_id)).one()
     return Flown.of(row.flown or (row.summary or {}).get("provenance"))
 
 
 def is_removed(connection: sa.Connection, run_id: int) -> bool:
-    """Whether a run is removed: then it, too, may be purged at any time."""
+    """Whether a run is removed, and may therefore be purged at any time."""
     return connection.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
 
 
 def stages(connection: sa.Connection, run_id: int) -> list[StageRecord]:
-    """The stages of a run as they stand, in order."""
+    """The stages of a run in their current state, in order."""
     rows = connection.execute(sa.select(Stage).where(Stage.run_id == run_id).order_by(Stage.position))
     return [StageRecord(StagePlan(r.kind, r.method, r.planned), r.state, r.seconds, as_result(r.result)) for r in rows]
 
@@ -93,10 +93,10 @@ def begin(
     catalogue: Catalogue | None = None,
     flown: Flown | None = None,
 ) -> Claim:
-    """Create the run that continues run `old` under the campaign, with these evaluations in its stages, and hold it.
+    """Create and claim the run that extends run `old` under the campaign, with these evaluations in its stages.
 
-    It has the old run's name, tags and owner, and keeps of the catalogue what its components mean. `flown` is what
-    flew these evaluations; None where that was not stored. In the caller's transaction.
+    It has the old run's name, tags and owner, and stores the catalogue entries of its components. `flown` describes
+    the installation that ran these evaluations; None if unknown. Runs in the caller's transaction.
     """
     kept = (Run.name, Run.tags, Run.owner, Run.priority, Run.best_so_far)
     cited = connection.execute(sa.select(*kept).where(Run.id == old)).one()

@@ -1,8 +1,8 @@
-"""The digest of a run's results: what a reviewer signs, and what tells whether a file of it is still the same.
+"""The digest of a run's results: what a reviewer signs, and how a file of the run is checked for changes.
 
-SHA-256 over canonical JSON of campaign digest, state, verdict with its parts, findings, stages with their results, and
-over the bytes of the stored flights, and of what the components meant, where the run kept it: a stored point of the
-unit cube is a mass only by that. Names, tags, notes and times are no results. Start reading at `results_digest`.
+SHA-256 over the canonical JSON of campaign digest, state, verdict, findings and stage results, over the bytes of the
+stored traces, and over the component descriptions stored with the run: only these map points of the unit cube to
+physical values. Names, tags, notes and times are not results.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _FINDING = ("label", "cost", "margin", "parameters", "point", "methods", "found"
 
 
 def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) -> str:
-    """64 hexadecimal digits; any later change of a result changes them. Up to revision 0010 without `evidence`."""
+    """64 hexadecimal digits; any change of a result changes them. Revisions up to 0010 used `evidence=False`."""
     parts = {
         "run": _rows(reader, Run, _RUN, Run.id == run_id, Run.id),
         "stages": _rows(reader, Stage, (*_STAGE, "result"), Stage.run_id == run_id, Stage.position),
@@ -35,7 +35,7 @@ def results_digest(reader: sa.Connection, run_id: int, evidence: bool = True) ->
         if any(value is not None for _, *values in shown for value in values):
             parts["evidence"] = shown
     components = snapshots.digest(reader, run_id)
-    if components is not None:  # earlier runs keep the digest that they were signed under
+    if components is not None:  # runs without a snapshot keep the digest under which they were signed
         parts["components"] = [[components]]
     canonical = json.dumps(parts, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(canonical.encode()).hexdigest()

@@ -23,19 +23,19 @@ from backend.db.private import create_private
 Result = TypeVar("Result")
 
 BUSY_TIMEOUT = 30.0
-"""How long a writer of SQLite waits for another one [s]."""
+"""How long an SQLite writer waits for another writer [s]."""
 
 _json = functools.partial(json.dumps, allow_nan=False)
 _READ = "clearance_read"
 _MIGRATION_LOCK = 0x636C6561
-"""The key of PostgreSQL's advisory lock that one migrating process holds."""
+"""Key of the PostgreSQL advisory lock that serialises migrations."""
 
 
 def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
-    """An engine for `sqlite:///path` or `postgresql://...`; a missing folder of an SQLite file is made.
+    """An engine for `sqlite:///path` or `postgresql://...`; creates the folder of an SQLite file if it is missing.
 
-    busy_timeout: how long a writer waits for another one, on PostgreSQL where it is not the default [s]. Every
-    transaction of SQLite is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for another database.
+    busy_timeout: how long a writer waits for a lock [s]; on PostgreSQL it is set only if given. Every SQLite
+    transaction is BEGIN IMMEDIATE, except those of `read`. Raises `ValueError` for any other database.
     """
     try:
         parsed = sa.make_url(url)
@@ -52,11 +52,12 @@ def connect(url: str, busy_timeout: float | None = None) -> sa.Engine:
             json_serializer=_json,
             connect_args={"options": limits} if limits else {},
         )
-    raise ValueError(f"the database {parsed.render_as_string()!r} is not one of sqlite:///FILE and postgresql://...")
+    given = parsed.render_as_string()
+    raise ValueError(f"the database {given!r} is not supported: give sqlite:///FILE or postgresql://...")
 
 
 def default_url(data: Path) -> str:
-    """The database in a data folder, used where no other is named."""
+    """The default database: a file in the data folder."""
     return f"sqlite:///{data.absolute() / 'clearance.sqlite3'}"
 
 
@@ -66,28 +67,28 @@ def is_sqlite(bind: sa.Engine | sa.Connection) -> bool:
 
 
 def insert(connection: sa.Connection, table: Any) -> sqlite.Insert | postgresql.Insert:
-    """The insert that also knows `on_conflict_do_nothing` and `on_conflict_do_update`."""
+    """The dialect's insert, which has `on_conflict_do_nothing` and `on_conflict_do_update`."""
     return sqlite.insert(table) if is_sqlite(connection) else postgresql.insert(table)
 
 
 @contextmanager
 def read(engine: sa.Engine) -> Iterator[sa.Connection]:
-    """A connection that only reads: one snapshot, and on SQLite it neither waits for writers nor makes them wait."""
+    """A read-only connection with one snapshot; on SQLite it neither waits for writers nor blocks them."""
     with engine.connect() as connection:
         yield connection.execution_options(**{_READ: True})
 
 
 def now(connection: sa.Connection) -> float:
-    """The queue's clock, seconds since 1970: on PostgreSQL the server's, so that machines need not agree."""
+    """The queue's clock [s since 1970]: on PostgreSQL the server's, so that machine clocks need not agree."""
     if is_sqlite(connection):
         return time.time()
     return float(connection.scalar(sa.text("select extract(epoch from clock_timestamp())")) or 0.0)
 
 
 def write(engine: sa.Engine, work: Callable[[sa.Connection], Result], patience: float) -> Result:
-    """One write transaction, begun anew for up to `patience` [s] while the database is locked or away.
+    """Run one write transaction, retried for up to `patience` [s] while the database is locked or unreachable.
 
-    Where it is lost whether a commit arrived, `work` is done again: it must be able to tell, or not to mind.
+    If it is unknown whether a commit succeeded, `work` runs again: it must be idempotent or detect the repetition.
     """
     deadline, pause = time.monotonic() + patience, 0.05
     while True:
@@ -103,7 +104,7 @@ def write(engine: sa.Engine, work: Callable[[sa.Connection], Result], patience: 
 
 @contextmanager
 def migration_lock(engine: sa.Engine) -> Iterator[sa.Connection]:
-    """A write transaction that only one process has at a time, however many start at once."""
+    """A write transaction that is exclusive among all processes that start at the same time."""
     with engine.begin() as connection:
         if not is_sqlite(connection):
             connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_MIGRATION_LOCK)))
@@ -111,8 +112,8 @@ def migration_lock(engine: sa.Engine) -> Iterator[sa.Connection]:
 
 
 def migrate(url: str) -> None:
-    """Bring the database's tables to the newest form; safe when several processes start at once."""
-    from backend.db.migrate import to_head  # Alembic is needed at start only
+    """Migrate the database to the newest schema; safe when several processes start at once."""
+    from backend.db.migrate import to_head  # imported here because Alembic is needed at start only
 
     engine = connect(url)
     if is_sqlite(engine):
@@ -135,7 +136,7 @@ def _sqlite(url: sa.URL, busy_timeout: float) -> sa.Engine:
 
     @sa.event.listens_for(engine, "connect")
     def _connected(connection: sqlite3.Connection, _record: Any) -> None:
-        connection.isolation_level = None  # otherwise the driver begins transactions of its own, and deferred ones
+        connection.isolation_level = None  # otherwise the driver begins its own, deferred, transactions
         for pragma in (f"busy_timeout={busy_timeout * 1000:.0f}", "synchronous=NORMAL", "foreign_keys=ON"):
             connection.execute(f"PRAGMA {pragma}")
         _set_wal(connection)
@@ -149,7 +150,7 @@ def _sqlite(url: sa.URL, busy_timeout: float) -> sa.Engine:
 
 
 def _set_wal(connection: sqlite3.Connection) -> None:
-    """WAL is a property of the file; turning it on can find the file locked without ever asking the busy handler."""
+    """Enable WAL, a property of the file; retried because this pragma can fail on a lock without the busy handler."""
     deadline = time.monotonic() + BUSY_TIMEOUT
     while True:
         try:

@@ -1,4 +1,4 @@
-"""Brings a database's tables to the newest form. Start reading at `to_head`."""
+"""Migrates a database to the newest schema with Alembic."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ FOLDER = Path(__file__).parent / "migrations"
 
 
 def to_head(connection: sa.Connection) -> None:
-    """Run the migrations that this database has not seen, on the caller's connection and in its transaction."""
+    """Run all pending migrations on the caller's connection, in its transaction."""
     command.upgrade(config(connection), "head")
 
 
 def config(connection: sa.Connection) -> Config:
-    """Alembic's configuration without a file."""
+    """The Alembic configuration, without a file."""
     found = Config(attributes={"connection": connection})
     found.set_main_option("script_location", str(FOLDER).replace("%", "%%"))
     found.set_main_option("path_separator", "os")

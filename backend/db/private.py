@@ -1,7 +1,4 @@
-"""Keeps what the service and its workers store from other users of the machine: POSIX modes of folders and files.
-
-Start reading at `keep_private`.
-"""
+"""Makes the files of the service and its workers unreadable for other users of the machine, by POSIX modes."""
 
 from __future__ import annotations
 
@@ -18,20 +15,20 @@ FOLDER = 0o700
 FILE = 0o600
 
 OWN = ("clearance.sqlite3*", "serve.lock", "login-link", "service-address")
-"""The service's own files in its data folder; the user's other files there are left as they are."""
+"""The service's own files in its data folder; other files there are not touched."""
 
 _log = logging.getLogger(__name__)
 
 
 class SharedFolderError(ValueError):
-    """The data folder belongs to every user of the machine, such as /tmp; the message says what to do."""
+    """The data folder is shared by all users of the machine, such as /tmp."""
 
 
 def keep_private(data: Path, database: str = "") -> None:
-    """Make the data folder, and close it and what is in it to other users; from now on files are created closed, too.
+    """Create the data folder, make it and its files private, and set the umask for files created later.
 
-    data: made where it is missing. database: a URL; an SQLite file may lie elsewhere. Raises `SharedFolderError` and
-    `OSError`. A mode that cannot be changed, because another user owns the file, is logged.
+    data: created if missing. database: a URL; an SQLite file may be outside the data folder. Raises
+    `SharedFolderError` and `OSError`. A mode that cannot be changed because another user owns the file is logged.
     """
     os.umask(UMASK)
     data.mkdir(mode=FOLDER, parents=True, exist_ok=True)
@@ -44,7 +41,7 @@ def keep_private(data: Path, database: str = "") -> None:
 
 
 def create_private(file: Path) -> None:
-    """Create an empty file that only its owner may read, where there is none."""
+    """Create an empty file that only its owner may read, unless it exists."""
     file.parent.mkdir(mode=FOLDER, parents=True, exist_ok=True)
     try:
         os.close(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, FILE))
@@ -53,7 +50,7 @@ def create_private(file: Path) -> None:
 
 
 def write_private(path: Path, text: str) -> None:
-    """Write a file whole or not at all, never readable by other users."""
+    """Write a private file atomically."""
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, FILE), "w", encoding="utf-8") as file:
         file.write(text)
@@ -73,7 +70,7 @@ def _files(data: Path, database: str) -> Iterator[Path]:
 
 
 def _tighten(path: Path) -> None:
-    """Take all rights of other users away. A symbolic link is left alone: what it points to may be anybody's."""
+    """Remove all permissions of other users. Symbolic links are skipped: their target may belong to another user."""
     if path.is_symlink() or not path.exists():
         return
     mode = stat.S_IMODE(path.stat().st_mode)

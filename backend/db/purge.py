@@ -1,8 +1,8 @@
-"""Deletes for good what was removed long ago, run by run, and gives SQLite's space back. Start reading at `purge`.
+"""Permanently deletes runs that were removed long ago, and reclaims SQLite's disk space.
 
-Of a purged run its row stays, as a tombstone: so its number is never given again, a link to it says what became of it,
-and runs that went on with it still say so. The trail, withdrawn sign-offs and the campaign stay, too.
-Source for the space: SQLite, "VACUUM" and "PRAGMA wal_checkpoint".
+The row of a purged run stays as a tombstone: its number is never reused, links to it explain what happened, and runs
+that extend it still cite it. The audit trail, withdrawn sign-offs and the campaign also stay.
+Source on disk space: SQLite, "VACUUM" and "PRAGMA wal_checkpoint".
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _EMPTY: JsonObject = {
 
 @dataclass(frozen=True)
 class Removed:
-    """A run that was removed long enough ago; `size` is what its evaluations and flights take [bytes]."""
+    """A removed run that is due for purging; `size` is that of its evaluations and traces [bytes]."""
 
     id: int
     name: str
@@ -40,14 +40,14 @@ class Removed:
 
 
 class Space(NamedTuple):
-    """An SQLite file before and after [bytes]."""
+    """Size of an SQLite file before and after [bytes]."""
 
     before: int
     after: int
 
 
 def due(engine: sa.Engine, age: float) -> list[Removed]:
-    """The runs that were removed at least so long ago [s] and are not purged, the oldest removal first."""
+    """The runs removed at least `age` [s] ago and not yet purged, the oldest removal first."""
     columns = (Run.id, Run.name, Run.removed, Run.removed_by, Run.removed_reason, Run.evaluations)
     with read(engine) as reader:
         of = sa.select(*columns).where(*_due(now(reader) - age)).order_by(Run.removed, Run.id)
@@ -55,7 +55,7 @@ def due(engine: sa.Engine, age: float) -> list[Removed]:
 
 
 def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
-    """Delete a run's results in one transaction; false where it was restored or purged meanwhile."""
+    """Delete a run's results in one transaction; false if it was restored or purged in the meantime."""
     with engine.begin() as writer:
         of = sa.select(Run.id, Run.evaluations).where(Run.id == run_id, *_due(now(writer) - age)).with_for_update()
         row = writer.execute(of).one_or_none()
@@ -72,7 +72,7 @@ def purge(engine: sa.Engine, run_id: int, age: float, user: str) -> bool:
 
 
 def wasted(engine: sa.Engine) -> int:
-    """What of an SQLite file holds nothing any more [bytes]; 0 on PostgreSQL, which uses such space again by itself."""
+    """Unused space in an SQLite file [bytes]; 0 on PostgreSQL, which reuses such space automatically."""
     if not is_sqlite(engine):
         return 0
     with read(engine) as reader:
@@ -81,14 +81,14 @@ def wasted(engine: sa.Engine) -> int:
 
 
 def reclaim(engine: sa.Engine) -> Space:
-    """Write an SQLite file anew without what was deleted; needs as much disk again while it works.
+    """Rewrite an SQLite file without deleted data; temporarily needs the same disk space again.
 
-    Nobody can write meanwhile. Raises `sqlite3.OperationalError` where the file stays locked or the disk is full.
+    Writers are blocked meanwhile. Raises `sqlite3.OperationalError` if the file stays locked or the disk is full.
     """
     file = Path(str(engine.url.database))
     before = file.stat().st_size
     connection = engine.raw_connection()
-    try:  # outside any transaction, which every other connection of the engine begins
+    try:  # VACUUM must run outside a transaction; other connections of the engine begin one
         connection.cursor().execute("VACUUM")
         connection.cursor().execute("PRAGMA wal_checkpoint(TRUNCATE)")
     finally:
@@ -97,7 +97,7 @@ def reclaim(engine: sa.Engine) -> Space:
 
 
 def _due(until: float) -> tuple[sa.ColumnElement[bool], ...]:
-    """Removed by then; a sign-off that stands keeps a run, whatever else was done to it."""
+    """Removed before `until`; a valid sign-off protects a run from purging in any case."""
     signed = sa.select(Signoff.id).where(Signoff.run_id == Run.id, Signoff.withdrawn.is_(None)).exists()
     return Run.removed.is_not(None), Run.removed <= until, Run.purged.is_(None), ~signed
 

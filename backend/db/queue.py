@@ -1,9 +1,9 @@
-"""The runs table as a queue: leases, fences, attempts, cancelling. The one place that changes a run's state.
+"""The runs table as a queue: leases, fences, attempts, cancellation. Only this module changes a run's state.
 
-A worker claims a run for `lease` seconds and beats before they are over; a run whose lease has run out is free for
-another. Every claim raises the run's fence, and every write names the fence it was made under, so that a worker that
-was only slow cannot write over its successor (Kleppmann, "How to do distributed locking"). SQLite: BEGIN IMMEDIATE;
-PostgreSQL: FOR UPDATE SKIP LOCKED (SQLite has no such words, and needs none). Start reading at `Queue.claim`.
+A worker claims a run for `lease` seconds and renews the lease by heartbeats; a run whose lease has expired can be
+claimed by another worker. Every claim increments the run's fencing token, and every write checks it, so that a worker
+that was only slow cannot overwrite its successor's results (Kleppmann, "How to do distributed locking"). SQLite:
+BEGIN IMMEDIATE; PostgreSQL: FOR UPDATE SKIP LOCKED. Start reading at `Queue.claim`.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from campaigns.documents import JsonObject
 from campaigns.runs import HELD
 
 LEASE = 10.0
-"""How long a worker may be silent before its run is given to another [s]."""
+"""How long a worker may send no heartbeat before its run can be claimed by another [s]."""
 
 LONGEST_ERROR = 4000
-"""Characters kept of a sentence that says why an attempt failed."""
+"""Maximum stored length of the reason why an attempt failed [characters]."""
 
 _SILENT = "its worker stopped sending heartbeats"
 _CLAIMED = (Run.id, Run.state, Run.fence, Run.attempts, Run.max_attempts, Run.started, Run.campaign_digest)
 
 
 class LostLease(RuntimeError):
-    """The run was given to another worker or has ended; nothing was written."""
+    """The run was reassigned to another worker or has ended; nothing was written."""
 
     def __init__(self, message: str | None = None) -> None:
         super().__init__(message or type(self).__doc__)
@@ -42,7 +42,7 @@ class LostLease(RuntimeError):
 
 @dataclass(frozen=True)
 class Claim:
-    """A run held by a worker: which, under which fence, in which attempt since the last completed stage."""
+    """A run claimed by a worker: its number, the fence, and the attempt since the last completed stage."""
 
     run_id: int
     fence: int
@@ -53,7 +53,7 @@ class Claim:
     """The campaign."""
 
     def as_json(self) -> JsonObject:
-        """The claim as plain JSON values; `Claim(**values)` is the way back."""
+        """The claim as plain JSON values; `Claim(**values)` restores it."""
         return asdict(self)
 
 
@@ -68,9 +68,9 @@ def submit(
     priority: int = 0,
     catalogue: Catalogue | None = None,
 ) -> int:
-    """Put a run of the campaign into the queue, in the caller's transaction; returns its number.
+    """Queue a run of the campaign in the caller's transaction; returns its number.
 
-    Of the catalogue it keeps what the campaign's components mean.
+    Stores the catalogue entries of the campaign's components with it.
     """
     created = now(connection)
     row = {"digest": campaign.digest, "name": campaign.name, "document": campaign.document(), "created": created}
@@ -84,15 +84,15 @@ def submit(
         "priority": priority,
         "planned": planned,
         "threshold": campaign.criterion.threshold,
-        "snapshot": None if catalogue is None else snapshots.keep(connection, campaign, catalogue),
+        "snapshot": None if catalogue is None else snapshots.store(connection, campaign, catalogue),
     }
     return int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
 
 
 def request_cancel(connection: sa.Connection, run_id: int) -> str | None:
-    """Cancel a run: at once when no living worker holds it, otherwise its worker is asked to. Returns its state.
+    """Cancel a run: immediately if no live worker holds it, otherwise by a request to its worker. Returns its state.
 
-    None when there is no such run; a run that has ended stays as it is.
+    None if there is no such run; a run that has ended is unchanged.
     """
     at = now(connection)
     unheld = sa.or_(Run.state == "queued", sa.and_(Run.state.in_(HELD), Run.lease_until < at))
@@ -104,23 +104,23 @@ def request_cancel(connection: sa.Connection, run_id: int) -> str | None:
 
 
 def fenced(connection: sa.Connection, claim: Claim, **values: Any) -> None:
-    """Update the claimed run, in the caller's transaction; raises `LostLease` when it is no longer the caller's."""
+    """Update the claimed run in the caller's transaction; raises `LostLease` if the claim is no longer valid."""
     mine = (Run.id == claim.run_id, Run.fence == claim.fence, Run.state.in_(HELD))
     if connection.execute(sa.update(Run).where(*mine).values(**values)).rowcount != 1:
         raise LostLease(f"run {claim.run_id} was reassigned to another worker or has ended; nothing was written")
 
 
 class Queue:
-    """The queue as a worker sees it. Every method is one transaction; database errors pass through."""
+    """The worker's interface to the queue. Every method is one transaction; database errors are not caught."""
 
     def __init__(self, engine: sa.Engine, lease: float = LEASE) -> None:
         self.engine, self.lease = engine, lease
 
     def claim(self, worker: str) -> Claim | None:
-        """The next run, held under a new fence; None when there is none.
+        """Claim the next run under a new fence; None if the queue is empty.
 
-        Order: priority, then the owner with the fewest runs in work, then age. Runs found to be beyond help on the way
-        (cancelled while their worker was gone, or out of attempts) are ended.
+        Order: priority, then the owner with the fewest active runs, then age. Runs that cannot be retried (cancelled
+        while their worker was gone, or out of attempts) are ended on the way.
         """
         while self._any_ready():
             with self.engine.begin() as connection:
@@ -133,28 +133,29 @@ class Queue:
         return None
 
     def beat(self, claim: Claim) -> bool:
-        """Prolong the lease; true when the run is to be cancelled. Raises `LostLease`."""
+        """Extend the lease; true if cancellation was requested. Raises `LostLease`."""
         with self.engine.begin() as connection:
             fenced(connection, claim, lease_until=now(connection) + self.lease)
             return connection.scalar(sa.select(Run.state).where(Run.id == claim.run_id)) == "cancelling"
 
     def cancel_requested(self, claim: Claim) -> bool:
-        """Whether the run is to be cancelled, or is no longer held under this claim; only reads."""
+        """Whether cancellation was requested or this claim is no longer valid; read-only."""
         mine = sa.select(Run.state).where(Run.id == claim.run_id, Run.fence == claim.fence)
         with read(self.engine) as connection:
             return connection.scalar(mine) != "running"
 
     def retry(self, claim: Claim, how: str, *, delay: float = 0.5) -> None:
-        """The attempt failed: queue the run again after a pause that doubles, or fail it when that was the last.
+        """Queue the run again after a failed attempt, with a doubling pause; fail it after the last attempt.
 
-        `how` is a sentence without its full stop; `delay` is the first pause [s]. A run being cancelled is cancelled.
+        `how` is a sentence without its full stop; `delay` is the first pause [s]. A run in state cancelling is
+        cancelled instead.
         """
         with self.engine.begin() as connection:
             row = _locked(connection, claim)
             if row.state == "cancelling":
                 return self._end(connection, claim, "cancelled")
             if row.attempts >= row.max_attempts:
-                sentence = _given_up(connection, claim.run_id, row.attempts, how)
+                sentence = _failed_after(connection, claim.run_id, row.attempts, how)
                 return self._end(connection, claim, "failed", sentence)
             pause = min(60.0, delay * 2 ** (row.attempts - 1))
             sentence = f"Attempt {row.attempts} of {row.max_attempts}: {how}."[:LONGEST_ERROR]
@@ -162,7 +163,7 @@ class Queue:
             return fenced(connection, claim, **free)
 
     def give_back(self, claim: Claim) -> None:
-        """The worker stops in good order: the run is free at once, and this attempt does not count."""
+        """Release the run on an orderly shutdown of the worker; this attempt does not count."""
         with self.engine.begin() as connection:
             row = _locked(connection, claim)
             if row.state == "cancelling":
@@ -171,12 +172,12 @@ class Queue:
             return fenced(connection, claim, **free)
 
     def fail(self, claim: Claim, why: str) -> None:
-        """End the run as failed, with the sentence that says why; no further attempt is made."""
+        """End the run as failed with the reason `why`; there is no further attempt."""
         with self.engine.begin() as connection:
             self._end(connection, claim, "failed", why)
 
     def cancelled(self, claim: Claim) -> None:
-        """End the run as cancelled: its worker has stopped working on it."""
+        """End the run as cancelled after its worker has stopped."""
         with self.engine.begin() as connection:
             self._end(connection, claim, "cancelled")
 
@@ -185,7 +186,7 @@ class Queue:
         fenced(connection, claim, state=state, finished=now(connection), lease_until=0.0, error=error)
 
     def _any_ready(self) -> bool:
-        """Asked first, so that an idle worker only ever reads."""
+        """Checked before claiming, so that an idle worker never writes."""
         with read(self.engine) as connection:
             found = sa.select(Run.id).where(_ready(now(connection))).limit(1)
             return connection.scalar(found) is not None
@@ -204,7 +205,7 @@ class Queue:
         if row.state == "cancelling":
             values |= {"state": "cancelled", "error": None}
         elif row.attempts >= row.max_attempts:
-            values |= {"state": "failed", "error": _given_up(connection, row.id, row.attempts, _SILENT)}
+            values |= {"state": "failed", "error": _failed_after(connection, row.id, row.attempts, _SILENT)}
         else:
             return False
         connection.execute(sa.update(Run).where(Run.id == row.id).values(**values))
@@ -237,8 +238,8 @@ def _ready(at: float) -> sa.ColumnElement[bool]:
     )
 
 
-def _given_up(connection: sa.Connection, run_id: int, attempts: int, how: str) -> str:
-    """Why no further attempt is made: how often, where, and how the last one ended."""
+def _failed_after(connection: sa.Connection, run_id: int, attempts: int, how: str) -> str:
+    """The reason for the failure: number of attempts, stage, and how the last attempt ended."""
     running = sa.select(Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.state == "running")
     stage = connection.execute(running.order_by(Stage.position)).first()
     where = "before its first stage"

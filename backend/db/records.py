@@ -1,7 +1,6 @@
-"""What a run hands to its storage, as plain data: evaluations in columns, stages, traces.
+"""The stored results of a run as plain data: evaluations in columns, stages, traces.
 
-The runner writes them through `worker.runs.store.Store`; `backend.db.store` puts them into the tables. Start reading at
-`Columns`.
+The runner writes them through `worker.runs.store.Store`; `backend.db.store` maps them to tables.
 """
 
 from __future__ import annotations
@@ -22,10 +21,10 @@ Floats = NDArray[np.float64]
 
 
 class Columns(NamedTuple):
-    """Consecutive evaluations of one stage, a row each.
+    """Consecutive evaluations of one stage, one row each.
 
     points (m, n) on the unit cube; costs (m, k), NaN where not ok; status (m,) uint8 as `campaigns.results.base`
-    numbers it; seconds (m,) working time of the stage when each was known; reasons {index in the stage: sentence}.
+    numbers it; seconds (m,) working time of the stage when each was completed; reasons {index in the stage: sentence}.
     """
 
     points: Floats
@@ -37,7 +36,7 @@ class Columns(NamedTuple):
 
 @dataclass(frozen=True)
 class StagePlan:
-    """A stage before it is begun: `planned` evaluations are its budget."""
+    """A stage before it starts; `planned` is its budget of evaluations."""
 
     kind: StageKind
     method: str | None
@@ -46,7 +45,7 @@ class StagePlan:
 
 @dataclass(frozen=True)
 class StageRecord:
-    """A stage as it stands in the store; `seconds` is the working time so far."""
+    """The stored state of a stage; `seconds` is its working time so far."""
 
     plan: StagePlan
     state: StageState = StageState.WAITING
@@ -65,7 +64,7 @@ class Trace:
 
 
 def join(chunks: Sequence[Columns]) -> Columns | None:
-    """Consecutive columns as one; None for none."""
+    """Concatenate consecutive columns; None if there are none."""
     if not chunks:
         return None
     reasons: dict[int, str] = {}

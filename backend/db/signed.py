@@ -1,6 +1,6 @@
-"""Sign-offs through migrations: a migration that writes the same results in another shape binds their sign-offs again.
+"""Rebinds sign-offs in migrations that store the same results in another form.
 
-Only where the results were those that had been signed; each is noted in the audit trail. Start reading at `bind_again`.
+A sign-off is rebound only if the results were those that had been signed; each change is recorded in the audit trail.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from campaigns.runs import run_name
 
 
 def is_signed(reader: sa.Connection, run_id: int) -> bool:
-    """Whether a sign-off was ever given of it."""
+    """Whether the run was ever signed off."""
     return reader.scalar(sa.select(Signoff.id).where(Signoff.run_id == run_id).limit(1)) is not None
 
 
 def digest(reader: sa.Connection, run_id: int) -> str:
-    """As sign-offs are bound to it now. A change to it needs a migration that binds them again."""
+    """The digest to which sign-offs are bound now. If it changes, a migration must rebind them."""
     return results_digest(reader, run_id)
 
 
 def digest_of_0010(reader: sa.Connection, run_id: int) -> str:
-    """As it was up to revision 0010: of a finding without slices, boundary and closest approach."""
+    """The digest up to revision 0010: findings without slices, boundary and closest approach."""
     return results_digest(reader, run_id, evidence=False)
 
 
 def bind_again(writer: sa.Connection, run_id: int, before: str, after: str, by: str) -> None:
-    """Binds the sign-offs of a run's results, whose digest was `before`, to the digest that they have now."""
+    """Rebind the sign-offs of a run's results from the digest `before` to the digest `after`."""
     if before == after:
         return
     mine = (Signoff.run_id == run_id, Signoff.digest == before)

@@ -1,4 +1,4 @@
-"""What the components of runs meant, kept once for all runs that share it. Start reading at `keep` and `of_run`."""
+"""Snapshots of the component descriptions that runs used, stored once for all runs with the same ones."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from campaigns.checked.snapshot import digest_of, snapshot
 from campaigns.documents import JsonObject
 
 
-def keep(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> str:
-    """Store what the catalogue says of a campaign's components unless it is there already; returns its digest."""
+def store(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> str:
+    """Store the catalogue entries of a campaign's components unless they are already stored; returns their digest."""
     document = snapshot(campaign, catalogue).model_dump(mode="json")
     digest = digest_of(document)
     row = {"digest": digest, "document": document, "created": now(writer)}
@@ -25,13 +25,13 @@ def keep(writer: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> str
 
 
 def of_run(reader: sa.Connection, run_id: int) -> Catalogue | None:
-    """What a run's components meant; None where it kept nothing, or there is no such run."""
+    """The descriptions of a run's components; None if none were stored or there is no such run."""
     text = reader.scalar(_stored(sa.cast(CatalogueSnapshot.document, sa.Text), run_id))
     return None if text is None else _read(text)
 
 
 def digest(reader: sa.Connection, run_id: int) -> str | None:
-    """The digest of what is stored, worked out anew, so that a later change of it shows; None where nothing is."""
+    """The digest of the stored snapshot, computed again so that a later change is detected; None without a snapshot."""
     document: JsonObject | None = reader.scalar(_stored(CatalogueSnapshot.document, run_id))
     return None if document is None else digest_of(document)
 
@@ -42,5 +42,5 @@ def _stored(what: Any, run_id: int) -> sa.Select[Any]:
 
 @functools.lru_cache(maxsize=32)
 def _read(text: str) -> Catalogue:
-    """Kept: a page asks for it with every answer that has parameters in their units."""
+    """Cached: it is needed for every response with parameters in their units."""
     return Catalogue.model_validate_json(text)

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from pydantic import BaseModel
 
 from backend.db import codes, snapshots
-from backend.db.course import extended
+from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
 from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
@@ -33,44 +33,44 @@ from campaigns.runs import run_name
 from campaigns.stages.found import stage_result
 
 PATIENCE = 120.0
-"""How long a write is tried again while the database cannot be reached or stays locked [s]."""
+"""How long a write is retried while the database is unreachable or locked [s]."""
 
 
 class OtherComponents(ValueError):
-    """The run was begun with components that would fly otherwise here; the message says which and what to do."""
+    """The run was started with components that differ from this installation's."""
 
 
 class OtherCode(ValueError):
-    """The run was begun by code, or with packages, that may fly otherwise here; the message says what differs."""
+    """The run was started by other code or packages, whose results may differ from this installation's."""
 
 
 class RunStore:
-    """The results of one claimed run. Writes raise `LostLease` once the run is another worker's or has ended."""
+    """The results of one claimed run. Writes raise `LostLease` once the run is reassigned or has ended."""
 
     def __init__(self, engine: sa.Engine, claim: Claim, patience: float = PATIENCE) -> None:
         self.engine, self.claim, self.patience = engine, claim, patience
         self._run = claim.run_id
 
     def describe(self, campaign: Campaign, catalogue: Catalogue) -> None:
-        """Keep what the components mean that are about to fly; raises `OtherComponents` where others have flown.
+        """Store the component descriptions of this installation; raises `OtherComponents` if the run used others.
 
-        The catalogue at submission may have been another worker's.
+        The catalogue at submission may have been published by another worker.
         """
         self._write(lambda connection: self._describe(connection, campaign, catalogue))
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
-        """Write the plan of a new run; return every stage as it stands."""
+        """Store the plan of a new run; returns every stage in its current state."""
         return self._write(lambda connection: self._plan(connection, stages))
 
     def flies(self, flown: Flown, code: Code) -> None:
-        """Store what flies as the first stage begins; raises `OtherCode` where other code has flown already.
+        """Store the code version when the first stage starts; raises `OtherCode` if the run was started by other code.
 
-        Of a run that was begun before this was stored there is nothing to compare.
+        Runs that are older than this column have nothing to compare.
         """
-        self._write(lambda connection: self._flies(connection, flown, code))
+        self._write(lambda connection: self._check_code(connection, flown, code))
 
     def begin(self, position: int) -> None:
-        """Mark a stage running."""
+        """Mark a stage as running."""
 
         def work(connection: sa.Connection) -> None:
             fenced(connection, self.claim, state=Run.state)
@@ -80,16 +80,16 @@ class RunStore:
         self._write(work)
 
     def evaluations(self, position: int) -> Columns | None:
-        """All evaluations stored for a stage, in order; None when there are none."""
+        """All stored evaluations of a stage, in order; None if there are none."""
         of = (EvaluationChunk.run_id == self._run, EvaluationChunk.position == position)
         with read(self.engine) as connection:
             rows = connection.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
             return join([as_columns(row) for row in rows])
 
     def append(self, position: int, first: int, columns: Columns) -> None:
-        """Store evaluations from index `first` on, and bring the stage's and the run's counts and best up to date.
+        """Store evaluations from index `first` on, and update the counts and the best value of stage and run.
 
-        Raises `ValueError` unless `first` is the number of evaluations that the stage holds.
+        Raises `ValueError` unless `first` is the number of evaluations already stored for the stage.
         """
         if len(columns.status):
             self._write(lambda connection: self._append(connection, position, first, columns))
@@ -102,7 +102,7 @@ class RunStore:
         findings: Sequence[Finding] = (),
         traces: Sequence[Trace] = (),
     ) -> None:
-        """Store a stage's result and what it found, and mark it done: all or nothing. Attempts count anew."""
+        """Store a stage's result and findings and mark it done, in one transaction. Resets the attempts."""
 
         def work(connection: sa.Connection) -> None:
             values: JsonObject = {"attempts": 1, "error": None}
@@ -124,7 +124,7 @@ class RunStore:
         return [as_finding(row) for row in rows]
 
     def conclude(self, verdict: Verdict) -> None:
-        """Store the verdict; the run is done."""
+        """Store the verdict and mark the run done."""
         values = {
             "state": "done",
             "verdict": verdict.verdict,
@@ -142,7 +142,7 @@ class RunStore:
     def _describe(self, connection: sa.Connection, campaign: Campaign, catalogue: Catalogue) -> None:
         begun = connection.scalar(sa.select(Stage.position).where(Stage.run_id == self._run).limit(1))
         if begun is None:
-            fenced(connection, self.claim, snapshot=snapshots.keep(connection, campaign, catalogue))
+            fenced(connection, self.claim, snapshot=snapshots.store(connection, campaign, catalogue))
             return
         flown = snapshots.of_run(connection, self._run)
         others = [] if flown is None else values_changed(campaign, flown, catalogue)
@@ -152,10 +152,10 @@ class RunStore:
                 f"it was started with components that differ from this worker's ({detail}): submit it again"
             )
 
-    def _flies(self, connection: sa.Connection, flown: Flown, code: Code) -> None:
+    def _check_code(self, connection: sa.Connection, flown: Flown, code: Code) -> None:
         begun = (Stage.run_id == self._run, sa.or_(Stage.state != "waiting", Stage.evaluations > 0))
         if connection.scalar(sa.select(Stage.position).where(*begun).limit(1)) is None:
-            codes.keep(connection, code)
+            codes.store(connection, code)
             fenced(connection, self.claim, flown=flown.model_dump(mode="json"))
             return
         stored = connection.scalar(sa.select(Run.flown).where(Run.id == self._run))
@@ -186,7 +186,7 @@ class RunStore:
         stage = connection.execute(sa.select(Stage.evaluations, Stage.best, Stage.kind, Stage.method).where(*of)).one()
         if stage.evaluations != first:
             raise ValueError(
-                f"stage {position} holds {stage.evaluations} evaluations, given some from index {first} on"
+                f"stage {position} has {stage.evaluations} evaluations, but new ones start at index {first}"
             )
         chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **blobs(columns)}
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
@@ -201,22 +201,22 @@ class RunStore:
             values |= {"best": best, "best_index": first + index}
             if stage.kind == "search":
                 self._worst(connection, best, stage.method)
-                self._course(connection, count, columns)
+                self._history(connection, count, columns)
         connection.execute(self._stage(position).values(**values))
 
     def _worst(self, connection: sa.Connection, cost: float, method: str | None) -> None:
-        """The run's worst case so far, as the list of runs shows it while the search goes on."""
+        """Update the run's worst case so far, which the run list shows during the search."""
         lower = sa.or_(Run.worst_cost.is_(None), Run.worst_cost > cost)
         connection.execute(
             sa.update(Run).where(Run.id == self._run, lower).values(worst_cost=cost, worst_method=method)
         )
 
-    def _course(self, connection: sa.Connection, count: int, columns: Columns) -> None:
-        """The picture of the best so far; the run's count has these evaluations in it already."""
+    def _history(self, connection: sa.Connection, count: int, columns: Columns) -> None:
+        """Update the convergence history; the run's count already includes these evaluations."""
         mine = Run.id == self._run
-        course, flown = connection.execute(sa.select(Run.best_so_far, Run.evaluations).where(mine)).one()
+        history, done = connection.execute(sa.select(Run.best_so_far, Run.evaluations).where(mine)).one()
         costs = np.where(columns.status == OK, columns.costs[:, 0], np.nan)
-        longer = extended(course, flown - count, costs)
+        longer = extended(history, done - count, costs)
         if longer is not None:
             connection.execute(sa.update(Run).where(mine).values(best_so_far=longer))
 
@@ -234,7 +234,7 @@ class RunStore:
 
 
 def as_columns(row: Any) -> Columns:
-    """A row of the table of chunks as arrays."""
+    """A row of the chunk table as arrays."""
     points, costs, seconds = (
         np.frombuffer(data, dtype="<f8").astype(np.float64).reshape(row.count, -1)
         for data in (row.points, row.costs, row.seconds)
@@ -244,17 +244,17 @@ def as_columns(row: Any) -> Columns:
 
 
 def as_finding(row: sa.RowMapping) -> Finding:
-    """A row of the table of findings as a record."""
+    """A row of the findings table as a record."""
     return Finding.model_validate(dict(row))
 
 
 def as_result(stored: Any) -> StageResult | None:
-    """The result of a stage as it is stored; None while there is none."""
+    """The stored result of a stage; None if there is none yet."""
     return None if stored is None else stage_result(stored)
 
 
 def plain(value: Any) -> Any:
-    """The value as JSON can hold it: numbers of numpy become Python's, what is not finite becomes None."""
+    """The value as plain JSON: NumPy numbers become Python numbers, non-finite numbers become None."""
     if isinstance(value, BaseModel):
         return plain(value.model_dump())
     if isinstance(value, Mapping):
@@ -267,7 +267,7 @@ def plain(value: Any) -> Any:
 
 
 def blobs(columns: Columns) -> JsonObject:
-    """The columns as a row of the table of chunks holds them."""
+    """The columns as a row of the chunk table."""
     return {
         "points": _bytes(columns.points),
         "costs": _bytes(columns.costs),
@@ -282,7 +282,7 @@ def _bytes(array: Any) -> bytes:
 
 
 def lowest(columns: Columns) -> tuple[float, int | None]:
-    """The lowest cost of the evaluations that are ok, by the first criterion, and its row; the first of equals."""
+    """The lowest cost among ok evaluations by the first criterion, and its row; the first of equal ones."""
     ok = np.flatnonzero((columns.status == OK) & np.isfinite(columns.costs[:, 0]))
     if not len(ok):
         return math.nan, None

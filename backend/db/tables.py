@@ -40,9 +40,9 @@ _LISTED = (
 
 
 class Run(Base):
-    """One execution of a campaign, and at once its place in the queue.
+    """One execution of a campaign, and its entry in the queue.
 
-    The columns after `error` repeat what the run list shows, so that the list reads one table.
+    The columns after `error` duplicate what the run list shows, so that the list reads only this table.
     """
 
     __tablename__ = "runs"
@@ -51,18 +51,18 @@ class Run(Base):
     name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     tags: orm.Mapped[list[Any]] = orm.mapped_column(default=list)
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64), default="")
-    """Who submitted it."""
+    """The user who submitted it."""
     state: orm.Mapped[str] = orm.mapped_column(sa.String(12), default="queued")
     """queued, running, cancelling, cancelled, failed, done"""
     created: orm.Mapped[float] = orm.mapped_column(index=True)
     started: orm.Mapped[float | None]
     finished: orm.Mapped[float | None]
     continues: orm.Mapped[int | None] = orm.mapped_column(sa.ForeignKey("runs.id"))
-    """The run whose searches this one goes on with, under larger budgets."""
+    """The run whose searches this one extends with larger budgets."""
     snapshot: orm.Mapped[str | None] = orm.mapped_column(sa.ForeignKey("catalogue_snapshots.digest"))
-    """What its components meant; None of runs that are older than snapshots."""
+    """Digest of the snapshot of its components; None for runs older than snapshots."""
     flown: orm.Mapped[JsonObject | None]
-    """What flew when its first stage began; see `campaigns.flown`. None before that, and of runs that are older."""
+    """The installation when its first stage started, see `campaigns.flown`; None before that and for older runs."""
     # queue
     priority: orm.Mapped[int] = orm.mapped_column(default=0)
     attempts: orm.Mapped[int] = orm.mapped_column(default=0)
@@ -73,8 +73,8 @@ class Run(Base):
     fence: orm.Mapped[int] = orm.mapped_column(default=0)
     cancel: orm.Mapped[bool] = orm.mapped_column(default=False)
     error: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
-    """Why it failed, a sentence."""
-    # what the list shows
+    """The reason why it failed, a sentence."""
+    # shown in the run list
     verdict: orm.Mapped[str | None] = orm.mapped_column(sa.String(12))
     reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
     """The verdict's sentence."""
@@ -90,25 +90,25 @@ class Run(Base):
     upper_bound: orm.Mapped[float | None]
     """Of P(violation), from the independent sample."""
     best_so_far: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
-    """[[evaluations, lowest cost within them]], thinned; see `backend.db.course`."""
-    # what people write on it
+    """[[evaluations, lowest cost within them]], thinned; see `backend.db.convergence`."""
+    # annotations by users
     pinned: orm.Mapped[bool] = orm.mapped_column(default=False, server_default=sa.false())
     notes: orm.Mapped[str] = orm.mapped_column(sa.Text, default="", server_default="")
     """Markdown."""
-    # what became of it
+    # removal
     removed: orm.Mapped[float | None]
-    """Since when it is in no list; see `backend.runs.removal`."""
+    """Time of removal from all lists; see `backend.runs.removal`."""
     removed_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
     removed_reason: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
     purged: orm.Mapped[float | None]
-    """Since when its results are gone and this row is all that is left; see `backend.db.purge`."""
+    """Time at which its results were deleted; only this row is left. See `backend.db.purge`."""
     purged_by: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
     purged_digest: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
-    """Of the results that it had; see `backend.db.digest`."""
+    """Digest of the deleted results; see `backend.db.digest`."""
     __table_args__ = (
         sa.Index("ix_runs_queue", "state", "owner", "not_before", "lease_until"),
-        # All that the run list searches, filters and sorts by, so that SQLite need not read the wide rows. PostgreSQL
-        # keeps wide values outside its rows, and cannot index JSON so.
+        # Covers all columns by which the run list searches, filters and sorts, so that SQLite does not read the wide
+        # rows. PostgreSQL stores wide values outside its rows, and cannot index JSON this way.
         sa.Index("ix_runs_list", *_LISTED).ddl_if(dialect="sqlite"),
     )
 
@@ -133,7 +133,7 @@ class Stage(Base):
     best: orm.Mapped[float | None]
     best_index: orm.Mapped[int | None]
     seconds: orm.Mapped[float] = orm.mapped_column(default=0.0)
-    """Working time, attempts added up [s]."""
+    """Working time, summed over all attempts [s]."""
     result: orm.Mapped[JsonObject | None]
 
 
@@ -152,7 +152,7 @@ class EvaluationChunk(Base):
     status: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """uint8: 0 ok, 1 failed, 2 timeout, 3 excluded."""
     seconds: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
-    """float64, working time of the stage when each was known [s]."""
+    """float64, working time of the stage when each was completed [s]."""
     reasons: orm.Mapped[JsonObject] = orm.mapped_column(default=dict)
     """{index in the stage: why} for every evaluation that is not ok."""
     __table_args__ = (
@@ -174,14 +174,14 @@ class Finding(Base):
     point: orm.Mapped[list[Any]]
     """On the unit cube."""
     methods: orm.Mapped[list[Any]]
-    """Search methods that came to it by themselves; none where only polishing did."""
+    """Search methods that found it independently; empty if only local refinement found it."""
     found: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
-    """[{position, method, evaluations}]: stages that came to it, and after how many of their evaluations."""
+    """[{position, method, evaluations}]: stages that found it, and after how many of their evaluations."""
     at_bounds: orm.Mapped[JsonObject]
     """{path: "low" | "high"}"""
     validation: orm.Mapped[JsonObject]
     slices: orm.Mapped[JsonObject | None]
-    """Through the finding; this and what follows as in `campaigns.results.finding`."""
+    """Slices through the finding; this and the next columns as in `campaigns.results.finding`."""
     boundary: orm.Mapped[JsonObject | None]
     closest: orm.Mapped[JsonObject | None]
 
@@ -194,7 +194,7 @@ class Trace(Base):
     name: orm.Mapped[str] = orm.mapped_column(sa.String(12), primary_key=True)
     """nominal, F1, F2, ..."""
     columns: orm.Mapped[list[Any]]
-    """[{name, symbol, unit, group}] in the order of the columns; `campaigns.trace` says which groups there are."""
+    """[{name, symbol, unit, group}] in the order of the columns; the groups are listed in `campaigns.trace`."""
     rows: orm.Mapped[int]
     data: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
     """float64, (rows, columns)."""
@@ -203,7 +203,7 @@ class Trace(Base):
 
 
 class Worker(Base):
-    """A worker's supervisor as it last beat."""
+    """The last heartbeat of a worker's supervisor."""
 
     __tablename__ = "workers"
     name: orm.Mapped[str] = orm.mapped_column(sa.String(80), primary_key=True)
@@ -215,16 +215,16 @@ class Worker(Base):
 
 
 class RunText(Base):
-    """The text that a run's campaign was submitted as, with its comments and order; none where a document was given."""
+    """The original text of a run's campaign, with its comments and order; absent if a document was submitted."""
 
     __tablename__ = "run_texts"
     run_id: orm.Mapped[int] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="CASCADE"), primary_key=True)
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
-    """YAML or JSON; it means the run's campaign."""
+    """YAML or JSON that parses to the run's campaign."""
 
 
 class IdempotencyKey(Base):
-    """A submit that was already answered: the same key gives the same run, another body under it is refused."""
+    """An answered submission: the same key returns the same run; a different body under that key is refused."""
 
     __tablename__ = "idempotency_keys"
     key: orm.Mapped[str] = orm.mapped_column(sa.String(128), primary_key=True)
@@ -235,7 +235,7 @@ class IdempotencyKey(Base):
 
 
 class Signoff(Base):
-    """A reviewer's sign-off of a run's results; never edited, only withdrawn. While it stands, its run stays."""
+    """A reviewer's sign-off of a run's results; never edited, only withdrawn. A valid one protects its run."""
 
     __tablename__ = "signoffs"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
@@ -244,7 +244,7 @@ class Signoff(Base):
     role: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     comment: orm.Mapped[str] = orm.mapped_column(sa.Text)
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    """Of the results that were signed; see `backend.db.digest`."""
+    """Digest of the signed results; see `backend.db.digest`."""
     user: orm.Mapped[str] = orm.mapped_column(sa.String(64))
     created: orm.Mapped[float]
     withdrawn: orm.Mapped[float | None]
@@ -253,24 +253,24 @@ class Signoff(Base):
 
 
 class Draft(Base):
-    """A campaign that is being prepared, as it was typed: it may be incomplete or wrong. Anybody may go on with it."""
+    """The original text of a campaign in preparation; it may be incomplete or invalid. Any user may edit it."""
 
     __tablename__ = "drafts"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
     version: orm.Mapped[int] = orm.mapped_column(default=1)
-    """Goes up with every save; a save that names an older one is refused."""
+    """Incremented by every save; a save that names an older version is refused."""
     name: orm.Mapped[str] = orm.mapped_column(sa.String(120))
     tags: orm.Mapped[list[Any]]
     text: orm.Mapped[str] = orm.mapped_column(sa.Text)
     """YAML or JSON."""
     owner: orm.Mapped[str] = orm.mapped_column(sa.String(64))
-    """Who made it."""
+    """The user who created it."""
     created: orm.Mapped[float]
     saved: orm.Mapped[float] = orm.mapped_column(index=True)
     saved_by: orm.Mapped[str] = orm.mapped_column(sa.String(64))
     run_id: orm.Mapped[int | None] = orm.mapped_column(sa.ForeignKey("runs.id", ondelete="SET NULL"))
-    """The run that was last started from it."""
-    # A number is never given again: an address that named a deleted draft must not lead to another one.
+    """The last run started from it."""
+    # Numbers are never reused: the address of a deleted draft must not lead to another one.
     __table_args__ = ({"sqlite_autoincrement": True},)
 
 

@@ -1,6 +1,6 @@
-"""The tables of who may come in: API tokens, login links, sessions. Only hashes of secrets are kept.
+"""The tables of access control: API tokens, login links, sessions. Only hashes of secrets are stored.
 
-They are imported from `backend.db.tables`, where all other tables are.
+Import them from `backend.db.tables`, which has all other tables.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from backend.db.base import Base
 
 
 class Token(Base):
-    """An API token: only its hash is kept."""
+    """An API token; only its hash is stored."""
 
     __tablename__ = "tokens"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True, autoincrement=True)
@@ -24,7 +24,7 @@ class Token(Base):
 
 
 class LoginLink(Base):
-    """A login link: single-use; a new one voids those that were not used."""
+    """A single-use login link; a new one voids all unused ones."""
 
     __tablename__ = "login_links"
     hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
@@ -34,7 +34,7 @@ class LoginLink(Base):
 
 
 class Session(Base):
-    """A browser session: only the hash of its cookie is kept."""
+    """A browser session; only the hash of its cookie is stored."""
 
     __tablename__ = "sessions"
     hash: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)

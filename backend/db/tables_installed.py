@@ -1,4 +1,4 @@
-"""The tables of what is or was installed: catalogues and code. They are imported from `backend.db.tables`."""
+"""The tables of catalogues and code versions. Import them from `backend.db.tables`."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from campaigns.documents import JsonObject
 
 
 class CatalogueDocument(Base):
-    """The catalogue of the newest worker; one row."""
+    """The catalogue of the newest worker; a single row."""
 
     __tablename__ = "catalogue"
     id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
     document: orm.Mapped[JsonObject]
     published: orm.Mapped[float]
     code: orm.Mapped[str | None] = orm.mapped_column(sa.String(64))
-    """Digest of the code of that worker."""
+    """Code digest of that worker."""
 
 
 class CatalogueSnapshot(Base):
-    """What the components and methods of a campaign meant when its run was submitted, by its digest; shared by runs."""
+    """The component and method descriptions of a campaign when its run was submitted, by digest; shared by runs."""
 
     __tablename__ = "catalogue_snapshots"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)
     document: orm.Mapped[JsonObject]
-    """A catalogue with the used entries alone; see `campaigns.checked.snapshot`."""
+    """A catalogue with only the entries that were used; see `campaigns.checked.snapshot`."""
     created: orm.Mapped[float]
 
 
 class CodeVersion(Base):
-    """The code of an installation, module by module, by its digest; shared by the runs that it flew."""
+    """The module digests of an installation's code, by their overall digest; shared by runs."""
 
     __tablename__ = "code_versions"
     digest: orm.Mapped[str] = orm.mapped_column(sa.String(64), primary_key=True)

@@ -1,1 +1,1 @@
-"""Campaigns that are being prepared and kept as they were typed."""
+"""Campaigns in preparation, stored as their original text."""

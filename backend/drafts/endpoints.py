@@ -1,4 +1,4 @@
-"""GET and POST /drafts; GET, PUT and DELETE of one. Start reading at `save_draft`."""
+"""GET and POST /drafts; GET, PUT and DELETE of one draft."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ router = APIRouter(tags=["drafts"])
 
 @router.get("/drafts")
 def list_drafts(reader: Reader) -> list[DraftSummary]:
-    """The drafts of everybody, the one saved last first."""
+    """The drafts of all users, the last saved first."""
     return service.listed(reader)
 
 
 @router.post("/drafts", status_code=status.HTTP_201_CREATED, responses=problems("too-many-drafts"))
 def create_draft(given: DraftContent, engine: Engine, visitor: CurrentVisitor) -> Draft:
-    """Keep a campaign that is being prepared, as it was typed."""
+    """Store a new draft of a campaign with its original text."""
     return service.create(engine, given, visitor)
 
 
@@ -36,7 +36,7 @@ def get_draft(draft: DraftName, reader: Reader) -> Draft:
 
 @router.put("/drafts/{draft}", responses=problems("not-found", "draft-changed"))
 def save_draft(draft: DraftName, given: DraftReplace, engine: Engine, visitor: CurrentVisitor) -> Draft:
-    """Save a draft over the version that was opened; 409 where somebody saved it meanwhile."""
+    """Save a draft over the version that was opened; 409 if another user has saved it since."""
     return service.replace(engine, service.number(draft), given, visitor)
 
 
@@ -47,7 +47,7 @@ def delete_draft(
     draft: DraftName,
     engine: Engine,
     visitor: CurrentVisitor,
-    version: Annotated[Number32 | None, Query(description="Delete it only where this is the newest.")] = None,
+    version: Annotated[Number32 | None, Query(description="Delete only if this is the newest version.")] = None,
 ) -> None:
-    """Delete a draft, whoever made it; the audit trail keeps that."""
+    """Delete a draft of any user; the deletion is recorded in the audit trail."""
     service.delete(engine, service.number(draft), version, visitor)

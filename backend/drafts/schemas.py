@@ -1,4 +1,4 @@
-"""What the API says of drafts. Times are seconds since 1970. Start reading at `Draft`."""
+"""The API schemas of drafts. Times are seconds since 1970."""
 
 from __future__ import annotations
 
@@ -13,36 +13,36 @@ LONGEST = 500_000
 
 
 class DraftContent(Given):
-    """What is kept of a campaign that is being prepared; the text may be incomplete or wrong."""
+    """The content of a draft; the text may be incomplete or invalid."""
 
     name: Annotated[str, Field(max_length=120)]
-    """Of the run that it is to become; may be empty."""
+    """The name of the future run; may be empty."""
     tags: Tags = Field(default_factory=list)
     text: Annotated[str, Field(max_length=LONGEST, description="The original text of the campaign, YAML or JSON.")]
 
 
 class DraftReplace(DraftContent):
-    """A draft saved again: over the version that was opened."""
+    """A new version of a draft, based on the version that was opened."""
 
-    version: Annotated[Number32, Field(description="That was opened or saved last; 409 where there is a newer one.")]
+    version: Annotated[Number32, Field(description="The version that was opened or saved last; 409 if outdated.")]
     run: Annotated[str, Field(max_length=20)] | None = None
-    """The run that was started from it, R-0001; left out, what is known stays."""
+    """The run started from it, R-0001; unchanged if omitted."""
 
 
 class DraftSummary(Schema):
-    """A draft as the list shows it."""
+    """A draft as in the list."""
 
     id: str
     version: int
     name: str
     tags: list[str]
     owner: str
-    """Who made it."""
+    """The user who created it."""
     created: float
     saved: float
     saved_by: str
     run: str | None
-    """The run that was last started from it."""
+    """The last run started from it."""
 
 
 class Draft(DraftSummary):

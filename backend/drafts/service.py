@@ -1,4 +1,4 @@
-"""Drafts: kept as they were typed, saved over only by who has seen the newest version. Start reading at `replace`."""
+"""Drafts: stored as original text; a save must be based on the newest version."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from campaigns.documents import JsonObject
 from campaigns.runs import run_name
 
 MOST = 1000
-"""So many drafts are kept at most: a program that saves one each time is stopped before it fills the disk."""
+"""Maximum number of drafts: prevents a program that creates one per save from filling the disk."""
 
 _ID = re.compile(r"D-([0-9]{1,9})")
 _LISTED = [getattr(Row, name) for name in ("id", "version", "name", "tags", "owner", "created", "saved", "saved_by")]
 
 
 def name(draft_id: int) -> str:
-    """D-0001 of 1."""
+    """The name of a draft: 1 becomes D-0001."""
     return f"D-{draft_id:04d}"
 
 
@@ -39,9 +39,9 @@ def number(draft: str) -> int:
 
 
 def listed(reader: sa.Connection) -> list[DraftSummary]:
-    """All drafts without their texts, the one saved last first."""
+    """All drafts without their texts, the last saved first."""
     query = sa.select(*_LISTED, Row.run_id).order_by(Row.saved.desc(), Row.id.desc())
-    return [DraftSummary(**_told(dict(row))) for row in reader.execute(query).mappings()]
+    return [DraftSummary(**_draft(dict(row))) for row in reader.execute(query).mappings()]
 
 
 def one(reader: sa.Connection, draft_id: int) -> Draft:
@@ -50,11 +50,11 @@ def one(reader: sa.Connection, draft_id: int) -> Draft:
     row = reader.execute(query).mappings().one_or_none()
     if row is None:
         raise not_found("draft", name(draft_id))
-    return Draft(**_told(dict(row)))
+    return Draft(**_draft(dict(row)))
 
 
 def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
-    """Keep a new draft; 409 where there are too many."""
+    """Store a new draft; 409 if there are too many."""
     with engine.begin() as writer:
         if (writer.scalar(sa.select(sa.func.count()).select_from(Row)) or 0) >= MOST:
             raise RefusedError(
@@ -68,7 +68,7 @@ def create(engine: sa.Engine, given: DraftContent, visitor: Visitor) -> Draft:
 
 
 def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visitor) -> Draft:
-    """Save a draft over the version that is named; 409 where another was saved meanwhile, 404 for none."""
+    """Save a draft over the named version; 409 if another version was saved since, 404 if there is no such draft."""
     values: JsonObject = given.model_dump(exclude={"version", "run"})
     with engine.begin() as writer:
         if given.run is not None:
@@ -76,16 +76,16 @@ def replace(engine: sa.Engine, draft_id: int, given: DraftReplace, visitor: Visi
         values |= {"version": given.version + 1, "saved": now(writer), "saved_by": visitor.user}
         same = (Row.id == draft_id, Row.version == given.version)
         if writer.execute(sa.update(Row).where(*same).values(**values)).rowcount != 1:
-            raise _overtaken(one(writer, draft_id), given.version)
+            raise _conflict(one(writer, draft_id), given.version)
         return one(writer, draft_id)
 
 
 def delete(engine: sa.Engine, draft_id: int, version: int | None, visitor: Visitor) -> None:
-    """Delete a draft; 404 for none, 409 where `version` is given and is not the newest."""
+    """Delete a draft; 404 if there is none, 409 if `version` is given and is not the newest."""
     with engine.begin() as writer:
         draft = one(writer, draft_id)
         if version is not None and version != draft.version:
-            raise _overtaken(draft, version)
+            raise _conflict(draft, version)
         writer.execute(sa.delete(Row).where(Row.id == draft_id))
         told = {"name": draft.name, "owner": draft.owner, "version": draft.version}
         audit.note(writer, visitor, "draft.deleted", draft.id, told)
@@ -98,7 +98,7 @@ def _run(reader: sa.Connection, given: str) -> int:
     return run_id
 
 
-def _overtaken(draft: Draft, version: int) -> RefusedError:
+def _conflict(draft: Draft, version: int) -> RefusedError:
     when = datetime.fromtimestamp(draft.saved, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
     detail = (
         f"{draft.id} was saved by {draft.saved_by or 'a user'} at {when} after you opened it (version "
@@ -107,6 +107,6 @@ def _overtaken(draft: Draft, version: int) -> RefusedError:
     return RefusedError(409, "draft-changed", detail)
 
 
-def _told(row: JsonObject) -> JsonObject:
+def _draft(row: JsonObject) -> JsonObject:
     run_id = row.pop("run_id")
     return row | {"id": name(row["id"]), "run": None if run_id is None else run_name(run_id)}

@@ -26,10 +26,10 @@ STREAM: dict[int | str, JsonObject] = {
 _MARK = re.compile(r"[0-9]{1,12}\.[0-9]{3}")
 
 CHECK_PERIOD = 10.0
-"""It is checked so often, and at least at every heartbeat, that the visitor may still come in [s]."""
+"""Interval at which the visitor's access is checked again, at least at every heartbeat [s]."""
 
 HEADERS = {"X-Accel-Buffering": "no", "Connection": "close"}
-"""No proxy holds events back; and the connection ends with the stream, or it would hold up the service's stop."""
+"""Disables buffering by proxies, and closes the connection with the stream so that it does not delay the shutdown."""
 
 
 class EventStream(StreamingResponse):
@@ -54,10 +54,10 @@ async def stream_events(
     """Changes as they happen, at most four times a second; comments every 15 s keep the stream alive.
 
     Every event has an `id`; with it as `Last-Event-ID` a stream resumes: active runs are reported again, and every run
-    that ended meanwhile (the newest 500). An id that this service cannot have given counts as none.
+    that ended meanwhile (the newest 500). An invalid id is ignored.
 
     `event: run` carries a RunSummary. With `run=` there are also `event: stages` with StageProgress[] and
-    `event: evaluations` with {position: NewImprovements}. The first events after connecting tell everything.
+    `event: evaluations` with {position: NewImprovements}. The first events after connecting carry the full state.
     """
     run_id = None if run is None else service.number(run)
     if run_id is not None:
@@ -67,7 +67,7 @@ async def stream_events(
 
 
 def _since(mark: str | None) -> float | None:
-    """The time of a mark; None for anything else, because a browser does not come back after a refusal."""
+    """The time of a mark; None if invalid, because a browser does not reconnect after a refusal."""
     return float(mark) if mark is not None and _MARK.fullmatch(mark) else None
 
 

@@ -14,7 +14,7 @@ import sqlalchemy as sa
 from backend.events.watch import Event, Watch, identified
 
 PERIOD = 0.25
-"""Time between looks at the database [s]."""
+"""Polling interval of the database [s]."""
 
 HEARTBEAT = 15.0
 """A silent stream carries a comment this often, so that both ends notice when the other is gone [s]."""
@@ -28,9 +28,9 @@ _log = logging.getLogger(__name__)
 
 
 class _Listener:
-    """One stream. Its mark, the id of its events, is the time until which it was told everything.
+    """One stream. Its mark, the id of its events, is the time up to which it has received everything.
 
-    Of several events that come together only the last has the new mark: whoever loses one of them is told again.
+    Of several simultaneous events only the last has the new mark: a client that loses one receives them again.
     """
 
     def __init__(self, run_id: int | None, since: float | None = None) -> None:
@@ -39,13 +39,13 @@ class _Listener:
         self.mark = "" if since is None else _mark(since)
         self.queue: asyncio.Queue[str | None] = asyncio.Queue(BACKLOG)
 
-    def greet(self, events: list[Event], at: float) -> None:
-        """Tell everything as one piece, however much it is; without a former mark all of it has the new one."""
+    def send_all(self, events: list[Event], at: float) -> None:
+        """Send the full state in one piece; without an earlier mark all events have the new one."""
         self.greeted, before, self.mark = True, self.mark or _mark(at), _mark(at)
         told = [event.text(before) for event in events[:-1]] + [event.text(self.mark) for event in events[-1:]]
         self._put("".join(told) or f"{identified(self.mark)}\n")
 
-    def tell(self, events: list[Event], at: float = 0.0) -> None:
+    def send(self, events: list[Event], at: float = 0.0) -> None:
         """Send the events to which this listener subscribed."""
         wanted = [e for e in events if (e.name == "run" if self.run_id is None else e.run_id == self.run_id)]
         for event in wanted[:-1]:
@@ -74,7 +74,7 @@ class Hub:
         self._listeners: set[_Listener] = set()
         self._poller: asyncio.Task[None] | None = None
         self._ended = False
-        self._thread = anyio.CapacityLimiter(1)  # not one of those that all requests share
+        self._thread = anyio.CapacityLimiter(1)  # separate from the threads that all requests share
 
     @property
     def listeners(self) -> int:
@@ -84,7 +84,7 @@ class Hub:
     async def listen(self, run_id: int | None, since: float | None = None) -> AsyncGenerator[str]:
         """The stream of one listener: of a run, or of all runs' summaries; ends when the service stops.
 
-        since: the mark that a listener comes back with; it is told which runs ended meanwhile.
+        since: the mark of a reconnecting listener; it receives the runs that ended in the meantime.
         """
         listener = _Listener(run_id, since)
         self._listeners.add(listener)
@@ -139,12 +139,12 @@ class Hub:
         events = await anyio.to_thread.run_sync(watch.look, runs, limiter=self._thread)
         for listener in listeners:
             if listener.greeted:
-                listener.tell(events, watch.at)
+                listener.send(events, watch.at)
                 continue
             told = watch.everything(listener.run_id)
             if listener.run_id is None and listener.since is not None:
                 told += await anyio.to_thread.run_sync(watch.ended, listener.since)
-            listener.greet(told, watch.at)
+            listener.send_all(told, watch.at)
 
 
 def _mark(at: float) -> str:

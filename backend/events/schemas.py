@@ -6,9 +6,9 @@ from backend.http.schema import Schema
 
 
 class NewImprovements(Schema):
-    """Evaluations of one stage that became its best so far; equal columns, to be appended to those known by index.
+    """Improvements of one stage, as columns of equal length, to be appended by index to those already received.
 
-    The first event after connecting has them all, a later one those since the event before.
+    The first event after connecting has all of them, later ones only the new ones.
     """
 
     index: list[int]

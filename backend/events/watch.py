@@ -1,7 +1,7 @@
 """Detects changes in the database since the last poll: runs, and the stages and improvements of watched runs.
 
-SQLite says by `PRAGMA data_version` that nothing was committed elsewhere (sqlite.org/pragma.html), and then nothing is
-read. Not for use by two threads at once. Start reading at `Watch.look`.
+On SQLite, `PRAGMA data_version` shows whether another connection has committed (sqlite.org/pragma.html); if not,
+nothing is read. Not thread-safe. Start reading at `Watch.look`.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from campaigns.documents import JsonObject
 from campaigns.runs import ACTIVE
 
 LATE = 10.0
-"""What ended so long before a mark is told again: a transaction is seen later than the time it wrote down [s]."""
+"""Runs that ended this long before a mark are reported again: a commit becomes visible later than its timestamp [s]."""
 
 MOST_ENDED = 500
-"""Runs that are told to have ended meanwhile; who was away for longer reads the list again."""
+"""Maximum number of ended runs reported after reconnecting; beyond it the client reloads the list."""
 
 
 @dataclass(frozen=True)
@@ -41,18 +41,18 @@ class Event:
     data: str
 
     def text(self, mark: str = "") -> str:
-        """As it goes over the wire (WHATWG HTML, section 9.2); `mark` is what its listener comes back with."""
+        """The wire format (WHATWG HTML, section 9.2); the client sends `mark` when it reconnects."""
         return f"event: {self.name}\ndata: {self.data}\n{identified(mark)}\n"
 
 
 def identified(mark: str) -> str:
-    """The line that has a listener come back with this mark; nothing for none."""
+    """The `id` line of a mark; empty if there is no mark."""
     return f"id: {mark}\n" if mark else ""
 
 
 @dataclass
 class _Watched:
-    """A run with listeners of its own."""
+    """A run with its own listeners."""
 
     paths: list[str]
     bounds: Bounds
@@ -60,7 +60,7 @@ class _Watched:
     steps: dict[int, Improvements] = field(default_factory=dict)
 
     def since(self, steps: Improvements, known: int) -> JsonObject:
-        """The improvements beyond those known, with the place of the last one."""
+        """The improvements since index `known`, with the parameters of the last one."""
         last = {}
         if steps.point is not None and len(steps.index) > known:
             last = in_units(steps.point[None], self.paths, self.bounds)
@@ -85,10 +85,10 @@ class Watch:
         self._newest: int | None = None
         self._watched: dict[int, _Watched] = {}
         self.at = 0.0
-        """Until when everything has been told, by the queue's clock: the time of the last look that read."""
+        """Time by the queue's clock up to which everything has been reported: that of the last poll that read."""
 
     def close(self) -> None:
-        """Give the connection back."""
+        """Close the connection."""
         if self._raw is not None:
             self._raw.close()
             self._raw = None
@@ -109,7 +109,7 @@ class Watch:
         return events
 
     def everything(self, run_id: int | None) -> list[Event]:
-        """What a new listener is told first: its run as last seen, or every run that is not over."""
+        """The first events of a new listener: its run in the last known state, or every active run."""
         if run_id is None:
             return [_event(i, "run", s.model_dump_json()) for i, s in self._seen.items() if s.state in ACTIVE]
         events = [_event(run_id, "run", self._seen[run_id].model_dump_json())] if run_id in self._seen else []
@@ -120,7 +120,7 @@ class Watch:
         return [*events, _stage_event(run_id, watched.stages), _event(run_id, "evaluations", json.dumps(steps))]
 
     def ended(self, since: float) -> list[Event]:
-        """The runs that ended since then [s since 1970], the newest `MOST_ENDED`; for a listener that was away."""
+        """The newest `MOST_ENDED` runs that ended since then [s since 1970], for a reconnecting listener."""
         over = sa.select(Run.id).where(Run.finished >= min(since, self.at) - LATE, Run.state.not_in(ACTIVE))
         with read(self._engine) as reader:
             ids = reader.scalars(over.order_by(Run.finished.desc(), Run.id.desc()).limit(MOST_ENDED)).all()
@@ -138,11 +138,11 @@ class Watch:
         return changed
 
     def _runs(self, reader: sa.Connection, wanted: set[int]) -> list[Event]:
-        """Runs that are not over or were not at the last look, new ones, and the watched ones."""
+        """Runs that are active or were at the last poll, new ones, and the watched ones."""
         if self._newest is None:
             self._newest = reader.scalar(sa.select(sa.func.max(Run.id))) or 0
         ids = wanted | self._seen.keys()
-        # Their numbers first, from narrow indices: the wide rows of all others are not read.
+        # Read the numbers first, from narrow indices, so that the wide rows of other runs are not read.
         changing = sa.select(Run.id).where(sa.or_(Run.state.in_(ACTIVE), Run.id.in_(ids), Run.id > self._newest))
         found = {service.number(s.id): s for s in listing.summaries(reader, Run.id.in_(changing))}
         events = [

@@ -1,1 +1,1 @@
-"""A run as files: JSON, evaluations and flights as CSV, flights as a MAT-file."""
+"""Export of a run: JSON, evaluations and flights as CSV, flights as a MAT-file."""

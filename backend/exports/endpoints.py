@@ -1,4 +1,4 @@
-"""A run's files: what there are, and each of them. Start reading at `list_exports`."""
+"""The export files of a run: their list, and each file. Start reading at `list_exports`."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from backend.scenes.recordings import pages as recordings
 from campaigns.documents import JsonObject
 
 router = APIRouter(tags=["exports"])
-Theme = Annotated[Literal["light", "dark"], Query(description="Which colours it has.")]
+Theme = Annotated[Literal["light", "dark"], Query(description="The colour theme.")]
 _KINDS = {kind.file: kind for kind in service.FILES}
 
 STREAMED = frozenset({"run.json", "evaluations.csv"})
-"""Files that are made while they are sent: they may be large."""
+"""Files that are generated while they are sent, because they may be large."""
 
 
 TAGGED = {
     "ETag": {
-        "description": "Of the file, for `If-None-Match`; there is none while the run works.",
+        "description": "The entity tag of the file, for `If-None-Match`; absent while the run is active.",
         "schema": {"type": "string"},
     }
 }
@@ -42,7 +42,7 @@ def _described(file: str) -> dict[int | str, JsonObject]:
     schema = {} if media == "application/json" else {"type": "string"}
     if media == "application/x-matlab-data":
         schema["format"] = "binary"
-    unchanged = {"description": "The file is the one that `If-None-Match` names.", "headers": TAGGED}
+    unchanged = {"description": "The file matches `If-None-Match`.", "headers": TAGGED}
     made = {"description": _KINDS[file].text, "content": {media: {"schema": schema}}, "headers": TAGGED}
     return {200: made, 304: unchanged}
 
@@ -53,13 +53,13 @@ _RECORDING: dict[int | str, JsonObject] = {
         "content": {"text/html": {"schema": {"type": "string"}}},
         "headers": TAGGED,
     },
-    304: {"description": "The file is the one that `If-None-Match` names.", "headers": TAGGED},
+    304: {"description": "The file matches `If-None-Match`.", "headers": TAGGED},
 }
 
 
 @router.get("/runs/{run}/exports", responses=problems("not-found", "purged"))
 def list_exports(run: RunName, reader: Reader) -> list[ExportFile]:
-    """The files that a run can be taken away as."""
+    """The export files of a run."""
     return service.files(reader, number(run))
 
 
@@ -69,7 +69,7 @@ def list_exports(run: RunName, reader: Reader) -> list[ExportFile]:
     responses=_described("run.json") | problems("not-found", "other-version", "purged"),
 )
 async def export_run(run: RunName, request: Request, engine: Engine) -> Response:
-    """Everything that the run holds as one JSON document, streamed; `columns` are those of each stage's `rows`."""
+    """All data of the run as one JSON document, streamed; `columns` are those of each stage's `rows`."""
     run_id = number(run)
     return await _answer(request, engine, run_id, "run.json", lambda: service.run_json(engine, run_id))
 
@@ -80,7 +80,7 @@ async def export_run(run: RunName, request: Request, engine: Engine) -> Response
     responses=_described("evaluations.csv") | problems("not-found", "other-version", "purged"),
 )
 async def export_evaluations(run: RunName, request: Request, engine: Engine) -> Response:
-    """Every evaluation of every stage as CSV (RFC 4180), streamed; units stand in the heads of the columns."""
+    """Every evaluation of every stage as CSV (RFC 4180), streamed; the column headers contain the units."""
     run_id = number(run)
     return await _answer(request, engine, run_id, "evaluations.csv", lambda: service.evaluations_csv(engine, run_id))
 
@@ -91,7 +91,7 @@ async def export_evaluations(run: RunName, request: Request, engine: Engine) -> 
     responses=_described("findings.csv") | problems("not-found", "other-version", "purged"),
 )
 async def export_findings(run: RunName, request: Request, engine: Engine) -> Response:
-    """The nominal flight and every finding as CSV, a row each, with the values of all criteria."""
+    """The nominal case and every finding as CSV, one row each, with the values of all criteria."""
     run_id = number(run)
     return await _answer(request, engine, run_id, "findings.csv", lambda: _whole(engine, run_id, service.findings_csv))
 
@@ -102,7 +102,7 @@ async def export_findings(run: RunName, request: Request, engine: Engine) -> Res
     responses=_described("traces.csv") | problems("not-found", "other-version", "purged"),
 )
 async def export_traces(run: RunName, request: Request, engine: Engine) -> Response:
-    """The stored flights as CSV, every row of them; `flight` says which one a row is of."""
+    """All rows of the stored flights as CSV; the column `flight` identifies the flight."""
     run_id = number(run)
     return await _answer(request, engine, run_id, "traces.csv", lambda: _whole(engine, run_id, service.traces_csv))
 
@@ -113,7 +113,7 @@ async def export_traces(run: RunName, request: Request, engine: Engine) -> Respo
     responses=_described("traces.mat") | problems("not-found", "other-version", "purged"),
 )
 async def export_mat(run: RunName, request: Request, engine: Engine) -> Response:
-    """The stored flights as a MAT-file of version 5, a structure for each."""
+    """The stored flights as a MAT-file of version 5, one structure each."""
     run_id = number(run)
 
     def made() -> bytes:
@@ -129,10 +129,9 @@ async def export_mat(run: RunName, request: Request, engine: Engine) -> Response
     responses=_RECORDING | problems("not-found", "other-version", "purged", "busy"),
 )
 async def export_flight(run: RunName, flight: FlightName, request: Request, theme: Theme = "light") -> Response:
-    """A stored flight in 3D as one HTML file with a play bar, the nominal flight beside it; `flight` F1 or nominal.
+    """A stored flight and the nominal flight in 3D as one HTML file with a play bar; `flight` is F1 or nominal.
 
-    It opens offline and asks for nothing. What it says of itself stands in the page: parameters with all their digits,
-    criterion, digests, versions.
+    The file works offline. It shows its parameters at full precision, the criterion, the digests and the versions.
     """
     return await recordings.answer(request, run, flight, dark=theme == "dark", how="attachment")
 
@@ -143,7 +142,7 @@ def _whole(engine: sa.Engine, run_id: int, made: Callable[[sa.Connection, int], 
 
 
 async def _answer(request: Request, engine: sa.Engine, run_id: int, file: str, made: Any) -> Response:
-    """The file with its name and entity tag; 304 where the visitor has it already."""
+    """The file with its name and entity tag; 304 if the client has it already."""
     files = capacities(request).files
 
     def head() -> dict[str, str]:

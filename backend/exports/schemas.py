@@ -1,4 +1,4 @@
-"""What the API says of the files a run can be taken away as. Start reading at `ExportFile`."""
+"""The API schema of export files."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from backend.http.schema import Schema
 
 
 class ExportFile(Schema):
-    """One file: its name when saved, what is in it, and where it is asked for."""
+    """An export file: its name, its content and its address."""
 
     name: str
     """R-0001-unicycle-past-a-pillar-evaluations.csv"""
@@ -15,4 +15,4 @@ class ExportFile(Schema):
     media_type: str
     href: str
     unavailable: str | None
-    """Why it cannot be had now; None where it can."""
+    """The reason why it is not available now; None if it is."""

@@ -1,6 +1,6 @@
-"""A run as files, each as an iterator of bytes: JSON and CSV piece by piece, the MAT-file at once.
+"""Writes the export files of a run as iterators of bytes: JSON and CSV in pieces, the MAT-file at once.
 
-Numbers are written with all their digits (`repr`), so that what is read back is what was stored. CSV: RFC 4180.
+Numbers are written at full precision (`repr`), so that they read back bit-identical. CSV: RFC 4180.
 Start reading at `FILES`.
 """
 
@@ -52,8 +52,8 @@ class Kind:
 
 
 REPORTS = (
-    Kind("safety-case-report.html", "Safety-case report, HTML", "One file that prints to A4", "text/html", report=True),
-    Kind("safety-case-report.pdf", "Safety-case report, PDF", "The same on A4 pages", "application/pdf", report=True),
+    Kind("safety-case-report.html", "Safety-case report, HTML", "One file that prints on A4", "text/html", report=True),
+    Kind("safety-case-report.pdf", "Safety-case report, PDF", "The report on A4 pages", "application/pdf", report=True),
 )
 FILES = (
     Kind(
@@ -79,7 +79,7 @@ FILES = (
     Kind(
         "traces.mat",
         "Flights, MAT-file",
-        "The same for MATLAB, Octave and SciPy (version 5)",
+        "Flights for MATLAB, Octave and SciPy (version 5)",
         "application/x-matlab-data",
         flights=True,
     ),
@@ -87,7 +87,7 @@ FILES = (
 
 
 def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
-    """What the run can be taken away as; 404 for no run."""
+    """The export files of a run; 404 if there is no such run."""
     run = runs.summary(reader, run_id)
     flights = list(reader.scalars(sa.select(Trace.name).where(Trace.run_id == run_id)))
     found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
@@ -96,15 +96,15 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
 
 
 def _recording(flights: list[str]) -> Kind:
-    """The recording of the worst flight that is stored; those of the others are had in the same way."""
+    """The recording of the worst stored flight; the others have similar addresses."""
     label = min((name for name in flights if name != "nominal"), key=lambda name: (len(name), name), default="nominal")
     title = "Nominal flight" if label == "nominal" else f"Flight {label}"
-    text = "A recording with a play bar; one file that opens offline"
+    text = "A recording with a play bar; one file that works offline"
     return Kind(f"flight-{label}.html", f"{title} in 3D, HTML", text, "text/html", flights=True)
 
 
 def _missing(kind: Kind, flown: bool, found: bool) -> str | None:
-    """Why there is nothing to write; None where there is."""
+    """The reason why the file is not available; None if it is."""
     if kind.flights and not flown:
         return "this run has no stored flight"
     return "this run has no stored flight and no finding" if kind.findings and not (flown or found) else None
@@ -125,9 +125,9 @@ def _file(run: RunSummary, kind: Kind, why: str | None) -> ExportFile:
 
 
 def tag(reader: sa.Connection, run_id: int) -> str | None:
-    """The entity tag of the run's files (RFC 9110, 8.8.3); None while the run works on.
+    """The entity tag of the run's files (RFC 9110, 8.8.3); None while the run is active.
 
-    It covers all that goes into them: results, what people wrote on the run, sign-offs, the catalogue with its units.
+    It covers everything in them: results, annotations, sign-offs, and the catalogue with its units.
     """
     run = runs.detail(reader, run_id)
     if run.state not in ENDED:
@@ -153,8 +153,7 @@ def _evaluations_csv(engine: sa.Engine, found: Sheet) -> Iterator[bytes]:
 
 
 def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
-    """One row for the nominal case and one for each finding, with every criterion's value, whether a flight of it is
-    stored or not."""
+    """One row for the nominal case and each finding, with every criterion's value, even without a stored flight."""
     asked = runs.detail(reader, run_id)
     found = {finding.label: finding for finding in results.findings(reader, run_id)}
     flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
@@ -177,14 +176,14 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
 
 
 def _nominal(reader: sa.Connection, run_id: int) -> NominalResult:
-    """What the nominal stage found; no cost where it has no result yet."""
+    """The result of the nominal stage; without a cost until the stage is done."""
     first = next(iter(runs.stages(reader, run_id)), None)
     found = None if first is None else first.result
     return found if isinstance(found, NominalResult) else NominalResult(cost=None, margin=None, status=Status.FAILED)
 
 
 def traces_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
-    """The flights one after another; a column that a flight does not have is empty in it."""
+    """All flights in sequence; columns that a flight does not have are empty."""
     flights = results.traces(reader, run_id)
     heads = {c.name: f"{c.name} [{c.unit}]" if c.unit else c.name for flight in flights for c in flight.columns}
     yield _lines([["flight", *heads.values()]])
@@ -197,7 +196,7 @@ def traces_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
 
 
 def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
-    """Everything that the run holds, as one JSON document; evaluations as rows under their columns' names."""
+    """All data of the run as one JSON document; evaluations are rows, preceded by their column names."""
     with read(engine) as reader:
         found = sheet(reader, run_id, runs.campaign(reader, run_id))
         told = {
@@ -214,7 +213,7 @@ def run_json(engine: sa.Engine, run_id: int) -> Iterator[bytes]:
 
 
 def _components(reader: sa.Connection, run_id: int) -> JsonObject | None:
-    """What the components meant; None where the run kept nothing: what is installed now may be something else."""
+    """The stored component descriptions; None if there are none, since the installed ones may differ."""
     told = snapshots.of_run(reader, run_id) and components(reader, run_id)
     return told.model_dump(mode="json") if told else None
 
@@ -245,8 +244,8 @@ def _json_rows(engine: sa.Engine, found: Sheet, stage: Flown) -> Iterator[bytes]
 
 
 def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
-    """The flights as structures of columns: `nominal.x`, `F1.separation`; `run`, `units` and `meta` beside them."""
-    from scipy.io import savemat  # a third of a second: only where it is asked for
+    """The flights as structures of columns (`nominal.x`, `F1.separation`), with `run`, `units` and `meta`."""
+    from scipy.io import savemat  # imported here because it takes a third of a second
 
     detail = runs.summary(reader, run_id)
     told: JsonObject = {"run": {"id": detail.id, "name": detail.name, "campaign_digest": detail.campaign_digest}}
@@ -257,13 +256,13 @@ def traces_mat(reader: sa.Connection, run_id: int) -> bytes:
         fields["units"] = {_field(c["name"]): c["unit"] for c in row.columns}
         fields["meta"] = _text(row.meta)
         told[_field(flight.name)] = fields
-    buffer: Any = io.BytesIO()  # the stubs of SciPy know file names only
+    buffer: Any = io.BytesIO()  # SciPy's type stubs allow only file names
     savemat(buffer, told, long_field_names=True, do_compression=True)
     return bytes(buffer.getvalue())
 
 
 def _field(name: str) -> str:
-    """A name that MATLAB takes: obstacle.0.x is obstacle_0_x."""
+    """A valid MATLAB name: obstacle.0.x becomes obstacle_0_x."""
     clean = re.sub(r"\W", "_", name, flags=re.ASCII)[:63]
     return clean if clean[:1].isalpha() else f"c_{clean}"[:63]
 

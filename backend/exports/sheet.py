@@ -1,7 +1,6 @@
-"""Evaluations as rows: which columns there are, and their values chunk by chunk, so that no run is held in memory.
+"""Evaluations as rows, read chunk by chunk, so that a run never has to fit into memory.
 
-Each block of chunks is read in a transaction of its own: a slow download keeps no snapshot open. Start reading at
-`Sheet`.
+Each block of chunks is read in its own transaction, so that a slow download does not keep a snapshot open.
 """
 
 from __future__ import annotations
@@ -25,15 +24,15 @@ from campaigns.checked.check import parameters
 from campaigns.results.base import OK, STATUS
 
 BLOCK = 16
-"""Chunks read at a time."""
+"""Number of chunks per read."""
 
 SHARE = "share of range"
-"""The unit of a parameter whose bounds this catalogue does not know (any more)."""
+"""The unit of a parameter whose bounds are unknown, because the catalogue does not have it."""
 
 
 @dataclass(frozen=True)
 class Flown:
-    """A stage that has evaluations; those that come later are left out."""
+    """A stage that has evaluations; evaluations stored later are ignored."""
 
     position: int
     kind: str
@@ -48,20 +47,20 @@ class Sheet:
     run_id: int
     stages: list[Flown]
     criteria: list[tuple[str, str]]
-    """Name and unit, the one that decides first."""
+    """Name and unit of each criterion, the deciding one first."""
     turned: list[bool]
-    """Which criteria are worse when high: their sign is turned in the costs, and turned back here."""
+    """The criteria for which high is worse: costs have the opposite sign, which is reversed here."""
     parameters: list[tuple[str, str]]
-    """Path and unit."""
+    """Path and unit of each parameter."""
     limits: Bounds
 
     @property
     def columns(self) -> list[str]:
-        """The heads of `rows`; `index` counts from 0 within the stage."""
+        """The headers of `rows`; `index` counts from 0 within the stage."""
         return ["index", "status", "reason", "seconds [s]", *map(_headed, [*self.criteria, *self.parameters])]
 
     def rows(self, engine: sa.Engine, stage: Flown) -> Iterator[list[list[Any]]]:
-        """The evaluations of one stage as blocks of rows; what has no value is None."""
+        """The evaluations of one stage as blocks of rows; missing values are None."""
         done = 0
         while done < stage.evaluations:
             with read(engine) as reader:
@@ -90,7 +89,7 @@ class Sheet:
 
 
 def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
-    """The sheet of a run as it stands now."""
+    """The sheet of a run in its current state."""
     catalogue = described(reader, run_id)
     limits = bounds(asked, catalogue)
     units = {} if catalogue is None else {path: e.unit for path, (e, _) in parameters(asked, catalogue).items()}
@@ -108,7 +107,7 @@ def sheet(reader: sa.Connection, run_id: int, asked: Campaign) -> Sheet:
 
 
 def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
-    """Quantity and unit of every criterion, each name once."""
+    """Quantity and unit of every criterion, with unique names."""
     named: list[tuple[str, str]] = []
     for criterion in told:
         name = criterion.quantity or criterion.component
@@ -118,7 +117,7 @@ def headings(told: list[CriterionOut]) -> list[tuple[str, str]]:
 
 
 def _width(reader: sa.Connection, run_id: int) -> int:
-    """How many criteria the stored evaluations have."""
+    """The number of criteria in the stored evaluations."""
     sizes = sa.select(EvaluationChunk.count.label("flown"), sa.func.length(EvaluationChunk.costs).label("bytes"))
     row = reader.execute(sizes.where(EvaluationChunk.run_id == run_id).limit(1)).one_or_none()
     return 1 if row is None else max(1, int(row.bytes) // (8 * int(row.flown)))

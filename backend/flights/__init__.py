@@ -1,1 +1,1 @@
-"""One flight of a stored run, simulated on request with other parameters: the what-if."""
+"""What-if: one flight of a stored run, simulated on request with other parameters."""

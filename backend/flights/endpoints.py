@@ -1,4 +1,4 @@
-"""POST /runs/{run}/flights: one flight of a run with other parameters. Start reading at `simulate_flight`."""
+"""POST /runs/{run}/flights: one flight of a run with other parameters."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ async def simulate_flight(
 ) -> FlightAnswer:
     """Simulate one flight of the run's scenario with other parameters (what-if); stores nothing.
 
-    A flight that fails, or whose start is excluded, is answered with 200, its status and its reason. With the
-    parameters and seed of a finding the cost is the finding's, bit by bit, where the run's version is installed. Of one
-    client's unanswered requests the newest counts: an older one is answered with 409.
+    A flight that fails, or whose start is excluded, returns 200 with its status and reason. With the parameters and
+    seed of a finding the cost is bit-identical to the finding's if the run's version is installed. Of one client's
+    pending requests only the newest is processed; older ones return 409.
     """
     turns: Turns = request.app.state.turns
     viewer = None
@@ -66,7 +66,7 @@ def _work(
     drawn = None
     if viewer is not None and not turn.overtaken.is_set():
         flight = from_live(answer)
-        with contextlib.suppress(GoneError):  # closed meanwhile: the answer is good without it
+        with contextlib.suppress(GoneError):  # the view was closed meanwhile; the answer is valid without it
             viewer.show_what_if(flight, wanted.seed, turn.order)
             drawn = given.view
-    return service.told(wanted, answer, drawn, given.rows)
+    return service.response(wanted, answer, drawn, given.rows)

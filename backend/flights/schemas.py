@@ -22,18 +22,18 @@ class FlightRequest(Given):
     """Which flight of the run's scenario to simulate; nothing of it is stored."""
 
     parameters: Annotated[dict[str, Finite], Field(max_length=500, default_factory=dict)]
-    """{path: value} of any parameters of the scenario, each within its component's limits; all others as `like`."""
+    """{path: value} of any parameters of the scenario, within their components' limits; others as `like`."""
     like: Annotated[str, Field(pattern=rf"^({FLIGHT})$")] = "nominal"
-    """`nominal`, or the label of a finding: the parameters that are not given have its values."""
+    """`nominal`, or the label of a finding: omitted parameters have its values."""
     seed: Annotated[int, Field(ge=0, lt=MAX_SEED)] | None = None
-    """One noise realisation; left out: that of the finding where it drew its own, else those of the campaign."""
+    """One noise realisation; if omitted, that of the finding if it has its own, else those of the campaign."""
     view: Uuid | None = None
     """The key of an open 3D view of this visitor: the flight is drawn there as the what-if."""
     client: Uuid | None = None
-    """Who asks, where several ask at once: a newer request of the same client overtakes an older one. Left out: the
-    view; without one, the session or token."""
+    """Identifies the client: a newer request of the same client supersedes an older one. If omitted: the view, or
+    without one the session or token."""
     rows: Annotated[int, Field(ge=0, le=MOST_ROWS)] = 0
-    """The time series is answered with about so many rows; 0 for none."""
+    """Approximate number of rows of the returned time series; 0 for none."""
 
 
 class FlightValue(CriterionOut):
@@ -43,28 +43,28 @@ class FlightValue(CriterionOut):
 
 
 class FlightAnswer(Schema):
-    """A simulated flight. The first criterion decides: `cost`, `threshold` and `margin` are of it."""
+    """A simulated flight. `cost`, `threshold` and `margin` refer to the first criterion, which decides."""
 
     run: str
     status: Status
     reason: str
-    """Why the status is not ok, a sentence."""
+    """The reason why the status is not ok, a sentence."""
     cost: float | None
-    """As evaluations and findings have it, bit by bit; null unless the status is ok."""
+    """Bit-identical to the cost of evaluations and findings; null unless the status is ok."""
     threshold: float
     margin: float | None
-    """The cost less the threshold: above 0 is clear."""
+    """The cost minus the threshold: clear above 0."""
     quantity: str
     unit: str
-    """Of cost, threshold and margin."""
+    """The unit of cost, threshold and margin."""
     criteria: list[FlightValue]
     like: str
     parameters: dict[str, float]
-    """Of the uncertain parameters, and of those that were given, as they were simulated."""
+    """The simulated values of the uncertain parameters and of the given ones."""
     seed: int | None
-    """The requested noise realisation, or that of the finding; null for those of the campaign."""
+    """The noise seed that was requested, or that of the finding; null for those of the campaign."""
     drawn: str | None
-    """The key of the 3D view that shows the flight, as far as it moved; null where none is open."""
+    """The key of the 3D view that shows the flight; null if none is open."""
     trace: TraceHead
     columns: list[TraceColumn]
     data: dict[str, list[float | None]]

@@ -1,4 +1,4 @@
-"""Which flight is asked for, what the simulation process answers, and what the API says of it. Start at `case`."""
+"""Validates a what-if request, simulates it and builds the response. Start reading at `case`."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class Case:
     criteria: list[CriterionOut]
     like: str
     values: dict[str, float]
-    """Of everything that is not nominal, by path."""
+    """Parameters that are not nominal, by path."""
     seed: int | None
 
 
 def case(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
-    """What is asked for; raises `RefusedError` for an unknown run, finding or parameter and a value outside limits."""
+    """The requested case; raises `RefusedError` for an unknown run, finding or parameter, or a value outside limits."""
     run_id = number(run)
     asked = campaign(reader, run_id)
     if asked.scenario is None:
@@ -67,7 +67,7 @@ def case(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
 
 def simulated(live: Live, wanted: Case, rows: int) -> JsonObject:
     """The answer of the simulation process; raises `RefusedError`."""
-    # A drawn flight needs its poses, so a time series is always asked for.
+    # A drawn flight needs its poses, so a time series is always requested.
     try:
         return live.fly(wanted.document, wanted.digest, wanted.values, max(rows, ROWS), Noise(seed=wanted.seed))
     except FlightRefusedError as error:
@@ -76,8 +76,8 @@ def simulated(live: Live, wanted: Case, rows: int) -> JsonObject:
         raise RefusedError(503, "flight-failed", f"the flight could not be simulated: {error}") from None
 
 
-def told(wanted: Case, answer: Mapping[str, Any], drawn: str | None, rows: int) -> FlightAnswer:
-    """What is answered."""
+def response(wanted: Case, answer: Mapping[str, Any], drawn: str | None, rows: int) -> FlightAnswer:
+    """The response of the API."""
     meta, deciding = answer["meta"], wanted.criteria[0]
     values = [FlightValue(**one.model_dump(), value=meta["values"].get(one.name)) for one in wanted.criteria]
     return FlightAnswer(
@@ -101,7 +101,7 @@ def told(wanted: Case, answer: Mapping[str, Any], drawn: str | None, rows: int) 
 
 
 def _thinned(answer: Mapping[str, Any], rows: int) -> dict[str, list[float | None]]:
-    """About so many rows, those around the closest approach among them."""
+    """About `rows` rows, including those around the closest approach."""
     data, closest = answer["data"], answer["meta"].get("closest")
     time = data[next(column["name"] for column in answer["columns"] if column["group"] == "time")]
     at = 0 if closest is None else min(range(len(time)), key=lambda row: abs(time[row] - closest["time"]))
@@ -110,7 +110,7 @@ def _thinned(answer: Mapping[str, Any], rows: int) -> dict[str, list[float | Non
 
 
 def _like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
-    """The parameters of the finding, bit by bit; of the nominal case none differs."""
+    """The parameters of the finding, bit-identical; empty for the nominal case."""
     if label == NOMINAL:
         return {}
     rows = reader.execute(sa.select(Finding.label, Finding.parameters).where(Finding.run_id == run_id)).all()
@@ -124,7 +124,7 @@ def _like(reader: sa.Connection, run_id: int, label: str) -> dict[str, float]:
 
 
 def _check(asked: Campaign, catalogue: Catalogue | None, given: Mapping[str, float]) -> None:
-    """Every path and value; where the catalogue does not describe every component, the simulation decides."""
+    """Check all paths and values; components that the catalogue does not describe are checked by the simulation."""
     if catalogue is None or any(catalogue.component(role, part.component) is None for _, _, role, part in parts(asked)):
         return
     known = parameters(asked, catalogue)

@@ -1,4 +1,4 @@
-"""Of one client's requests the newest counts: an older one without an answer is refused. Start at `Turns.run`."""
+"""Processes only the newest request of each client: older pending ones are refused. Start reading at `Turns.run`."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class Turn:
     """One request."""
 
     order: int
-    """Rises from one request to the next."""
+    """Increases with every request."""
     begun: bool = False
-    """Its work is in a thread, which cannot be taken back."""
+    """Whether its work has started in a thread, which cannot be cancelled."""
     overtaken: asyncio.Event = field(default_factory=asyncio.Event)
 
 
 class Turns:
-    """The newest unanswered request of every client; used on one event loop."""
+    """The newest pending request of every client; used on one event loop."""
 
     def __init__(self) -> None:
         self._newest: dict[Hashable, Turn] = {}
@@ -37,7 +37,7 @@ class Turns:
         self._begun: set[asyncio.Task[object]] = set()
 
     async def run(self, client: Hashable, capacity: Capacity, work: Callable[[Turn], Result], gone: Gone) -> Result:
-        """The result of the work, done in the capacity's threads; raises `RefusedError`: 409 once it is overtaken."""
+        """Run the work in the capacity's threads; raises `RefusedError` 409 once it is superseded."""
         turn = Turn(next(self._order))
         if (older := self._newest.get(client)) is not None:
             older.overtaken.set()
@@ -56,14 +56,14 @@ class Turns:
                 del self._newest[client]
 
     def _leave(self, job: asyncio.Task[Result], turn: Turn) -> None:
-        """What has not begun leaves the queue; what has keeps its place until its thread is done."""
+        """Remove a job from the queue if it has not started; otherwise it keeps its slot until its thread is done."""
         if not turn.begun:
             job.cancel()
         elif not job.done():
             self._begun.add(job)
             job.add_done_callback(self._forget)
         elif not job.cancelled():
-            job.exception()  # seen, also where the request was overtaken at the same moment
+            job.exception()  # retrieve the exception, also if the request was superseded at the same time
 
     def _forget(self, job: asyncio.Task[Result]) -> None:
         self._begun.discard(job)

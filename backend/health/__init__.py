@@ -1,1 +1,1 @@
-"""Is the service up: the one open endpoint."""
+"""The health check, the only endpoint without authentication."""

@@ -1,4 +1,4 @@
-"""GET /health: answers once the database does."""
+"""GET /health: answers if the database answers."""
 
 from __future__ import annotations
 
@@ -11,6 +11,6 @@ router = APIRouter(tags=["service"])
 
 @router.get("/health")
 async def health(request: Request) -> Health:
-    """Whether the service and its database answer."""
+    """Whether the service and its database are available."""
     await request.app.state.door.healthy()
     return Health(status="ok")

@@ -1,4 +1,4 @@
-"""What the open health check says."""
+"""The API schema of the health check."""
 
 from __future__ import annotations
 
@@ -8,6 +8,6 @@ from backend.http.schema import Schema
 
 
 class Health(Schema):
-    """Minimal, because anyone may ask."""
+    """Minimal, because no authentication is required."""
 
     status: Literal["ok"]

@@ -1,4 +1,4 @@
-"""Campaigns as request bodies: JSON or YAML, read by the same rules as a file. Start reading at `campaign_text`."""
+"""Campaigns as request bodies: JSON or YAML, parsed by the same rules as a file. Start reading at `campaign_text`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from campaigns.asked.reading import LONGEST_KEY, repeated
 from campaigns.documents import JsonObject
 
 READERS = 2
-"""So many campaigns are read at a time: the largest takes seconds, and threads share one interpreter."""
+"""Number of campaigns parsed at a time: the largest takes seconds, and threads share one interpreter."""
 
 WAITING = 32
 
@@ -25,13 +25,13 @@ YAML_TYPES = frozenset({"application/yaml", "application/x-yaml", "text/yaml", "
 
 
 class Readers:
-    """The few threads that read bodies, so that large ones leave the others to everybody else; on one event loop."""
+    """A small thread pool for parsing bodies: large ones must not block other requests. Used on one event loop."""
 
     def __init__(self) -> None:
         self._turns, self.inside = CapacityLimiter(READERS), 0
 
     async def read(self, work: Callable[[], Value]) -> Value:
-        """What `work` returns; 503 where enough are waiting."""
+        """The result of `work`; 503 if the queue is full."""
         if self.inside >= READERS + WAITING:
             detail = "other campaigns are being read and the queue is full: try again in a few seconds"
             raise RefusedError(503, "busy", detail, headers={"Retry-After": "2"})
@@ -43,7 +43,7 @@ class Readers:
 
 
 async def apart(request: Request, work: Callable[[], Value]) -> Value:
-    """Read a body on one of the application's `Readers`."""
+    """Parse a body on the application's `Readers`."""
     readers: Readers = request.app.state.readers
     return await readers.read(work)
 
@@ -81,7 +81,7 @@ def document(body: bytes) -> Any:
         raise unreadable(Problem("", "", "not readable as JSON: nested too deeply")) from None
     except _RepeatedError as error:
         raise unreadable(Problem(str(error), "", "this key is given twice")) from None
-    except ValueError:  # Python reads no whole number that is longer
+    except ValueError:  # Python's limit on parsing integers
         raise unreadable(Problem("", "", "not readable as JSON: a whole number of more than 4,300 digits")) from None
 
 
@@ -91,12 +91,12 @@ def yaml_campaign(body: bytes) -> Campaign:
 
 
 def unreadable(problem: Problem) -> RefusedError:
-    """422 for a body that cannot even be read."""
+    """422 for a body that cannot be parsed."""
     return RefusedError(422, "unreadable", str(problem), [problem])
 
 
 def invalid(error: CampaignError) -> RefusedError:
-    """422 for a campaign that can be read but not be run."""
+    """422 for a campaign that can be parsed but not run."""
     return RefusedError(422, "invalid-campaign", "; ".join(map(str, error.problems)), error.problems)
 
 

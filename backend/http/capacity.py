@@ -1,7 +1,7 @@
-"""Bounds on long work: a few jobs at a time in threads of their own, a short queue, and 503 for what does not fit.
+"""Limits long work: a few jobs at a time in their own threads, a short queue, and 503 beyond it.
 
-Everything else runs in the threads that all requests share (40 of them): long work there would keep the whole service
-from answering. Whoever waits here waits on the event loop and holds no thread. Start reading at `Capacity`.
+All other work runs in the 40 threads that requests share: long work there would block the whole service. Waiting jobs
+wait on the event loop and occupy no thread. Start reading at `Capacity`.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ Gone = Callable[[], Awaitable[bool]]
 
 
 class Capacity:
-    """So many jobs of one kind at a time, so many waiting; used on one event loop."""
+    """Limits concurrent and waiting jobs of one kind; used on one event loop."""
 
     def __init__(self, doing: str, at_once: int, waiting: int, patience: float, retry: int) -> None:
-        """doing: as in "2 reports are `doing`". patience, retry: the longest wait, and when to ask again [s]."""
+        """doing: such as "reports are being printed". patience, retry: longest wait, Retry-After [s]."""
         self.doing, self.at_once, self.waiting, self.patience, self.retry = doing, at_once, waiting, patience, retry
         self.inside = 0
-        """How many are being done or waiting."""
+        """The number of running and waiting jobs."""
         self._turns = asyncio.Semaphore(at_once)
         self._threads = CapacityLimiter(at_once)
 
     async def run(self, work: Callable[[], Result], gone: Gone | None = None) -> Result:
-        """The result of the work, done in a thread when it is its turn. Raises `RefusedError` (503).
+        """Run the work in a thread when its turn comes. Raises `RefusedError` (503).
 
         gone: whether the client has gone away; checked when the job's turn comes, so that no work is done for a closed
         connection.
@@ -45,12 +45,12 @@ class Capacity:
             return await self.thread(work)
 
     async def thread(self, work: Callable[[], Result]) -> Result:
-        """The result of a part of a job, while its turn lasts."""
+        """Run a part of a job in a thread during its turn."""
         return await to_thread.run_sync(work, limiter=self._threads)
 
     @asynccontextmanager
     async def turn(self) -> AsyncIterator[None]:
-        """One job; raises `RefusedError` (503) where the queue is full or the wait too long."""
+        """The turn of one job; raises `RefusedError` (503) if the queue is full or the wait too long."""
         if self.inside >= self.at_once + self.waiting:
             raise self._busy()
         self.inside += 1
@@ -73,7 +73,7 @@ class Capacity:
 
 
 class BoundedStream(StreamingResponse):
-    """A streamed file whose parts are made in the capacity's threads; its turn lasts until the last byte is sent."""
+    """A streamed file whose parts are generated in the capacity's threads; its turn ends after the last byte."""
 
     def __init__(self, capacity: Capacity, parts: Callable[[], Iterator[bytes]], **given: Any) -> None:
         super().__init__(iter(()), **given)
@@ -81,13 +81,13 @@ class BoundedStream(StreamingResponse):
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         async with self._capacity.turn():
-            parts = await self._capacity.thread(self._parts)  # refuse before the response begins
+            parts = await self._capacity.thread(self._parts)  # refuse before the response starts
             self.body_iterator = self._each(parts)
             try:
                 await super().__call__(scope, receive, send)
             finally:
                 close = getattr(parts, "close", None)
-                if close is not None:  # it may hold a connection to the database
+                if close is not None:  # close the generator, which may hold a database connection
                     with CancelScope(shield=True):
                         await self._capacity.thread(close)
 
@@ -97,7 +97,7 @@ class BoundedStream(StreamingResponse):
 
 
 class Capacities:
-    """Those of the service."""
+    """All capacities of the service."""
 
     def __init__(self) -> None:
         self.pdf = Capacity("reports are being printed", 2, 4, 60.0, 30)

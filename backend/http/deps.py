@@ -1,4 +1,4 @@
-"""What endpoints are given: a reading connection, the engine to write with. Start reading at `Reader`."""
+"""Dependencies of endpoints: a read-only connection, and the engine for writes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from backend.http.capacity import Capacities
 
 
 async def engine(request: Request) -> sa.Engine:
-    """The service's engine; `with engine.begin()` writes. A coroutine, since a function would wait for a thread."""
+    """The service's engine; `with engine.begin()` writes. A coroutine: plain functions run in the thread pool."""
     found = request.app.state.engine
     assert isinstance(found, sa.Engine)
     return found
@@ -29,7 +29,7 @@ def reader(engine: Engine) -> Iterator[sa.Connection]:
 
 
 def capacities(request: Request) -> Capacities:
-    """The bounds on long work."""
+    """The limits on long work."""
     found = request.app.state.capacities
     assert isinstance(found, Capacities)
     return found

@@ -1,7 +1,7 @@
 """Errors as problem documents: what was given, what is allowed, what to do.
 
-Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`; everything else that goes wrong is
-turned into the same form here. Start reading at `RefusedError`.
+Source: RFC 9457, "Problem Details for HTTP APIs". Services raise `RefusedError`; this module converts all other errors
+to the same form.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _log = logging.getLogger(__name__)
 
 
 class ProblemError(Schema):
-    """One thing wrong with what was sent: the field, what was given, and what is allowed or to do."""
+    """One error in a request: the field, the given value, and what is allowed or to be done."""
 
     field: str
     given: str
@@ -36,7 +36,7 @@ class ProblemError(Schema):
 
 
 class ProblemDocument(Schema):
-    """An error as RFC 9457 describes it; `errors` lists every field in question where there are any."""
+    """An error as RFC 9457 describes it; `errors` lists the invalid fields, if any."""
 
     type: str
     title: str
@@ -52,11 +52,11 @@ PROBLEMS: dict[int | str, JsonObject] = {
         "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}},
     }
 }
-"""For `responses=` of a router: `backend.openapi` adds the schema itself."""
+"""For `responses=` of a router: `backend.openapi` adds the schema."""
 
 
 class Kind(NamedTuple):
-    """A type of problem: the status that it is answered with, and when."""
+    """A problem type: its HTTP status and meaning."""
 
     status: int
     when: str
@@ -106,17 +106,17 @@ KINDS = {
     "preview-failed": Kind(503, "The preview could not be simulated."),
     "preview-overtaken": Kind(503, "The connection was closed before this preview started."),
 }
-"""Every type of problem there is, by the end of its URN."""
+"""All problem types, by the last part of their URN."""
 
 RETRY = frozenset({"no-catalogue", "preview-busy", "busy", "too-many-requests"})
-"""Those that are answered with Retry-After."""
+"""The problem types with a Retry-After header."""
 
 
-RETRY_AFTER = {"description": "After how many seconds to ask again.", "schema": {"type": "integer"}}
+RETRY_AFTER = {"description": "Seconds to wait before the next request.", "schema": {"type": "integer"}}
 
 
 def problems(*kinds: str) -> dict[int | str, JsonObject]:
-    """For `responses=` of a route: the types of problems it answers with besides those that any route has."""
+    """For `responses=` of a route: its problem types in addition to those of all routes."""
     by_status: dict[int | str, JsonObject] = {}
     for kind in kinds:
         declare(by_status, kind)
@@ -124,7 +124,7 @@ def problems(*kinds: str) -> dict[int | str, JsonObject]:
 
 
 def declare(responses: dict[Any, JsonObject], kind: str, key: type[int] | type[str] = int) -> None:
-    """Add a type of problem to the responses of an operation."""
+    """Add a problem type to the responses of an operation."""
     status, when = KINDS[kind]
     told = f"`{_URN}{kind}`: {when}"
     found = responses.setdefault(key(status), PROBLEMS["default"] | {"description": "", "x-problem-types": []})
@@ -138,7 +138,7 @@ def declare(responses: dict[Any, JsonObject], kind: str, key: type[int] | type[s
 
 
 class RefusedError(Exception):
-    """A request that is answered with a problem document instead."""
+    """Raised to answer a request with a problem document."""
 
     def __init__(
         self,
@@ -154,12 +154,12 @@ class RefusedError(Exception):
 
 
 def not_found(what: str, given: str) -> RefusedError:
-    """404 for a thing of the product that is not there."""
+    """404 for an object that does not exist."""
     return RefusedError(404, "not-found", f"there is no {what} {given[:LONGEST]!r}")
 
 
 def respond(refused: RefusedError, path: str) -> JSONResponse:
-    """The problem document of a refusal."""
+    """The problem document of an error."""
     errors = [
         ProblemError(field=_text(e.field), given=_text(e.given), message=_text(e.message)) for e in refused.errors
     ]
@@ -176,18 +176,18 @@ def respond(refused: RefusedError, path: str) -> JSONResponse:
 
 
 def _text(given: str) -> str:
-    """As it can be written: half a surrogate pair, which is no Unicode text, as its escape."""
+    """Escape unpaired surrogates, which cannot be encoded."""
     return given.encode("utf-8", "backslashreplace").decode()
 
 
 def broken(path: str) -> JSONResponse:
-    """500, for a fault of ours: the log has it all, the answer nothing of it."""
+    """500 for an internal error: the details are in the log only."""
     detail = "internal error, see the service's log; the request was rolled back; nothing was changed"
     return respond(RefusedError(500, "internal", detail), path)
 
 
 def install(app: FastAPI) -> None:
-    """Have every error of the application answered as a problem document."""
+    """Answer every error of the application with a problem document."""
     app.add_exception_handler(RefusedError, _refused)
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RequestValidationError, _invalid)
@@ -200,7 +200,7 @@ async def _refused(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _waited(request: Request, error: Exception) -> JSONResponse:
-    """No connection to the database was free for long."""
+    """The pool had no free database connection within its timeout."""
     detail = "the database is busy: try again in a few seconds"
     return respond(RefusedError(503, "busy", detail, headers={"Retry-After": "5"}), request.url.path)
 
@@ -211,7 +211,7 @@ _SAID = {
     405: "method not allowed here",
 }
 _KIND = {400: "bad-request", 404: "not-found", 405: "method-not-allowed", 413: "too-large"}
-"""What the framework and the frame raise themselves."""
+"""Details of the statuses that the framework and the middleware raise."""
 
 
 async def _http(request: Request, error: Exception) -> JSONResponse:

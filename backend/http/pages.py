@@ -1,4 +1,4 @@
-"""The pages: the built single-page application with deep links, and the few plain pages the service writes itself.
+"""Serves the built single-page application with deep links, and a few plain pages.
 
 Hashed assets are cached by browsers for a year; the page that names them is requested each time (RFC 9111).
 Start reading at `serve`.
@@ -18,15 +18,28 @@ from starlette.exceptions import HTTPException
 ASSET = {"Cache-Control": "public, max-age=31536000, immutable"}
 FRESH = {"Cache-Control": "no-cache"}
 _STYLE = (
-    "body{font:15px/24px system-ui,sans-serif;max-width:34em;margin:15vh auto;padding:0 24px;"
-    "color:#15202b;background:#fff}"
-    "h1{font-size:20px}code{font:13px ui-monospace,monospace;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
-    "@media(prefers-color-scheme:dark){body{color:#e7ecf2;background:#0d1115}code{background:#1a2027}}"
+    "*{box-sizing:border-box}"
+    "body{font:14px/22px Inter,system-ui,sans-serif;margin:0;padding:12vh 20px 48px;color:#15202b;background:#f6f7f9}"
+    "main{max-width:31em;margin:0 auto;padding:28px 32px;background:#fff;border:1px solid #e2e6eb;border-radius:8px}"
+    "header{display:flex;align-items:center;gap:9px;margin-bottom:24px;font-weight:600}"
+    "h1{font-size:20px;line-height:28px;margin:0 0 8px}p{margin:0 0 12px;color:#435061}p:last-child{margin:0}"
+    "code{font:12.5px ui-monospace,monospace;color:#15202b;background:#f1f3f6;padding:2px 5px;border-radius:4px}"
+    "@media(max-width:600px){main{padding:20px}}"
+    "@media(prefers-color-scheme:dark){body{color:#e7ecf2;background:#0d1115}"
+    "main{background:#14191f;border-color:#28313a}p{color:#b0bbc7}code{color:#e7ecf2;background:#1a2027}}"
 )
+_BRAND = (
+    '<header><svg viewBox="0 0 24 24" width="22" height="22" fill="none" aria-hidden="true">'
+    '<circle cx="13.5" cy="10.5" r="6.2" stroke="currentColor" stroke-width="1.6" stroke-dasharray="2.6 2.1"/>'
+    '<circle cx="13.5" cy="10.5" r="2.1" fill="currentColor"/>'
+    '<path d="M2 20.5c6 .6 14.5-.2 19.5-5.5" stroke="#d55e00" stroke-width="2" stroke-linecap="round"/></svg>'
+    "Clearance</header>"
+)
+"""The mark and the name, as in the header of the other pages."""
 
 
 def serve(app: FastAPI, folder: Path) -> None:
-    """Answer every address that is not the API's from the built front end; to be called after all other routes."""
+    """Serve all addresses outside the API from the built front end; call it after all other routes."""
 
     @app.get("/", include_in_schema=False)
     def start() -> Response:
@@ -50,7 +63,7 @@ def serve(app: FastAPI, folder: Path) -> None:
 
 
 def _asset(file: Path, headers: Headers) -> Response:
-    """A hashed file, as the build has packed it for browsers that take that (RFC 7932)."""
+    """A hashed file, precompressed (RFC 7932) if the browser accepts that."""
     packed = file.with_name(f"{file.name}.br")
     if not packed.is_file():
         return FileResponse(file, headers=ASSET)
@@ -62,34 +75,34 @@ def _asset(file: Path, headers: Headers) -> Response:
 
 
 def _inside(folder: Path, path: str) -> Path | None:
-    """The file of that path, if it is one of the folder's."""
+    """The file at that path, if it is inside the folder."""
     if "\0" in path:
         return None
     root = folder.resolve()
     try:
         file = (root / path).resolve()
         return file if file.is_relative_to(root) and file.is_file() and file.name != "index.html" else None
-    except OSError:  # a name that no file can have, such as one of more than 255 bytes
+    except OSError:  # an invalid file name, such as one of more than 255 bytes
         return None
 
 
 def wants_page(headers: Headers) -> bool:
-    """Whether the request was made by a person's browser going somewhere, not by a program or a script."""
+    """Whether the request is a browser navigation, not a call by a program or script."""
     return "text/html" in headers.get("accept", "")
 
 
 def plain(title: str, body: str, status: int) -> HTMLResponse:
-    """A page of a few words; `body` is HTML."""
+    """A short page; `body` is HTML."""
     text = (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)} · Clearance</title>'
         f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>'
-        f"<body><h1>{html.escape(title)}</h1>{body}</body></html>"
+        f"<body><main>{_BRAND}<h1>{html.escape(title)}</h1>{body}</main></body></html>"
     )
     return HTMLResponse(text, status)
 
 
 def sign_in(status: int, why: str = "Sign in to Clearance") -> HTMLResponse:
-    """What to do without a session, or with a login link that is not good."""
+    """The page shown without a session or with an invalid login link."""
     body = (
         "<p>Open the login link that the service printed when it started: look at the output of "
         "<code>clearance serve</code> or <code>make run</code>, or at the container's log.</p>"

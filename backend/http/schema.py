@@ -1,7 +1,4 @@
-"""What all requests' and answers' models have in common; what a request may hold is decided here, once for all.
-
-Start reading at `Given`.
-"""
+"""Base classes of all request and response models, with the rules for storable values."""
 
 from __future__ import annotations
 
@@ -14,13 +11,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validat
 from campaigns.asked.reading import LONGEST_KEY, Place, field
 
 LARGEST_WHOLE = 2**63 - 1
-"""What a database's largest whole number holds."""
+"""The largest integer that a database can store."""
 
 RunName = Annotated[str, Path(description="The run by its name, such as R-0001.")]
 DraftName = Annotated[str, Path(description="The draft by its name, such as D-0001.")]
 FlightName = Annotated[str, Path(description="A stored flight: `nominal`, or a finding by its label, such as F1.")]
 Number32 = Annotated[int, Field(ge=1, le=2**31 - 2)]
-"""A whole number that fits a column of 32 bits, and the next one, too."""
+"""An integer that fits into a 32-bit column even after an increment."""
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -31,10 +28,10 @@ class Schema(BaseModel):
 
 
 class Given(Schema):
-    """A request's body: no text in it that no database can hold, and no number."""
+    """A request body: refuses text and numbers that a database cannot store."""
 
     checked_elsewhere: ClassVar[frozenset[str]] = frozenset()
-    """Keys whose values have rules of their own."""
+    """Keys whose values are validated separately."""
 
     @field_validator("*", mode="before")
     @classmethod
@@ -46,7 +43,7 @@ class Given(Schema):
 
 
 def _unstorable(value: Any) -> Iterator[str]:
-    """What no database can hold of a value from JSON, as sentences."""
+    """The reasons why a JSON value cannot be stored, as sentences."""
     waiting: list[tuple[Place, Any]] = [(None, value)]
     while waiting:
         place, value = waiting.pop()
@@ -68,9 +65,9 @@ def _reason(value: Any) -> str | None:
 
 
 def unstorable_text(text: str) -> str | None:
-    """Why a text cannot be stored or answered with; None for all Unicode text without null characters."""
+    """The reason why a text cannot be stored or returned; None for Unicode text without null characters."""
     if "\0" in text:
-        return "text has no null characters"
+        return "text must not contain null characters"
     try:
         text.encode()
     except UnicodeEncodeError:

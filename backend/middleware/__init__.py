@@ -1,1 +1,1 @@
-"""What every connection and every request passes before an endpoint: limits, security headers, HEAD."""
+"""Middleware of all connections and requests: limits, security headers, HEAD."""

@@ -1,6 +1,6 @@
-"""Bounds on connections, which uvicorn lacks: how many are open, and how long a client takes to send or to read.
+"""Limits that uvicorn lacks: the number of open connections, and the time a client may take to send or to read.
 
-Subclasses of uvicorn's HTTP/1.1 protocol and of the one for WebSockets, which takes over with the upgrade. Source:
+Subclasses of uvicorn's HTTP/1.1 protocol and of its WebSocket protocol, which takes over after the upgrade. Source:
 OWASP Denial of Service Cheat Sheet, slow HTTP attacks. Start reading at `bounded`.
 """
 
@@ -21,17 +21,17 @@ _RETRY = "5"
 
 
 def bounded(most: int, patience: float) -> type[H11Protocol]:
-    """The protocol for at most so many connections, whose clients may take so long for a request, or to read on [s]."""
+    """The protocol for at most `most` connections; `patience` limits the time to send a request or to read on [s]."""
     return type("Bounded", (BoundedProtocol,), {"most": most, "patience": patience})
 
 
 def bounded_socket(patience: float) -> type[WebSocketsSansIOProtocol]:
-    """The protocol of sockets whose clients may take so long to read what is left when their socket closes [s]."""
+    """The WebSocket protocol; `patience` limits the time a client may take to read pending data at close [s]."""
     return type("BoundedSocket", (BoundedSocketProtocol,), {"patience": patience})
 
 
 class BoundedProtocol(H11Protocol):
-    """Closes a connection whose request is not complete in time, or whose client does not read the answer."""
+    """Closes a connection if its request is not complete in time, or its client does not read the response."""
 
     most: int
     patience: float
@@ -74,7 +74,7 @@ class BoundedProtocol(H11Protocol):
 
     @property
     def _idle_since(self) -> float | None:
-        """Since when the service waits for a request and owes no answer; None where it does not."""
+        """The time since which the service waits for a request; None while a response is due."""
         if self.cycle is not None and not self.cycle.response_complete:
             return None
         if self._sending is not None:
@@ -83,7 +83,7 @@ class BoundedProtocol(H11Protocol):
         return None if idle is None else idle.when() - self.timeout_keep_alive
 
     def _made_room(self) -> bool:
-        """Close the connection that has waited longest for its request: who sends none must not keep others out."""
+        """Close the connection that has been idle longest, so that idle clients do not keep others out."""
         idle = [(c._idle_since, c) for c in self.connections if isinstance(c, BoundedProtocol) and c is not self]
         waiting = [(since, c) for since, c in idle if since is not None]
         if not waiting:
@@ -98,15 +98,15 @@ class BoundedProtocol(H11Protocol):
 
     def _too_slow(self) -> None:
         self._sending = None
-        if self.flow.read_paused:  # it is the service that does not read on
+        if self.flow.read_paused:  # the service itself has paused reading
             self._await_request()
         elif self.conn.their_state is h11.IDLE and self.conn.trailing_data[0]:
             self._answer(408, _SLOW)
-        else:  # nothing came, or a body under way, whose reader is told that the client is gone
+        else:  # no request, or an incomplete body, whose reader is informed of the disconnect
             self.transport.close()
 
     def _answer(self, status: int, detail: str) -> None:
-        """A problem document without any application, and the end of the connection."""
+        """Send a problem document without the application, and close the connection."""
         title = {408: "Request Timeout", 503: "Service Unavailable"}[status]
         kind = f"urn:clearance:problem:{'busy' if status == 503 else 'request-timeout'}"
         body = json.dumps({"type": kind, "title": title, "status": status, "detail": detail}).encode()
@@ -119,7 +119,7 @@ class BoundedProtocol(H11Protocol):
 
 
 class BoundedSocketProtocol(WebSocketsSansIOProtocol):
-    """Ends a socket whose client does not read; uvicorn would wait until it has read all that was written.
+    """Closes a socket whose client does not read; uvicorn would wait until all data are read.
 
     uvicorn sends a ping every 20 s and closes the socket when no pong comes within 20 s.
     """
@@ -132,13 +132,13 @@ class BoundedSocketProtocol(WebSocketsSansIOProtocol):
             self.transport.abort()
 
     async def send(self, message: ASGISendEvent) -> None:
-        if message["type"] == "websocket.close":  # itself waits until the client reads
+        if message["type"] == "websocket.close":  # this call waits until the client reads
             self.loop.call_later(self.patience, self.transport.abort)
         await super().send(message)
 
 
 def _cancelled(timer: asyncio.TimerHandle | None) -> asyncio.TimerHandle | None:
-    """What is left of a timer once it is cancelled: nothing."""
+    """Cancel a timer; returns None."""
     if timer is not None:
         timer.cancel()
     return None

@@ -1,4 +1,4 @@
-"""What every request's address passes before anything reads it: its length, its characters, its parameters' number.
+"""Checks the address of every request before it is parsed: length, characters, number of parameters.
 
 Sources: RFC 9110, 15.5.15 (414); RFC 3986. Start reading at `Edge`.
 """
@@ -12,14 +12,14 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from backend.http.errors import RefusedError, respond
 
 LONGEST = 16_000
-"""Path and query together; the longest that the pages ask with has 5,000: a reason in emoji, encoded [bytes]."""
+"""Maximum of path and query [bytes]; the longest request of the pages has 5,000: a reason in encoded emoji."""
 
 MOST_PARAMETERS = 200
-"""Of a query."""
+"""Maximum number of parameters of a query."""
 
 
 class Edge:
-    """Refuses addresses that are no use to anybody, before the database is asked."""
+    """Refuses invalid addresses before the database is queried."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app

@@ -1,4 +1,4 @@
-"""What every request passes first: security headers, a limit on bodies, and a net for faults of our own.
+"""The outermost middleware: security headers, a size limit on bodies, and a handler of internal errors.
 
 Pure ASGI, so that streams and sockets pass untouched. Sources: W3C CSP Level 3; OWASP HTTP Headers Cheat Sheet.
 Start reading at `Frame`.
@@ -17,7 +17,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from backend.http.errors import RefusedError, broken, respond
 
 LARGEST_BODY = 2_000_000
-"""[bytes]"""
+"""Maximum size of a body [bytes]."""
 
 CSP = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -35,14 +35,14 @@ HEADERS = {
     "Permissions-Policy": "camera=(), geolocation=(), microphone=(), payment=(), usb=()",
     "Cache-Control": "no-store",
 }
-"""Given to every answer that does not set its own."""
+"""Set on every response that does not set its own."""
 
 _ANNOUNCED = re.compile(r"[0-9]{1,18}")
 _log = logging.getLogger(__name__)
 
 
 class Frame:
-    """Adds the security headers, refuses large bodies, and answers 500 for what nobody else caught."""
+    """Adds the security headers, refuses large bodies, and answers uncaught exceptions with 500."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
@@ -73,7 +73,7 @@ class Frame:
             await broken(scope["path"])(scope, receive, sent)
 
     async def _limited(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Refuse by the announced length at once, and by the count of bytes where none is announced."""
+        """Refuse by Content-Length, or by counting bytes if it is absent."""
         announced = Headers(scope=scope).get("content-length", "")
         if _ANNOUNCED.fullmatch(announced) and int(announced) > LARGEST_BODY:
             refused = RefusedError(413, "too-large", _too_large(f"{int(announced):,} bytes"))

@@ -1,6 +1,6 @@
-"""HEAD is answered like GET, without the body, at every address that answers GET (RFC 9110, section 9.3.2).
+"""Answers HEAD like GET, without the body, at every address that supports GET (RFC 9110, section 9.3.2).
 
-Pure ASGI. A stream is ended once its head is known. Start reading at `Heads`.
+Pure ASGI. A stream is ended once its headers are sent.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ import asyncio
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 OWN = frozenset({"/login"})
-"""Addresses that tell HEAD from GET themselves."""
+"""Addresses that handle HEAD themselves."""
 
 
 class Heads:
-    """Has HEAD answered as GET by what is inside."""
+    """Forwards HEAD as GET and drops the body."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
@@ -32,7 +32,7 @@ class Heads:
                 answered.set()
 
         async def until_answered() -> Message:
-            # The request itself once; afterwards the client wants nothing more, which ends a stream.
+            # Deliver the request once, then report a disconnect, which ends a stream.
             if not asked:
                 asked.append(True)
                 return {"type": "http.request", "body": b"", "more_body": False}

@@ -1,1 +1,1 @@
-"""The nominal flight of a campaign that is still being edited."""
+"""Preview: the nominal flight of a campaign that is being edited."""

@@ -1,4 +1,4 @@
-"""POST /campaigns/preview: the nominal flight of a campaign, nothing stored. Start reading at `preview_campaign`."""
+"""POST /campaigns/preview: the nominal flight of a campaign; stores nothing."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ router = APIRouter(tags=["catalog"])
     ),
 )
 async def preview_campaign(request: Request, engine: Engine) -> Preview:
-    """Fly the nominal case of a campaign, as `{"campaign": ...}` or as YAML; stores nothing.
+    """Simulate the nominal case of a campaign, given as `{"campaign": ...}` or as YAML; stores nothing.
 
-    A loop of components that were never flown together is compiled first, which takes many seconds. 422 for a campaign
-    that cannot be run, 503 where no simulation can be made.
+    A new combination of components is compiled first, which takes many seconds. 422 for a campaign that cannot be run,
+    503 if it cannot be simulated.
     """
     yaml = bodies.is_yaml(request)
     body = await request.body()
@@ -47,4 +47,4 @@ async def preview_campaign(request: Request, engine: Engine) -> Preview:
     except CampaignError as error:
         raise bodies.invalid(error) from None
     answer, seconds = await request.app.state.previews.fly(campaign, request.is_disconnected)
-    return service.told(campaign, criterion, answer, seconds)
+    return service.response(campaign, criterion, answer, seconds)

@@ -1,4 +1,4 @@
-"""What the API says of a flown preview. Places are in the vehicle's own axes [m]. Start reading at `Preview`."""
+"""The API schemas of a preview. Positions are in the vehicle's world axes [m]."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from campaigns.results.base import Status
 
 
 class PreviewClosest(Schema):
-    """The closest approach: when [s], how near, where, and to which obstacle."""
+    """The closest approach: time [s], distance, position and obstacle."""
 
     time: float
     value: float
@@ -19,7 +19,7 @@ class PreviewClosest(Schema):
 
 
 class PreviewIntruder(Schema):
-    """Where the centre of a moving obstacle was, row by row."""
+    """The centre of a moving obstacle in each row."""
 
     obstacle: int
     x: list[float | None]
@@ -28,7 +28,7 @@ class PreviewIntruder(Schema):
 
 
 class PreviewRealisation(Schema):
-    """Which realisation of noise and gusts is drawn, of how many, and what it alone came to."""
+    """The noise and gust realisation that is shown, the number of realisations, and its own value."""
 
     seed: int
     seeds: int
@@ -40,14 +40,14 @@ class Preview(Schema):
     """The nominal flight of a campaign, thinned; nothing of it is stored."""
 
     digest: str
-    """Of the campaign that was flown."""
+    """Digest of the simulated campaign."""
     status: Status
     reason: str
-    """Why the status is not ok, a sentence."""
+    """The reason why the status is not ok, a sentence."""
     value: float | None
-    """Of the criterion that decides; None if there is none."""
+    """The value of the deciding criterion; None if there is none."""
     margin: float | None
-    """The value less the threshold: above 0 is clear."""
+    """The value minus the threshold: clear above 0."""
     threshold: float
     quantity: str
     unit: str
@@ -63,4 +63,4 @@ class Preview(Schema):
     closest: PreviewClosest | None
     realisation: PreviewRealisation | None
     seconds: float
-    """What the flight took, the compilation of its loop included [s]."""
+    """The time of the simulation, including compilation [s]."""

@@ -1,7 +1,7 @@
-"""Flies the nominal case of an edited campaign, one at a time, in a process that no viewer waits for.
+"""Simulates the nominal case of an edited campaign, one at a time, in a separate process from the viewers'.
 
-Who has gone away while waiting is not flown for, so that of many edits only the newest costs anything. Start reading at
-`Previews.fly`.
+Requests whose client has disconnected while waiting are dropped, so that of many edits only the newest is simulated.
+Start reading at `Previews.fly`.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ from campaigns.checked import effort
 from campaigns.documents import JsonObject
 
 ROWS = 240
-"""A preview has about so many points."""
+"""Approximate number of points of a preview."""
 
 WAITING = 8
-"""So many previews may wait for the one that is flown."""
+"""Maximum number of waiting previews."""
 
 LIMIT = 90.0
-"""How long a preview may take [s]: every edit is a new campaign, and its loop may have to be compiled."""
+"""Time limit of a preview [s]: every edit is a new campaign, which may have to be compiled."""
 
 _BUSY = "other previews are being simulated and the queue is full: try again in a few seconds"
 
 
 class Previews:
-    """The simulation process of the previews and who waits for it; used on one event loop."""
+    """The simulation process of the previews and its queue; used on one event loop."""
 
     def __init__(self, live: Live | None = None) -> None:
         self.live = live or Live(limit=LIMIT, first_limit=LIMIT)
         self._turn = asyncio.Lock()
-        self._thread = CapacityLimiter(1)  # not one of those that all requests share
+        self._thread = CapacityLimiter(1)  # separate from the threads that all requests share
         self._waiting = 0
 
     async def fly(self, campaign: Campaign, gone: Callable[[], Awaitable[bool]]) -> tuple[JsonObject, float]:
         """The answer of the simulation process, and how long it took [s]. Raises `RefusedError`.
 
-        gone: whether who asked has gone away; asked again when it is their turn.
+        gone: whether the client has disconnected; checked again when its turn comes.
         """
         if self._waiting >= WAITING:
             raise RefusedError(503, "preview-busy", _BUSY, headers={"Retry-After": "3"})
@@ -64,7 +64,7 @@ class Previews:
             self._waiting -= 1
 
     def stop(self) -> None:
-        """End the simulation process; whoever waits for it is refused."""
+        """End the simulation process; waiting requests are refused."""
         self.live.close()
 
     def _flown(self, campaign: Campaign) -> JsonObject:
@@ -77,7 +77,7 @@ class Previews:
 
 
 def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
-    """The criterion of a campaign that can be previewed; raises `CampaignError`, or 503 before any worker came."""
+    """The criterion of a campaign that can be previewed; raises `CampaignError`, or 503 if no worker has started."""
     with read(engine) as reader:
         catalogue = required(reader)
     problems = check(campaign, catalogue) or list(effort.unpreviewable(campaign))
@@ -88,8 +88,8 @@ def checked(engine: Engine, campaign: Campaign) -> ComponentEntry:
     return criterion
 
 
-def told(campaign: Campaign, criterion: ComponentEntry, answer: Mapping[str, Any], seconds: float) -> Preview:
-    """What a page draws and says of a flight."""
+def response(campaign: Campaign, criterion: ComponentEntry, answer: Mapping[str, Any], seconds: float) -> Preview:
+    """The response of the API."""
     data, meta = answer["data"], answer["meta"]
     moving = [i for i, obstacle in enumerate(meta["obstacles"]) if obstacle["moving"]]
     intruders = [PreviewIntruder(obstacle=i, **{a: data[f"obstacle.{i}.{a}"] for a in "xyz"}) for i in moving]

@@ -1,1 +1,1 @@
-"""The report for a safety case: one file of HTML, the same as PDF."""
+"""The report for a safety case, as one HTML file and as PDF."""

@@ -1,4 +1,4 @@
-"""Which figures a report has, from what is stored. Start reading at `figures`."""
+"""Selects the figures of a report from the stored results. Start reading at `drawn`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_CURVES = 12
 
 
 def drawn(held: Held) -> dict[str, Any]:
-    """Every figure by name; None or empty where nothing is stored for it."""
+    """Every figure by name; None or empty if there are no stored data for it."""
     timed = [case for case in held.cases if case.points("t", "separation")]
     return {
         "plan": plan_view.plan_view(held.cases, held.of) if held.cases else None,
@@ -35,7 +35,7 @@ def drawn(held: Held) -> dict[str, Any]:
 
 
 def _off(held: Held) -> dict[str, bool]:
-    """Where the criterion lies so far from the values that it is not on the axis, which the caption then says."""
+    """The figures whose axis does not include the criterion because it is too far away; their captions say so."""
     limit = held.of.threshold
     if limit is None:
         return {"off": False, "sensitivity_off": False, "sample_off": False}
@@ -52,14 +52,14 @@ def _off(held: Held) -> dict[str, bool]:
 
 
 def _holds(held: Held, values: list[float]) -> bool:
-    """Whether the criterion is near enough to these values to share their axis."""
+    """Whether the criterion is near enough to these values to be on their axis."""
     low, high = plot.padded(values, 0.12)
     limit = held.of.threshold
     return limit is not None and low - 6 * (high - low) <= limit
 
 
 def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
-    """The best so far of every search: colour, title, points."""
+    """The convergence history of every search: colour, title, points."""
     titles = {stage.position: result.title for stage, result in held.results(SearchResult)}
     found = []
     for series in held.evaluations.stages:
@@ -71,7 +71,7 @@ def _series(held: Held) -> list[tuple[str, str, list[plot.Point]]]:
 
 
 def _colour(held: Held, method: str | None) -> str:
-    """Of a method; grey for one that declares none."""
+    """The colour of a method; grey if it declares none."""
     look = held.looks.method(method or "")
     return plot.NOMINAL if look is None else METHODS[look.colour]
 
@@ -82,19 +82,19 @@ def _convergence(held: Held) -> Markup | None:
 
 
 def _curves(held: Held) -> list[Curve]:
-    """The curves through the nominal point."""
+    """The sensitivity curves through the nominal point."""
     study = held.result(SensitivityResult)
     return [] if study is None else study.curves
 
 
 def _slices(held: Held) -> dict[str, Curve]:
-    """The curves through the worst case by path, where they were evaluated."""
+    """The curves through the worst case by path, if they were evaluated."""
     through = held.findings[0].slices if held.findings else None
     return {} if through is None else {curve.path: curve for curve in through.curves}
 
 
 def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
-    """A small chart for each parameter: symbol, words, drawing."""
+    """A small chart for each parameter: symbol, description, drawing."""
     curves, through = _curves(held), _slices(held)
     values = [c for curve in [*curves, *through.values()] for c in curve.costs if c is not None]
     if not values:
@@ -105,7 +105,7 @@ def _sensitivity(held: Held) -> list[tuple[Markup, str, Markup]]:
     for curve in curves[:MOST_CURVES]:
         about = _about(held, curve)
         svg = figures.sensitivity(curve, through.get(curve.path), about, (low, high), held.of)
-        found.append((words.sign(about["symbol"], curve.path), about["text"], svg))
+        found.append((words.symbol_html(about["symbol"], curve.path), about["text"], svg))
     return found
 
 
@@ -136,7 +136,7 @@ def _tornado(held: Held) -> Markup | None:
 
 
 def sample(held: Held) -> Sample | None:
-    """The independent sample that the statistical statement is from: certify's, else the first random search's."""
+    """The independent sample behind the statistical statement: that of certify, else of the first random search."""
     certified = held.result(CertifyResult)
     if certified is not None:
         return certified.sample

@@ -31,7 +31,7 @@ _PDF: dict[int | str, JsonObject] = {
     responses=_HTML | problems("not-found", "other-version", "purged"),
 )
 async def get_report(run: RunName, request: Request, engine: Engine) -> Response:
-    """The report of a run for a safety case: one file that needs nothing else and prints to A4."""
+    """The report of a run for a safety case: one self-contained file that prints on A4."""
     run_id = number(run)
     page = await capacities(request).files.run(lambda: _made(request, engine, run_id), request.is_disconnected)
     headers = {
@@ -47,7 +47,7 @@ async def get_report(run: RunName, request: Request, engine: Engine) -> Response
     responses=_PDF | problems("not-found", "other-version", "purged", "no-browser", "browser-failed", "busy"),
 )
 async def get_report_pdf(run: RunName, request: Request, engine: Engine) -> Response:
-    """The same as PDF, printed by the Chromium of the service's machine; 503 with what to do where it has none."""
+    """The report as PDF, printed by Chromium on the service's machine; 503 with instructions if it is not installed."""
     run_id = number(run)
 
     def printed() -> tuple[str, bytes]:

@@ -1,6 +1,6 @@
 """The figures of a report over time and evaluations: separation, convergence, sensitivity, tornado, histogram.
 
-Each takes plain numbers as they are stored and returns an SVG; the plan view is in `backend.reports.plan_view`.
+Each function takes stored numbers and returns an SVG; the plan view is in `backend.reports.plan_view`.
 Start reading at `Case`.
 """
 
@@ -21,12 +21,12 @@ from campaigns.results.trace import Closest
 from campaigns.symbols import is_path
 
 WIDE = 654
-"""The width of a page's text, 173 mm [px at 96 dpi]."""
+"""Text width of a page, 173 mm [px at 96 dpi]."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A flight to be drawn: its words, its colour, what is stored of it."""
+    """A flight to be drawn: label, colour, stored trace."""
 
     label: str
     colour: str
@@ -35,13 +35,13 @@ class Case:
     dash: str = ""
 
     def points(self, x: str, y: str) -> list[Point]:
-        """Two of its columns where both are known."""
+        """The rows of two columns in which both values are known."""
         pairs = zip(self.data.get(x, []), self.data.get(y, []), strict=False)
         return [(a, b) for a, b in pairs if a is not None and b is not None]
 
     @property
     def closest(self) -> Closest | None:
-        """The closest approach as stored; None where the criterion has none."""
+        """The stored closest approach; None if the criterion has none."""
         return self.head.closest
 
 
@@ -53,7 +53,7 @@ class Quantity:
     unit: str
     threshold: float | None
 
-    def told(self, value: float | None, decimals: int) -> str:
+    def formatted(self, value: float | None, decimals: int) -> str:
         """The value with its unit."""
         return f"{numbers.fixed(value, decimals)} {self.unit}".strip()
 
@@ -85,19 +85,19 @@ def separation(cases: Sequence[Case], of: Quantity) -> Markup:
         while any(abs(at - other) < 12 for other in used):
             at += 12
         used.append(at)
-        told = f"{case.label} {of.told(value, decimals)} at {numbers.fixed(time, 2)} s"
-        axes.text(axes.x(time), at, told, colour=plot.BAD if case.colour == plot.WORST else plot.INK2, weight=500)
+        label = f"{case.label} {of.formatted(value, decimals)} at {numbers.fixed(time, 2)} s"
+        axes.text(axes.x(time), at, label, colour=plot.BAD if case.colour == plot.WORST else plot.INK2, weight=500)
     return axes.svg("Separation over time, with the criterion")
 
 
 def _label(axes: Axes, value: float, threshold: float | None) -> float:
-    """Where the words of a closest approach stand [px]: below it, and below the criterion where that is too near."""
+    """The y position of the label of a closest approach [px]: below it, or below the criterion if that is too near."""
     room = 100.0 if threshold is None else axes.y(threshold) - axes.y(value)
     return axes.y(threshold) + 14 if threshold is not None and 0 <= room <= 44 else axes.y(value) + 16
 
 
 def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) -> Markup:
-    """Best value so far against evaluations, by method: (colour, title, points)."""
+    """Best value so far over evaluations, by method: (colour, title, points)."""
     drawn = [row for row in series if row[2]]
     values = [y for _, _, points in drawn for _, y in points]
     most = max((x for _, _, points in drawn for x, _ in points), default=10.0)
@@ -119,24 +119,24 @@ def convergence(series: Sequence[tuple[str, str, list[Point]]], of: Quantity) ->
 
 
 def is_far(values: Sequence[float], threshold: float) -> bool:
-    """Whether showing the criterion too would flatten the steps to a line."""
+    """Whether an axis that includes the criterion would flatten the steps to a line."""
     low, high = plot.padded(values)
     return not low - 3 * (high - low) <= threshold <= high + (high - low)
 
 
 def sensitivity(curve: Curve, other: Curve | None, about: dict[str, Any], y_range: Point, of: Quantity) -> Markup:
-    """One parameter over its bounds: others nominal, and others at the worst case where it was flown."""
+    """One parameter over its bounds, the others nominal and, if evaluated, the others at the worst case."""
     low, high = about["low"], about["high"]
     axes = Axes(208, 112, (low, high), y_range, left=44, right=16, top=6, bottom=30)
     if of.threshold is not None:
         axes.tint(of.threshold)
-    title = Markup("{}{}").format(words.svg_sign(about["symbol"]), f", {about['unit']}" if about["unit"] else "")
+    title = Markup("{}{}").format(words.svg_symbol(about["symbol"]), f", {about['unit']}" if about["unit"] else "")
     axes.frame(title, 2.2, 4, x_marks=(low, about["nominal"], high) if low < about["nominal"] < high else (low, high))
     if of.threshold is not None:
         axes.criterion(of.threshold, "")
-    for told, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):
-        if told is not None:
-            pairs = zip(told.values, told.costs, strict=False)
+    for shown, colour in ((curve, plot.NOMINAL), (other, plot.WORST)):
+        if shown is not None:
+            pairs = zip(shown.values, shown.costs, strict=False)
             axes.line([(x, y) for x, y in pairs if y is not None], colour, 1.5)
     if about["nominal_cost"] is not None:
         axes.dot(about["nominal"], about["nominal_cost"], plot.NOMINAL, 2.8)
@@ -144,19 +144,19 @@ def sensitivity(curve: Curve, other: Curve | None, about: dict[str, Any], y_rang
 
 
 def tornado(bars: Sequence[tuple[str, float, float]], of: Quantity) -> Markup:
-    """Change from nominal at the low and the high bound of each parameter, the largest first."""
+    """Change from nominal at the low and the high bound of each parameter, largest first."""
     most = max((max(abs(a), abs(b)) for _, a, b in bars), default=1.0) or 1.0
     row = 22
     left = max([52.0, *(5.4 * len(symbol) for symbol, _, _ in bars if is_path(symbol))])
     axes = Axes(
         WIDE / 2 - 46, row * len(bars) + 44, (-1.3 * most, 1.3 * most), (0, 1), left=left, right=4, top=4, bottom=34
     )
-    title = Markup("Change of {}, {}").format(words.svg_sign(of.symbol), of.unit)
+    title = Markup("Change of {}, {}").format(words.svg_symbol(of.symbol), of.unit)
     axes.frame(title, 4, y_grid=False)
     bar = '<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="10" fill="{}" fill-opacity="{}"/>'
     for i, (symbol, *changes) in enumerate(bars):
         top = 8 + i * row
-        axes.text(4, top + 8.5, words.svg_sign(symbol), "start", plot.INK, 500)
+        axes.text(4, top + 8.5, words.svg_symbol(symbol), "start", plot.INK, 500)
         for name, change in zip(("low", "high"), changes, strict=True):
             x0, x1 = sorted((axes.x(0), axes.x(change)))
             down = change < 0
@@ -171,7 +171,7 @@ def tornado(bars: Sequence[tuple[str, float, float]], of: Quantity) -> Markup:
 def histogram(
     edges: Sequence[float], counts: Sequence[int], of: Quantity, nominal: float | None, worst: float | None
 ) -> Markup:
-    """The independent sample, with criterion, nominal and worst case where they lie on the axis."""
+    """The independent sample, with criterion, nominal and worst case if they are within the axis."""
     first, last = edges[0], edges[-1]
     spread = last - first or 1.0
     marks = [("Criterion", of.threshold, plot.INK, "5 4"), ("Worst found", worst, plot.WORST, "")]
@@ -180,7 +180,7 @@ def histogram(
     low = min([first, *(m[1] for m in near if m[1] is not None)]) - 0.04 * spread
     high = max([last, *(m[1] for m in near if m[1] is not None)]) + 0.04 * spread
     axes = Axes(WIDE / 2 + 30, 200, (low, high), (0, 1.02 * max(counts)), left=40, top=44)
-    axes.frame(Markup("{}, {}").format(words.svg_sign(of.symbol), of.unit), 5, 4)
+    axes.frame(Markup("{}, {}").format(words.svg_symbol(of.symbol), of.unit), 5, 4)
     bar = '<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="{}" fill-opacity="{}"/>'
     for a, b, n in zip(edges, edges[1:], counts, strict=False):
         bad = of.threshold is not None and b <= of.threshold
@@ -200,13 +200,13 @@ def histogram(
         at = axes.x(value or 0.0)
         axes.rule(at, 8 + 12 * i, at, axes.height - axes.bottom, colour, 1.2, dash)
         left = at > axes.width / 2
-        told = f"{name} {of.told(value, decimals)}"
-        axes.text(at - 4 if left else at + 4, 12 + 12 * i, told, "end" if left else "start", colour, 500)
+        label = f"{name} {of.formatted(value, decimals)}"
+        axes.text(at - 4 if left else at + 4, 12 + 12 * i, label, "end" if left else "start", colour, 500)
     return axes.svg(f"Histogram of {of.symbol} over the independent sample")
 
 
 def within(low: float, high: float, nominal: float, worst: float | None) -> Markup:
-    """Where a value lies within its bounds, for a row of a table."""
+    """The position of a value within its bounds, for a table row."""
     width = 96
 
     def x(value: float) -> float:

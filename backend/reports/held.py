@@ -1,4 +1,4 @@
-"""Everything that is stored of a run, read once: what a report may say, and nothing else. Start reading at `load`."""
+"""The stored data of a run from which a report is made, read in one snapshot. Start reading at `load`."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ from campaigns.symbols import labels
 
 R = TypeVar("R", bound=StageResult)
 MOST_ROWS = 1200
-"""Of a flight in a figure."""
+"""Maximum number of points of a flight in a figure."""
 FURTHER = ("#7b5ba6", "#0072b2", "#857c00")
-"""Of the second, third and fourth finding in the figures."""
+"""Colours of the second, third and fourth finding in the figures."""
 
 
 @dataclass(frozen=True)
 class Held:
-    """A run with all that is stored of it."""
+    """A run with all its stored data."""
 
     run: RunDetail
     campaign: Campaign
     catalogue: Catalogue | None
-    """What its components meant, as the run kept it; where it kept nothing, what is installed."""
+    """The component descriptions stored with the run; if there are none, the installed ones."""
     changes: list[str] | None
-    """What is installed otherwise now, as sentences; None where the run kept nothing."""
+    """Differences of the installed descriptions from the stored ones, as sentences; None if none were stored."""
     known: dict[str, tuple[ParameterEntry, float]]
     """Every parameter by path, with its nominal value; empty without a catalogue."""
     limits: dict[str, tuple[float, float, float]]
@@ -51,13 +51,13 @@ class Held:
     evaluations: Evaluations
     cases: list[Case]
     nominal: TraceHead | None
-    """The head of the nominal flight; None while it is not stored."""
+    """The metadata of the nominal flight; None until it is stored."""
     signoffs: Signoffs
     looks: Looks
 
     @property
     def digest(self) -> str:
-        """Of the results."""
+        """The digest of the results."""
         return self.signoffs.digest
 
     @property
@@ -67,7 +67,7 @@ class Held:
 
     @property
     def verdict(self) -> RunVerdict | None:
-        """The verdict with everything behind it; None while there is none."""
+        """The verdict with its evidence; None if there is none yet."""
         return self.run.summary
 
     def results(self, kind: type[R]) -> list[tuple[StageDetail, R]]:
@@ -75,27 +75,27 @@ class Held:
         return [(stage, stage.result) for stage in self.stages if isinstance(stage.result, kind)]
 
     def result(self, kind: type[R]) -> R | None:
-        """The first result of this type; None where there is none."""
+        """The first result of this type; None if there is none."""
         found = self.results(kind)
         return found[0][1] if found else None
 
     def entry(self, path: str) -> ParameterEntry | None:
-        """What the catalogue says of a parameter."""
+        """The catalogue entry of a parameter."""
         found = self.known.get(path)
         return None if found is None else found[0]
 
     def symbol(self, path: str) -> str:
-        """What a parameter is called: its symbol where no other one of the campaign has it, else its path."""
+        """The label of a parameter: its symbol if unique in the campaign, else its path."""
         return labels([*self.campaign.uncertain, path], {p: entry.symbol for p, (entry, _) in self.known.items()})[path]
 
     def words(self, path: str) -> str:
-        """What a parameter is."""
+        """The description of a parameter."""
         entry = self.entry(path)
         return entry.text if entry else path
 
 
 def load(reader: sa.Connection, run_id: int) -> Held:
-    """Read it all in one snapshot; 404 for no run."""
+    """Read all data in one snapshot; 404 if there is no such run."""
     campaign, kept, installed = runs.campaign(reader, run_id), snapshots.of_run(reader, run_id), published(reader)
     catalogue = kept or installed
     found = results.findings(reader, run_id)
@@ -118,7 +118,7 @@ def load(reader: sa.Connection, run_id: int) -> Held:
 
 
 def _cases(reader: sa.Connection, run_id: int, labels: list[str], stored: set[str]) -> list[Case]:
-    """The nominal flight and those of the first findings, as far as they are stored; the worst is the last."""
+    """The stored flights of the nominal case and the first findings; the worst is last."""
     named = [("nominal", "Nominal", NOMINAL)]
     named += [(label, label, colour) for label, colour in zip(labels[1:4], FURTHER, strict=False)]
     named += [(label, f"Worst, {label}" if len(labels) > 1 else "Worst", WORST) for label in labels[:1]]

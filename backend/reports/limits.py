@@ -1,4 +1,4 @@
-"""The limits that a campaign sets to the evidence: horizon, exclusions, noise, what the distance is measured to.
+"""The limits of the evidence: horizon, exclusions, noise, reference point of the distance.
 
 Start reading at `conditions`.
 """
@@ -13,26 +13,26 @@ from campaigns.claims import numbers
 
 _ENDS = {
     "": "",
-    "centre": "Distances end at the obstacles’ centres: the threshold must contain their size.",
-    "surface": "Distances end at the obstacles’ surfaces.",
+    "centre": "Distances are measured to the obstacles’ centres: the threshold must include their size.",
+    "surface": "Distances are measured to the obstacles’ surfaces.",
 }
-"""By what a criterion measures to."""
+"""Sentences by the reference point of a criterion."""
 
 
 def conditions(held: Held) -> list[str]:
-    """What the evidence holds under, as sentences."""
+    """The conditions under which the evidence holds, as sentences."""
     return [text for text in (_measured(held), _horizon(held), _excluded(held), _failed(held), *_noise(held)) if text]
 
 
 def _measured(held: Held) -> str:
-    """The criterion in its own words: they say what the distance is measured to."""
+    """The description of the criterion, which states the reference point of the distance."""
     asked = held.campaign.criterion
     if held.campaign.simulator is not None:
         return _result(held, held.campaign.simulator.name)
     entry = held.catalogue.component("criterion", asked.component) if held.catalogue else None
     if entry is None:
         return (
-            f"Criterion {asked.component}: its description is not known here, nor whether a distance is measured to "
+            f"Criterion {asked.component}: its description is unknown, and so is whether a distance is measured to "
             "the obstacles’ centres or to their surfaces."
         )
     first = words.flowed(entry.text.strip().partition("\n\n")[0]).removeprefix(f"{entry.title}: ").rstrip(".")
@@ -42,15 +42,15 @@ def _measured(held: Held) -> str:
 
 
 def _result(held: Held, simulator: str) -> str:
-    """The result of a simulator that decides, and what is not known of it."""
+    """The deciding result of a simulator, and what is unknown about it."""
     entry = held.catalogue.simulator(simulator) if held.catalogue else None
     result = None if entry is None else entry.result(held.campaign.criterion.result)
     if entry is None or result is None:
-        return f"Result {held.campaign.criterion.result} of {simulator}: its description is not known here."
+        return f"Result {held.campaign.criterion.result} of {simulator}: its description is unknown."
     text = f": {result.text.rstrip('.')}" if result.text else ""
     return (
-        f"The result that decides is {result.title} of {entry.title}{text}. What the simulator models is not examined "
-        "here, nor whether an encounter takes place in it."
+        f"The deciding result is {result.title} of {entry.title}{text}. This report examines neither what the "
+        "simulator models nor whether an encounter takes place in it."
     )
 
 
@@ -58,7 +58,7 @@ def _horizon(held: Held) -> str:
     if held.campaign.scenario is None:
         return ""
     horizon = numbers.plain(held.campaign.scenario.horizon)
-    return f"Every simulation ends at the horizon of {horizon} s. What would happen later is not covered."
+    return f"Every simulation ends at the horizon of {horizon} s. Later events are not covered."
 
 
 def _excluded(held: Held) -> str:
@@ -71,7 +71,7 @@ def _excluded(held: Held) -> str:
     verb = "evaluation was" if run.excluded_evaluations == 1 else "evaluations were"
     return (
         f"{numbers.count(run.excluded_evaluations)} {verb} excluded{draws}: they start at or below the criterion. "
-        "Nothing is claimed of such starts, and a probability holds for the other starts only."
+        "No claim is made about such starts; a probability holds for the other starts only."
     )
 
 
@@ -81,7 +81,7 @@ def _failed(held: Held) -> str:
         return ""
     verb = "evaluation" if failed == 1 else "evaluations"
     return (
-        f"{numbers.count(failed)} {verb} failed: how those flights would have ended is not known. Worst value and "
+        f"{numbers.count(failed)} {verb} failed: their outcome is unknown. Worst value and "
         "margin are those of the evaluations that have a value."
     )
 
@@ -95,14 +95,14 @@ def _noise(held: Held) -> list[str]:
         searched = f"Searches simulated one noise realisation, that of seed {seeds}. Another realisation may be worse."
     else:
         searched = (
-            f"Searches simulated the noise realisations of the seeds {seeds}, and the {asked.combine} of them counts. "
+            f"Searches simulated the noise realisations of the seeds {seeds} and used the {asked.combine} of them. "
             "Another realisation may be worse."
         )
     stated = sample(held)
     if stated is not None and stated.noise == "drawn":
-        drawn = "The sample drew a noise realisation of its own with every flight."
+        drawn = "The sample drew a new noise realisation for every simulation."
     elif stated is not None:
-        drawn = "The sample simulated the same realisations: its statement holds for those and no other."
+        drawn = "The sample simulated the same realisations: its statement holds for these only."
     else:
         drawn = ""
     return [f"{searched} {drawn}".strip()]

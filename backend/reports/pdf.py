@@ -1,7 +1,7 @@
-"""HTML printed to PDF by the Chromium of this machine, where there is one.
+"""Prints HTML to PDF with this machine's Chromium, if it is installed.
 
-Headless, in a profile of its own that is thrown away. The page's own policy lets no script of
-it run; the browser's switch against scripts would stop its printing too. Start reading at `printed`.
+Headless, with a temporary profile. The page's content security policy blocks scripts; the browser's own switch against
+scripts would also disable printing.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from backend.http.errors import RefusedError
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PATIENCE = 60.0
-"""How long a browser may print [s]."""
+"""Time limit of a print job [s]."""
 
 MISSING = (
     "Chromium, which prints the PDF, was not found on this machine: install it (on Debian: `apt install chromium`), or "
@@ -30,12 +30,12 @@ _log = logging.getLogger(__name__)
 
 
 def browser() -> str | None:
-    """The path of a Chromium, or None."""
+    """The path of the Chromium executable, or None."""
     return next((found for name in NAMES if (found := shutil.which(name))), None)
 
 
 def printed(html: str) -> bytes:
-    """The page as PDF. Raises 503 where there is no browser or it fails."""
+    """The page as PDF. Raises 503 if there is no browser or it fails."""
     path = browser()
     if path is None:
         raise RefusedError(503, "no-browser", MISSING)
@@ -49,13 +49,13 @@ def _print(path: str, html: str, folder: Path) -> bytes:
     said = _run([path, *_arguments(folder, target), source.as_uri()], folder)
     if said is not None or not target.is_file():
         _log.error("printing a report failed: %s", said)
-        why = "it took too long" if said == "" else "it ended without a file; see the service's log"
+        why = "it took too long" if said == "" else "it ended without writing a file; see the service's log"
         raise RefusedError(503, "browser-failed", f"Chromium could not print the report: {why}. Print the HTML instead")
     return target.read_bytes()
 
 
 def _arguments(folder: Path, target: Path) -> list[str]:
-    # A browser of root's has no sandbox; the page is ours, and its policy lets no script run.
+    # Chromium has no sandbox when run by root; the page is generated here and its policy blocks scripts.
     root = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
     return [
         "--headless",
@@ -74,7 +74,7 @@ def _arguments(folder: Path, target: Path) -> list[str]:
 
 
 def _run(command: list[str], folder: Path) -> str | None:
-    """None when all went well, empty when it took too long, else what it said; nothing of it is left running."""
+    """None on success, empty after a timeout, else the error output. All its processes are ended."""
     environment = {**os.environ, "HOME": str(folder), "TMPDIR": str(folder), "XDG_CONFIG_HOME": str(folder)}
     with (folder / "said.txt").open("w+b") as said:
         process = subprocess.Popen(

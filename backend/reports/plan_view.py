@@ -1,6 +1,6 @@
-"""Flights seen from above: nominal and worst case, obstacles, the safety radius at the closest approach.
+"""Plan view of the flights: nominal and worst case, obstacles, safety radius at the closest approach.
 
-East is right and north is up, whichever axes the vehicle's world has. Start reading at `plan_view`.
+East is right and north is up, for any world axes of the vehicle.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from campaigns.results.trace import TraceObstacle
 HEIGHT = 300
 HUES = {plot.NOMINAL: "grey", plot.WORST: "vermillion", "#7b5ba6": "violet", "#0072b2": "blue", "#857c00": "olive"}
 REACH = 4.0
-"""The encounter is shown as far as the separation stays below so many times the larger of criterion and lowest."""
+"""The encounter is the part in which the separation is below this multiple of the larger of criterion and minimum."""
 
 
 def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
-    """The flights around the encounter at one scale; None where no flight has a place."""
+    """The flights around the encounter at one scale; None if no flight has a position."""
     axis = _axes_of(cases[0].head) if cases else ("x", "y")
     tracks = [_encounter(case, case.points(*axis), of) for case in cases]
     places = [p for track in tracks for p in track]
@@ -48,7 +48,7 @@ def plan_view(cases: Sequence[Case], of: Quantity) -> Markup | None:
 
 
 def _axes_of(head: TraceHead) -> tuple[str, str]:
-    """Which columns run east and north."""
+    """The columns that point east and north."""
     return ("y", "x") if head.frame == "ned" else ("x", "y")
 
 
@@ -57,7 +57,7 @@ def _at(position: Sequence[float], axis: tuple[str, str]) -> Point:
 
 
 def _encounter(case: Case, track: list[Point], of: Quantity) -> list[Point]:
-    """The track around the encounter, with the moments before and after it."""
+    """The track during the encounter, and shortly before and after it."""
     values = case.data.get("separation", [])
     known = [v for v in values if v is not None]
     if len(track) != len(values) or not known:
@@ -71,7 +71,7 @@ def _encounter(case: Case, track: list[Point], of: Quantity) -> list[Point]:
 
 
 def _centres(case: Case, axis: tuple[str, str]) -> list[Point]:
-    """The centre of each obstacle: at the closest approach of the one that came closest, at the start of others."""
+    """The centre of each obstacle: at the closest approach for the closest obstacle, at the start for the others."""
     closest = case.closest
     return [
         _at(closest.obstacle_position if closest is not None and i == closest.obstacle else obstacle.position, axis)
@@ -80,7 +80,7 @@ def _centres(case: Case, axis: tuple[str, str]) -> list[Point]:
 
 
 def _scaled(places: Sequence[Point]) -> Axes:
-    """One scale for both directions, as large as the drawing allows."""
+    """Axes with the same scale in both directions, as large as the drawing allows."""
     (x0, x1), (y0, y1) = (plot.padded([p[k] for p in places], 0.05) for k in (0, 1))
     axes = Axes(WIDE, HEIGHT, (x0, x1), (y0, y1), left=48)
     across, up = axes.width - axes.left - axes.right, axes.height - axes.top - axes.bottom
@@ -121,7 +121,7 @@ def _obstacles(axes: Axes, case: Case, axis: tuple[str, str], of: Quantity) -> N
 
 
 def _free(obstacle: TraceObstacle) -> float:
-    """Radius of the disc that must stay free [m], 0 for none."""
+    """Radius of the disc that must stay free [m]; 0 if there is none."""
     return obstacle.free_radius or 0.0
 
 
@@ -130,14 +130,14 @@ def _shown(case: Case) -> list[TraceObstacle]:
 
 
 def _numbered(case: Case) -> list[tuple[int, TraceObstacle]]:
-    """The obstacles that are drawn as bodies: those at rest, and the one that came closest."""
+    """The obstacles that are drawn as bodies: static ones, and the closest one."""
     nearest = None if case.closest is None else case.closest.obstacle
     numbered = enumerate(case.head.obstacles)
     return [(i, o) for i, o in numbered if o.position and (not o.moving or i == nearest)]
 
 
 def _approach(axes: Axes, case: Case, axis: tuple[str, str]) -> None:
-    """The closest approach: the place, and a line to the obstacle's centre."""
+    """Mark the closest approach, with a line to the obstacle's centre."""
     closest = case.closest
     if closest is None:
         return
@@ -157,7 +157,7 @@ def _landmarks(axes: Axes, head: TraceHead, axis: tuple[str, str]) -> None:
 
 
 def caption(cases: Sequence[Case], of: Quantity) -> str:
-    """What the figure shows, in words."""
+    """The caption of the figure."""
     drawn = "; ".join(f"{case.label}: {HUES.get(case.colour, 'dashed')}" for case in cases)
     limit = f" Dashed: the criterion of {numbers.plain(of.threshold)} {of.unit}." if of.threshold else ""
-    return f"Flights seen from above. {drawn}.{limit} A moving obstacle stands where it was at the closest approach."
+    return f"Flights seen from above. {drawn}.{limit} Moving obstacles are shown at the time of the closest approach."

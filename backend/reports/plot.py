@@ -1,6 +1,6 @@
-"""Small charts as inline SVG: axes with round ticks, lines, marks, text. Nothing of the product is known here.
+"""Small charts as inline SVG: axes with round ticks, lines, marks, text; independent of the data model.
 
-Colours are those of the pages' light theme, since a report is printed on white. Start reading at `Axes`.
+The colours are those of the light theme, since a report is printed on white. Start reading at `Axes`.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from campaigns.claims.numbers import fixed, plain
 INK, INK2, INK3, GRID, AXIS = "#15202b", "#435061", "#5d6a7b", "#e9ecf0", "#8793a1"
 NOMINAL, WORST, OBSTACLE, BAD = "#77838f", "#d55e00", "#0072b2", "#a33c00"
 SIZE = 9.5
-"""Of the text [px at 96 dpi], 7.1 pt in print."""
+"""Font size [px at 96 dpi], 7.1 pt in print."""
 
 Point = tuple[float, float]
 
 
 def linear_ticks(low: float, high: float, about: float) -> list[float]:
-    """Round numbers within a range, about so many."""
+    """About `about` round numbers within a range."""
     if not high > low or about < 1:
         return [low]
     raw = (high - low) / about
@@ -39,7 +39,7 @@ def log_ticks(low: float, high: float) -> list[float]:
 
 
 def tick_decimals(ticks: Sequence[float]) -> int:
-    """Decimals that tell neighbouring ticks apart."""
+    """Number of decimals needed to distinguish adjacent ticks."""
     gaps = [b - a for a, b in itertools.pairwise(ticks) if b > a]
     if not gaps:
         return 0 if not ticks or ticks[0] == 0 else max(0, 3 - math.floor(math.log10(abs(ticks[0]))))
@@ -49,7 +49,7 @@ def tick_decimals(ticks: Sequence[float]) -> int:
 
 
 def padded(values: Iterable[float], air: float = 0.06) -> tuple[float, float]:
-    """A range around values with air above and below; never empty."""
+    """A range around the values with padding on both sides; never empty."""
     finite = [v for v in values if math.isfinite(v)]
     if not finite:
         return 0.0, 1.0
@@ -60,7 +60,7 @@ def padded(values: Iterable[float], air: float = 0.06) -> tuple[float, float]:
 
 @dataclass
 class Axes:
-    """A drawing with a plot area in it; x and y of the methods are in the data's units."""
+    """A drawing with a plot area; methods take x and y in the units of the data."""
 
     width: float
     height: float
@@ -74,7 +74,7 @@ class Axes:
     parts: list[Markup] = field(default_factory=list)
 
     def x(self, value: float) -> float:
-        """Where a value of x lies [px]."""
+        """The position of a value of x [px]."""
         low, high = self.x_range
         share = (
             math.log(max(value, low) / low) / math.log(high / low) if self.x_log else (value - low) / (high - low or 1)
@@ -82,18 +82,18 @@ class Axes:
         return self.left + share * (self.width - self.left - self.right)
 
     def y(self, value: float) -> float:
-        """Where a value of y lies [px]."""
+        """The position of a value of y [px]."""
         low, high = self.y_range
         return self.height - self.bottom - (value - low) / (high - low or 1) * (self.height - self.bottom - self.top)
 
     def add(self, form: str, *values: object) -> None:
-        """A piece of SVG; the values are escaped."""
+        """Append a piece of SVG; the values are escaped."""
         self.parts.append(Markup(form).format(*values))
 
     def text(
         self, x: float, y: float, words: object, anchor: str = "middle", colour: str = INK3, weight: int = 400
     ) -> None:
-        """Words at a place [px], with a white edge that keeps them readable on lines."""
+        """Text at a position [px], with a white outline that keeps it readable on lines."""
         form = (
             '<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}" font-weight="{}" paint-order="stroke" '
             'stroke="#fff" stroke-width="3" stroke-linejoin="round">{}</text>'
@@ -101,7 +101,7 @@ class Axes:
         self.parts.append(Markup(form).format(x, y, anchor, colour, weight, words))
 
     def rule(self, x0: float, y0: float, x1: float, y1: float, colour: str, width: float = 1, dash: str = "") -> None:
-        """A straight line between two places [px]."""
+        """A straight line between two positions [px]."""
         form = '<path d="M{:.1f} {:.1f}L{:.1f} {:.1f}" stroke="{}" stroke-width="{}" fill="none"{}/>'
         dashed = Markup(' stroke-dasharray="{}"').format(dash) if dash else ""
         self.add(form, x0, y0, x1, y1, colour, width, dashed)
@@ -114,7 +114,7 @@ class Axes:
         y_grid: bool = True,
         x_marks: Sequence[float] = (),
     ) -> None:
-        """Grid, ticks (`x_marks` where given) and the title of x; that of y stands above, as on the pages."""
+        """Grid, ticks (`x_marks` where given) and the title of x; the title of y is above, as on the pages."""
         if y_grid:
             ticks = linear_ticks(*self.y_range, about_y)
             for tick in ticks:
@@ -134,7 +134,7 @@ class Axes:
     def line(
         self, points: Sequence[Point], colour: str, width: float = 1.5, dash: str = "", step: bool = False
     ) -> None:
-        """A line through points in the data's units; `step` holds the value until the next one."""
+        """A line through points in the units of the data; `step` holds each value until the next."""
         if len(points) < 2:
             return
         path = [f"M{self.x(points[0][0]):.1f} {self.y(points[0][1]):.1f}"]
@@ -145,12 +145,12 @@ class Axes:
         self.add(form, "".join(path), colour, width, self.clip, dashed)
 
     def dot(self, x: float, y: float, colour: str, radius: float = 3.4) -> None:
-        """A mark at a place in the data's units."""
+        """A mark at a point in the units of the data."""
         form = '<circle cx="{:.1f}" cy="{:.1f}" r="{}" fill="{}" stroke="#fff" stroke-width="1.3"/>'
         self.add(form, self.x(x), self.y(y), radius, colour)
 
     def tint(self, value: float) -> None:
-        """The forbidden side of the criterion, to be drawn first."""
+        """Shade the violating side of the criterion; call it first."""
         if not self.y_range[0] <= value <= self.y_range[1]:
             return
         at, foot = self.y(value), self.height - self.bottom
@@ -169,11 +169,11 @@ class Axes:
 
     @property
     def clip(self) -> str:
-        """The name of the plot area in this drawing; the same size gives the same name, and the same area."""
+        """The id of the clip path; areas of the same size share an id."""
         return f"c{self.width:.0f}-{self.height:.0f}-{self.left:.0f}-{self.right:.0f}-{self.top:.0f}-{self.bottom:.0f}"
 
     def svg(self, label: str) -> Markup:
-        """The drawing; `label` says to those who cannot see it what it shows."""
+        """The drawing; `label` is its accessible description."""
         area = Markup(
             '<clipPath id="{}"><rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}"/></clipPath>'
         ).format(

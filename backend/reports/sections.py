@@ -1,7 +1,4 @@
-"""The rows of a report's tables, from what is stored; what is not known is said to be unknown.
-
-Start reading at `uncertain`.
-"""
+"""The rows of a report's tables, from the stored data. Missing values are reported as unknown."""
 
 from __future__ import annotations
 
@@ -53,9 +50,9 @@ def uncertain(held: Held) -> list[Row]:
 
 
 def _distribution(asked: Uncertain) -> str:
-    told = asked.distribution.model_dump()
-    kind = told.pop("kind").replace("_", " ")
-    numbers = ", ".join(f"{name} {numbers.plain(value)}" for name, value in told.items())
+    values = asked.distribution.model_dump()
+    kind = values.pop("kind").replace("_", " ")
+    numbers = ", ".join(f"{name} {numbers.plain(value)}" for name, value in values.items())
     return f"{kind} ({numbers})" if numbers else kind
 
 
@@ -101,15 +98,15 @@ def _simulator(held: Held, asked: Simulator) -> Row:
 
 
 def _value(held: Held, path: str, entry: ParameterEntry, part: Part | Simulator | None) -> Row:
-    given = part.parameters if part else _place(held, path)
+    given = part.parameters if part else _position(held, path)
     name = path.partition(".")[2] if part is None else entry.name
-    told = held.known.get(path)
+    known = held.known.get(path)
     how = "uncertain" if path in held.campaign.uncertain else "given" if name in given else "default"
-    value = told[1] if told else given.get(name)
+    value = known[1] if known else given.get(name)
     prefix = {"start": "Start", "goal": "Goal"}.get(path.partition(".")[0], "")
     text = entry.text if not prefix or entry.text.startswith(prefix) else f"{prefix}: {entry.text}"
     return {
-        "symbol": words.sign(entry.symbol),
+        "symbol": words.symbol_html(entry.symbol),
         "text": text,
         "value": numbers.plain(value, 8),
         "unit": numbers.unit_in_print(entry.unit),
@@ -117,7 +114,7 @@ def _value(held: Held, path: str, entry: ParameterEntry, part: Part | Simulator 
     }
 
 
-def _place(held: Held, path: str) -> dict[str, float]:
+def _position(held: Held, path: str) -> dict[str, float]:
     scenario = held.campaign.given_scenario
     return scenario.start if path.startswith("start.") else scenario.goal
 
@@ -130,7 +127,7 @@ def _bare(part: Part | Simulator) -> list[Row]:
 
 
 def methods(held: Held) -> list[Row]:
-    """The searches that are asked for: settings, budget, what each found and how it ended, as far as it has begun."""
+    """The requested searches: settings, budget and, once started, what each found and how it ended."""
     validated, ended = held.result(ValidateResult), {s.position: r for s, r in held.results(SearchResult)}
     compared = {} if validated is None else {row.position: row for row in validated.comparison}
     begun = [stage for stage in held.stages if stage.kind == "search"]
@@ -140,7 +137,7 @@ def methods(held: Held) -> list[Row]:
     rows = []
     for i, asked in enumerate(held.campaign.stages.search):
         stage = begun[i] if i < len(begun) else None
-        result, beside = (ended.get(stage.position), compared.get(stage.position)) if stage else (None, None)
+        result, comparison = (ended.get(stage.position), compared.get(stage.position)) if stage else (None, None)
         entry = held.catalogue.method(asked.method) if held.catalogue else None
         best = stage.best if stage else None
         above = None if best is None or lowest is None else best - lowest
@@ -154,22 +151,22 @@ def methods(held: Held) -> list[Row]:
             "excluded": numbers.count(stage.excluded if stage else 0),
             "best": numbers.fixed(best, decimals),
             "above": "best" if above == 0 else numbers.difference(above, decimals),
-            "near": _near(beside),
+            "near": _near(comparison),
             "seconds": numbers.seconds(stage.seconds) if stage else NONE,
             "stop": result.stop.said if result and result.stop else say("not ended"),
-            "findings": (", ".join(beside.findings) or "none") if beside else NONE,
-            "basin": (beside.basin or "no listed finding") if beside else NONE,
+            "findings": (", ".join(comparison.findings) or "none") if comparison else NONE,
+            "basin": (comparison.basin or "no listed finding") if comparison else NONE,
             "options": _options(asked.options),
             "starts": len(asked.starts),
         })  # fmt: skip
     return rows
 
 
-def _near(beside: Compared | None) -> str:
-    """After how many evaluations a method came near the best known; a dash while the methods were not compared."""
-    if beside is None:
+def _near(other: Compared | None) -> str:
+    """The number of evaluations until a method came near the best known value; a dash before the comparison."""
+    if other is None:
         return NONE
-    return numbers.count(beside.to_near_best) if beside.to_near_best else "not reached"
+    return numbers.count(other.to_near_best) if other.to_near_best else "not reached"
 
 
 def _options(options: dict[str, Any]) -> str:
@@ -177,7 +174,7 @@ def _options(options: dict[str, Any]) -> str:
 
 
 def stages(held: Held) -> list[Row]:
-    """All stages with their evaluations, so that every flight is counted."""
+    """All stages with their evaluations, so that every simulation is counted."""
     titles = _titles(held)
     rows = [
         {
@@ -201,7 +198,7 @@ def _titles(held: Held) -> dict[str, str]:
 
 
 def _symbol(held: Held, path: str) -> Markup:
-    return words.sign(held.symbol(path), path)
+    return words.symbol_html(held.symbol(path), path)
 
 
 def findings(held: Held) -> list[Row]:
@@ -225,12 +222,12 @@ def findings(held: Held) -> list[Row]:
 
 
 def _seed(seed: int | None) -> str:
-    """The noise realisation that a finding drew with its flight."""
+    """The noise realisation of a finding."""
     return "" if seed is None else f"noise seed {seed}"
 
 
 def criteria(held: Held) -> list[Row]:
-    """Every criterion of a campaign with several: its value in the nominal flight and in each worst case."""
+    """Every criterion of a campaign with several: its value in the nominal case and in each worst case."""
     if len(held.run.criteria) < 2:
         return []
     rows = []
@@ -240,7 +237,7 @@ def criteria(held: Held) -> list[Row]:
         decimals = numbers.decimals_apart(flown, 4, 6)
         rows.append({
             "title": criterion.title,
-            "symbol": words.sign(criterion.quantity),
+            "symbol": words.symbol_html(criterion.quantity),
             "unit": numbers.unit_in_print(criterion.unit),
             "worse": "more is worse" if criterion.worse == "high" else "less is worse",
             "decides": i == 0,
@@ -250,7 +247,7 @@ def criteria(held: Held) -> list[Row]:
 
 
 def doubts(held: Held) -> list[str]:
-    """Where the components may be described otherwise than those that flew: their texts, defaults and bounds."""
+    """Warnings that the component descriptions (texts, defaults, bounds) may differ from those of the run."""
     if held.catalogue is None:
         return ["this installation has no catalogue of components: units, bounds and texts are unknown"]
     found = []
@@ -265,12 +262,12 @@ def doubts(held: Held) -> list[str]:
     for path, (value, _, _) in held.limits.items():
         if path in nominal and not math.isclose(nominal[path], value, rel_tol=1e-12, abs_tol=1e-300):
             flew, here = numbers.plain(nominal[path], 12), numbers.plain(value, 12)
-            found.append(f"{path} was {flew} in the nominal flight, and {here} is its nominal value here")
+            found.append(f"{path} was {flew} in the nominal case of the run; its nominal value here is {here}")
     return found
 
 
 def signoffs(held: Held) -> list[Row]:
-    """Reviewers' words with what became of them: of these results, of earlier ones, withdrawn."""
+    """The sign-offs with their status: valid, of earlier results, or withdrawn."""
     return [
         {
             "name": s.name,
@@ -289,7 +286,7 @@ def signoffs(held: Held) -> list[Row]:
 def _standing(signoff: Signoff) -> str:
     if signoff.withdrawn is not None:
         return f"withdrawn {words.moment(signoff.withdrawn)} by {signoff.withdrawn_by}: {signoff.withdrawn_reason}"
-    return "of these results" if signoff.current else "of other results: they have changed since"
+    return "of these results" if signoff.current else "of earlier results, which have changed since"
 
 
 def components(held: Held) -> dict[str, str]:

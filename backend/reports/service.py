@@ -1,4 +1,4 @@
-"""The report of a run as one self-contained page: stored numbers and inline figures, nothing from elsewhere.
+"""The report of a run as one self-contained page: stored numbers and inline figures.
 
 Start reading at `report_html`.
 """
@@ -30,7 +30,7 @@ FONTS = (
     ("Inter Variable", "inter-latin-wght-normal", "U+0-24F,U+2000-22FF"),
     ("Inter Variable", "inter-greek-wght-normal", "U+370-3FF"),
 )
-"""Family, beginning of the file's name among the built pages, the characters it has."""
+"""Font family, prefix of its file name among the built pages, Unicode range."""
 
 _VERDICTS = {
     "cleared": ("ok", "Cleared", "M20 6 9 17l-5-5"),
@@ -38,18 +38,18 @@ _VERDICTS = {
     "inconclusive": ("unk", "Inconclusive", "M9 9a3 3 0 1 1 4 2.8c-.7.4-1 1-1 1.9M12 17v.01"),
 }
 _STATES = {
-    "queued": "The run has not started. Nothing is claimed.",
-    "running": "The run is not finished. Nothing is claimed; the numbers below are those found so far.",
-    "cancelling": "The run is being cancelled. Nothing is claimed; the numbers below are those found so far.",
-    "cancelled": "The run was cancelled early. Nothing is claimed; the numbers below are those found until then.",
-    "failed": "The run failed. Nothing is claimed; this says nothing about the avoidance system.",
-    "done": "The run ended without a verdict. Nothing is claimed.",
+    "queued": "The run has not started. No claim is made.",
+    "running": "The run is not finished. No claim is made; the numbers below are preliminary.",
+    "cancelling": "The run is being cancelled. No claim is made; the numbers below are preliminary.",
+    "cancelled": "The run was cancelled early. No claim is made; the numbers below are those found until then.",
+    "failed": "The run failed. No claim is made; the failure is not evidence about the avoidance system.",
+    "done": "The run ended without a verdict. No claim is made.",
 }
 
 
 @dataclass(frozen=True)
 class Page:
-    """A report and the policy that its one style element needs."""
+    """A report and the content security policy for its style element."""
 
     html: str
     policy: str
@@ -57,7 +57,7 @@ class Page:
 
 
 def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> Page:
-    """The report as it is now; `at` is the time it is made [s since 1970]; fonts from the built pages, if there."""
+    """The current report; `at` is its time of creation [s since 1970]; fonts from the built pages, if present."""
     held = load(reader, run_id)
     style = _fonts(pages) + (HERE / "report.css").read_text(encoding="utf-8") + _margins(held)
     digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
@@ -66,12 +66,12 @@ def report_html(reader: sa.Connection, run_id: int, at: float, pages: Path) -> P
         "form-action 'none'"
     )
     html = (
-        _environment().get_template("report.html.j2").render(**_told(held, at), style=Markup(style), policy=policy)
-    )  # the style is ours alone: nothing that a person wrote is in it
+        _environment().get_template("report.html.j2").render(**_context(held, at), style=Markup(style), policy=policy)
+    )  # the style contains no text written by users
     return Page(html, policy, named(held.run.id, held.run.name, "safety-case-report"))
 
 
-def _told(held: Held, at: float) -> dict[str, Any]:
+def _context(held: Held, at: float) -> dict[str, Any]:
     run, verdict = held.run, held.verdict
     tone, word, icon = _VERDICTS.get(
         run.verdict or "", ("err", f"{run.state.capitalize()}: no verdict", "M12 8v5M12 16v.01")
@@ -117,13 +117,14 @@ def _told(held: Held, at: float) -> dict[str, Any]:
 
 
 def _flights(held: Held) -> list[str]:
-    """A sentence on each drawn flight, with the noise realisation that it shows."""
+    """A sentence about each drawn flight, with its noise realisation."""
     approaches = [(case, case.closest) for case in held.cases]
     known = [(case, closest) for case, closest in approaches if closest is not None]
     decimals = numbers.decimals_for([closest.value for _, closest in known])
+    form = "{}: {} at {} s{}.".format
     return [
-        f"{case.label}: {held.of.told(closest.value, decimals)} at {numbers.fixed(closest.time)} s{_shown(case.head)}."
-        for case, closest in known
+        form(case.label, held.of.formatted(at.value, decimals), numbers.fixed(at.time), _shown(case.head))
+        for case, at in known
     ]
 
 
@@ -136,7 +137,7 @@ def _shown(head: TraceHead) -> str:
 
 
 def _origin(held: Held) -> list[tuple[str, str]]:
-    """Provenance as rows; what was not recorded says so."""
+    """Provenance as rows; missing values are reported as not stored."""
     flown, verdict = held.run.flown, held.verdict
     known: Flown = verdict.provenance if verdict is not None else flown or Flown()
     seed = verdict.provenance.seed if verdict is not None else None
@@ -167,13 +168,13 @@ def _origin(held: Held) -> list[tuple[str, str]]:
 
 
 def _components(held: Held) -> str:
-    """Whether what the components meant was kept."""
+    """Whether the component descriptions were stored."""
     digest = held.run.components_digest
-    return f"sha256 {digest}" if digest else "not stored: the components are described as installed now"
+    return f"sha256 {digest}" if digest else "not stored: descriptions are those of the current installation"
 
 
 def _margins(held: Held) -> str:
-    """What stands at the head and foot of every printed page: numbers of ours only, nothing that a person wrote."""
+    """Header and footer of every printed page; they contain no text written by users."""
     right = "" if held.run.verdict else '@top-right{content:"No verdict: no evidence for a safety case"}'
     return (
         f'@page{{{right}@top-left{{content:"Verification report CLR-{held.run.id}-{held.digest[:8]}"}}'
@@ -183,7 +184,7 @@ def _margins(held: Held) -> str:
 
 @functools.lru_cache(maxsize=4)
 def _fonts(pages: Path) -> str:
-    """The pages' own typeface, inside the file; without built pages the reader's system has one."""
+    """The typeface of the pages, embedded; without built pages the reader's system font is used."""
     rules = []
     for family, stem, characters in FONTS:
         file = next(iter(sorted((pages / "assets").glob(f"{stem}-*.woff2"))), None)

@@ -1,6 +1,6 @@
-"""What was simulated again, and what shows that the encounter took place, as rows and sentences of the report.
+"""The validation of findings and the evidence that the encounter took place, as rows and sentences of the report.
 
-Runs of earlier versions have less. Start reading at `cases`.
+Runs of earlier versions have fewer of them.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _AT = {
 
 
 def cases(held: Held) -> list[Row]:
-    """Each case simulated again by other means: the nominal one, then the findings."""
+    """The validation of each case: the nominal one, then the findings."""
     validated = held.result(ValidateResult)
     nominal = None if validated is None else validated.nominal
     found = [nominal, *(finding.validation for finding in held.findings)]
@@ -57,7 +57,7 @@ def _case(case: Validation) -> Row:
 
 
 def again(held: Held) -> list[Said]:
-    """The stored violations and the random evaluations that were simulated again, and how far apart they were."""
+    """The repeated violations and random evaluations, and their differences."""
     result = held.result(ValidateResult)
     if result is None:
         return []
@@ -69,7 +69,7 @@ def again(held: Held) -> list[Said]:
         values = joined(", ", [say(symbols[path], " = ", number(value)) for path, value in at.parameters.items()])
         found.append(
             say(
-                *("the two are furthest apart at evaluation ", count(at.index + 1), f" of stage {at.position + 1} ("),
+                *("the largest difference is at evaluation ", count(at.index + 1), f" of stage {at.position + 1} ("),
                 *(values, seed, "): ", number(at.cost, held.of.unit, digits=9), " and "),
                 number(at.reference, held.of.unit, digits=9),
             )
@@ -78,36 +78,38 @@ def again(held: Held) -> list[Said]:
 
 
 def encounter(held: Held) -> list[tuple[Markup, Markup]]:
-    """What shows that the avoidance was tested, as pairs of what and result; empty where it was not examined."""
+    """The evidence that avoidance was exercised, as (quantity, result); empty if it was not examined."""
     validated, of = held.result(ValidateResult), held.of
-    told = None if validated is None else validated.encounter
-    if told is None:
+    shown = None if validated is None else validated.encounter
+    if shown is None:
         return []
-    quantity = words.sign(of.symbol)
-    spread = told.spread
-    rows = [] if told.unseen is None else _shown(held, told, told.unseen)
+    quantity = words.symbol_html(of.symbol)
+    spread = shown.spread
+    rows = [] if shown.unseen is None else _shown(held, shown, shown.unseen)
     if spread.lowest is not None:
         low, high = numbers.plain(spread.lowest), numbers.plain(spread.highest)
         text = f"{low} to {high} {of.unit} over {numbers.count(spread.evaluations)} evaluations"
         rows.append((Markup("Range of {}").format(quantity), Markup.escape(text)))
     changes = [
-        Markup("{} {}").format(words.sign(held.symbol(path), path), f"{numbers.plain(by, 3)} {of.unit}")
-        for path, by in told.influence.items()
+        Markup("{} {}").format(words.symbol_html(held.symbol(path), path), f"{numbers.plain(by, 3)} {of.unit}")
+        for path, by in shown.influence.items()
     ]
     rows.append((Markup("Largest change of {} on a slice").format(quantity), Markup("; ").join(changes)))
     return rows
 
 
-def _shown(held: Held, told: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:
-    """Closest approach, path and the case without avoidance, of a system that shows them."""
+def _shown(held: Held, shown: Encounter, unseen: Unseen) -> list[tuple[Markup, Markup]]:
+    """Closest approach, path and the case without avoidance, for a system that provides them."""
     of = held.of
     value = f"{numbers.plain(unseen.cost)} {of.unit}" if unseen.cost is not None else f"fails: {unseen.reason}"
-    approaches = [("nominal", told.closest), *((f.label, f.closest) for f in held.findings)]
+    approaches = [("nominal", shown.closest), *((f.label, f.closest) for f in held.findings)]
     closest = "; ".join(_closest(name, approach) for name, approach in approaches if approach is not None)
     rows = [(Markup.escape("Closest approach"), Markup.escape(closest))]
-    moved = "not known" if told.moved is None else f"{numbers.plain(told.moved)} m"
+    moved = "not known" if shown.moved is None else f"{numbers.plain(shown.moved)} m"
     rows.append((Markup.escape("Path length of the nominal case"), Markup.escape(moved)))
-    rows.append((Markup("Nominal {} with every obstacle unseen").format(words.sign(of.symbol)), Markup.escape(value)))
+    rows.append(
+        (Markup("Nominal {} with every obstacle unseen").format(words.symbol_html(of.symbol)), Markup.escape(value))
+    )
     return rows
 
 

@@ -1,4 +1,4 @@
-"""Sentences, symbols and dates as a report prints them, the same as on the pages. Start reading at `drawn`."""
+"""Formats sentences, symbols and dates for a report, as on the pages. Start reading at `drawn`."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def moment(at: float | None) -> str:
     """A time [s since 1970] in UTC."""
     if at is None:
         return "not recorded"
-    told = datetime.datetime.fromtimestamp(at, datetime.UTC)
-    return f"{told.day} {told:%B %Y, %H:%M:%S} UTC"
+    at_utc = datetime.datetime.fromtimestamp(at, datetime.UTC)
+    return f"{at_utc.day} {at_utc:%B %Y, %H:%M:%S} UTC"
 
 
 def day(at: float) -> str:
     """The day of a time [s since 1970] in UTC."""
-    told = datetime.datetime.fromtimestamp(at, datetime.UTC)
-    return f"{told.day} {told:%B %Y}"
+    at_utc = datetime.datetime.fromtimestamp(at, datetime.UTC)
+    return f"{at_utc.day} {at_utc:%B %Y}"
 
 
 def split(symbol: str) -> tuple[str, str]:
@@ -43,18 +43,18 @@ def _greek(text: str) -> str:
     return re.sub(r"[a-z]+", lambda m: _GREEK.get(m[0], m[0]), text)
 
 
-def sign(symbol: str, path: str = "") -> Markup:
-    """A symbol set as in print, in HTML; a path as it is written, with places to break. `path` is told on hover."""
+def symbol_html(symbol: str, path: str = "") -> Markup:
+    """A symbol in HTML as in print; a path is unchanged, with line-break opportunities. `path` is shown on hover."""
     if is_path(symbol):
         return Markup('<span class="path">{}</span>').format(Markup(".<wbr>").join(symbol.split(".")))
     base, index = split(symbol)
     below = Markup("<sub>{}</sub>").format(index) if index else ""
-    told = Markup(' title="{}"').format(path) if path and path != symbol else ""
-    return Markup('<i class="v"{}>{}</i>{}').format(told, base, below)
+    title = Markup(' title="{}"').format(path) if path and path != symbol else ""
+    return Markup('<i class="v"{}>{}</i>{}').format(title, base, below)
 
 
-def svg_sign(symbol: str) -> Markup:
-    """The same inside an SVG text."""
+def svg_symbol(symbol: str) -> Markup:
+    """A symbol as in print, inside an SVG text."""
     if is_path(symbol):
         return Markup("<tspan>{}</tspan>").format(symbol)
     base, index = split(symbol)
@@ -63,19 +63,19 @@ def svg_sign(symbol: str) -> Markup:
 
 
 def drawn(said: Said) -> Markup:
-    """A sentence as in print: symbols set, numbers with true minus signs and their units."""
+    """A sentence as in print: formatted symbols, numbers with true minus signs and units."""
     return Markup("").join(map(_span, said))
 
 
 def sentence(said: Said) -> Markup:
-    """The same of a clause, with a capital and a full stop."""
+    """A clause as in print, with a capital letter and a full stop."""
     return drawn(claims.sentence(said))
 
 
 def _span(span: Span) -> Markup:
     match span:
         case Symbol():
-            return sign(span.symbol, span.name)
+            return symbol_html(span.symbol, span.name)
         case Quantity():
             return escape(printed(span.value, span.unit, span.format, span.digits))
         case Text():
@@ -85,11 +85,11 @@ def _span(span: Span) -> Markup:
 
 
 WRAPPED = 85
-"""A line of a text that is at least so long was broken by its author's editor, not by its author."""
+"""A line of at least this length is assumed to be wrapped by an editor, not broken on purpose."""
 
 
 def flowed(text: str) -> str:
-    """Text whose lines are put together where they were broken for width only."""
+    """Text in which lines that were wrapped only for width are joined."""
     found: list[str] = []
     whole = True
     for line in text.strip().splitlines():
@@ -102,7 +102,7 @@ def flowed(text: str) -> str:
 
 
 def paragraphs(text: str) -> list[Markup]:
-    """A component's text: prose as paragraphs, indented equations as they stand."""
+    """A component's text: prose as paragraphs, indented equations unchanged."""
     found = []
     for block in text.strip("\n").split("\n\n"):
         inset = all(line.startswith("    ") for line in block.splitlines() if line.strip())

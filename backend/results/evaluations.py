@@ -1,4 +1,4 @@
-"""Evaluations out of their column chunks, thinned for charts. Start reading at `read`."""
+"""Reads evaluations from their column chunks, thinned for charts. Start reading at `read`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Bounds = Mapping[str, tuple[float, float, float]]
 
 
 def read(reader: sa.Connection, run_id: int, most: int, position: int | None) -> Evaluations:
-    """Every stage's evaluations, at most `most` of each, and the first failures with their reasons; 404 for no run."""
+    """At most `most` evaluations of each stage, and the first failures with reasons; 404 if there is no such run."""
     asked = campaign(reader, run_id)
     catalogue = described(reader, run_id)
     limits = bounds(asked, catalogue)
@@ -47,7 +47,7 @@ def read(reader: sa.Connection, run_id: int, most: int, position: int | None) ->
 
 
 def drawn_first(reader: sa.Connection, run_id: int, position: int, most: int) -> list[tuple[int, dict[str, float]]]:
-    """Index and parameters, {path: value} bit by bit, of a stage's first evaluations, at most `most`, none excluded."""
+    """Index and bit-identical parameters, {path: value}, of a stage's first `most` non-excluded evaluations."""
     asked = campaign(reader, run_id)
     of = (EvaluationChunk.run_id == run_id, EvaluationChunk.position == position)
     found: list[tuple[int, dict[str, float]]] = []
@@ -93,7 +93,7 @@ def _series(
 
 
 def _further(columns: Columns, chosen: thin.Indices, told: list[CriterionOut]) -> dict[str, list[float | None]]:
-    """What the other criteria say of the chosen evaluations; costs are all lower when worse, values have their sign."""
+    """The other criteria's values of the chosen evaluations in their own sign; costs are always lower when worse."""
     found = {}
     for k, criterion in enumerate(told[1 : columns.costs.shape[1]], 1):
         costs = np.where(columns.status[chosen] == OK, columns.costs[chosen, k], np.nan)
@@ -116,7 +116,7 @@ def in_units(points: NDArray[np.float64], paths: list[str], limits: Bounds) -> d
 
 
 def improved(costs: thin.Floats, seconds: thin.Floats, better: thin.Indices) -> dict[str, list[float]]:
-    """The best so far as a step line: its steps, and its end at the last evaluation."""
+    """The convergence history as a step line: its steps, and its end at the last evaluation."""
     last = len(costs) - 1
     index, best = better.tolist(), costs[better].tolist()
     if index and index[-1] != last:

@@ -1,4 +1,4 @@
-"""The best so far of a stage, read from its chunks as they arrive. Start reading at `Improvements.catch_up`."""
+"""The convergence history of a stage, read from its chunks as they arrive."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Improvements:
     """Working time of the stage [s]."""
     cost: list[float] = field(default_factory=list)
     read: int = 0
-    """How many evaluations were looked at."""
+    """Number of evaluations read."""
     elapsed: float = 0.0
     """Working time at the last of them [s]."""
     point: Floats | None = None
-    """Where the best is (n,), on the unit cube."""
+    """The best point (n,) on the unit cube."""
 
     def catch_up(self, reader: sa.Connection, run_id: int, position: int) -> None:
-        """Read the chunks that were not read before."""
+        """Read the new chunks."""
         chunk = EvaluationChunk
         known = len(self.index)
         query = sa.select(chunk.first, chunk.count, chunk.costs, chunk.status, chunk.seconds)
@@ -39,7 +39,7 @@ class Improvements:
         for row in reader.execute(query.where(*of, chunk.first >= self.read).order_by(chunk.first)):
             self._add(row)
         if len(self.index) > known:
-            # Of all the points only this one is wanted: the others stay where they are.
+            # Only the best point is needed; the other points are not read.
             best = sa.select(chunk.first, chunk.count, chunk.points).where(*of, chunk.first <= self.index[-1])
             first, count, points = reader.execute(best.order_by(chunk.first.desc()).limit(1)).one()
             self.point = np.frombuffer(points, dtype="<f8").reshape(count, -1)[self.index[-1] - first]

@@ -1,4 +1,4 @@
-"""What the API says of a run's evaluations, findings and traces. Start reading at `EvaluationSeries`."""
+"""The API schemas of evaluations, findings and traces. Start reading at `EvaluationSeries`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from campaigns.results.trace import TraceColumn
 
 
 class EvaluationSeries(Schema):
-    """One stage's evaluations for charts: every improvement of the best, and an even choice of the rest.
+    """One stage's evaluations for charts: every improvement, and an even selection of the rest.
 
     Columns of equal length; `index` counts from 0 within the stage.
     """
@@ -24,15 +24,15 @@ class EvaluationSeries(Schema):
     method: str | None
     total: int
     failed: int
-    """Timeouts among them."""
+    """Includes timeouts."""
     timeouts: int
     excluded: int
     index: list[int]
     seconds: list[float]
     cost: list[float | None]
-    """By the criterion that decides."""
+    """Cost by the deciding criterion."""
     further: dict[str, list[float | None]]
-    """{name: values} of the other criteria, each in its own sign; empty where there are none."""
+    """{name: values} of the other criteria, each in its own sign; empty if there are none."""
     status: list[Status]
     parameters: dict[str, list[float]]
     """{path: values} in the parameters' units."""
@@ -41,7 +41,7 @@ class EvaluationSeries(Schema):
 
 
 class EvaluationFailure(Schema):
-    """An evaluation that has no cost, with the reason."""
+    """An evaluation without a cost, with the reason."""
 
     position: int
     index: int
@@ -54,7 +54,7 @@ class Evaluations(Schema):
     """A run's evaluations, stage by stage."""
 
     criteria: list[CriterionOut]
-    """The one that decides first; `cost` and `further` are in their units."""
+    """The criteria, the deciding one first; `cost` and `further` are in their units."""
     stages: list[EvaluationSeries]
     failures: list[EvaluationFailure]
     """At most 200 of them."""
@@ -72,15 +72,15 @@ class FindingDetail(Schema):
     high: dict[str, float]
     methods: list[str]
     found: list[FoundBy]
-    """Empty where no search came to it by itself, only polishing did."""
+    """Empty if only local refinement found it, not a search."""
     values: dict[str, float | None]
     """{name: value} of every criterion in its own sign, as stored with the trace; empty if it was not stored."""
     at_bounds: dict[str, Literal["low", "high"]]
     validation: Validation | None
     slices: Slices | None
-    """Through the finding; null where validation ended before it, or an earlier version stored none."""
+    """Slices through the finding; null if validation ended before, or an earlier version stored none."""
     boundary: Boundary | None
-    """Of a violation: how far from nominal it begins."""
+    """The boundary of a violation: its distance from nominal."""
     closest: ClosestApproach | None
 
 

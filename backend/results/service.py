@@ -13,7 +13,7 @@ from backend.catalog.service import bounds, described
 from backend.db.tables import Finding, Trace
 from backend.http.errors import not_found
 from backend.results.schemas import FindingDetail, TraceData, TraceInfo
-from backend.runs.earlier import Terms, speaking
+from backend.runs.earlier import Terms, terms_of
 from backend.runs.service import campaign, require
 from backend.runs.versions import readable
 from campaigns import thin
@@ -27,13 +27,13 @@ Limits = dict[str, tuple[float, float, float]]
 
 
 def findings(reader: sa.Connection, run_id: int) -> list[FindingDetail]:
-    """The findings of a run, the worst first; 404 for no run."""
+    """The findings of a run, the worst first; 404 if there is no such run."""
     limits = bounds(campaign(reader, run_id), described(reader, run_id))
     rows = reader.execute(sa.select(Finding).where(Finding.run_id == run_id)).all()
     ordered = sorted(rows, key=lambda row: (len(row.label), row.label))
     flown = {flight.name: flight.meta for flight in traces(reader, run_id)} if ordered else {}
     with readable(f"a finding of {run_name(run_id)}"):
-        terms = speaking(reader, run_id)
+        terms = terms_of(reader, run_id)
         return [_finding(row, limits, flown.get(row.label), terms) for row in ordered]
 
 
@@ -46,7 +46,7 @@ def _finding(row: Any, limits: Limits, head: TraceHead | None, terms: Terms) -> 
 
 
 def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
-    """What flights are stored, the nominal one first; 404 for no run."""
+    """The stored flights, the nominal one first; 404 if there is no such run."""
     require(reader, run_id)
     rows = reader.execute(sa.select(Trace.name, Trace.rows, Trace.columns, Trace.meta).where(Trace.run_id == run_id))
     ordered = sorted(rows, key=lambda row: (row.name != "nominal", len(row.name), row.name))
@@ -55,7 +55,7 @@ def traces(reader: sa.Connection, run_id: int) -> list[TraceInfo]:
 
 
 def trace(reader: sa.Connection, run_id: int, name: str, most: int) -> TraceData:
-    """One flight, thinned to `most` rows; 404 for no run or no such flight."""
+    """One flight, thinned to `most` rows; 404 if there is no such run or flight."""
     require(reader, run_id)
     row = stored(reader, run_id, name)
     if row is None:
@@ -84,7 +84,7 @@ def table(row: Any) -> NDArray[np.float64]:
 
 
 def closest_row(head: TraceHead, columns: list[TraceColumn], data: NDArray[np.float64]) -> int:
-    """The row at the closest approach, by its time as stored, else by the lowest separation, else the first."""
+    """The row at the closest approach: by its stored time, else by the lowest separation, else the first."""
     groups = [column.group for column in columns]
     if head.closest is not None and "time" in groups:
         return int(np.abs(data[:, groups.index("time")] - head.closest.time).argmin())

@@ -28,7 +28,7 @@ def components(reader: sa.Connection, run_id: int) -> RunComponents:
 
 
 def changed(kept: Catalogue, installed: Catalogue | None) -> list[str]:
-    """What is described otherwise now, as sentences."""
+    """The differences of the installed descriptions, as sentences."""
     if installed is None:
         return []
     return [f"{clause[0].upper()}{clause[1:]}." for clause in changes(kept, installed)]

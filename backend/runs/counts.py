@@ -1,7 +1,7 @@
-"""How many evaluations a run has, how many failed and were excluded: the one source of every place that shows them.
+"""The numbers of evaluations of a run (all, failed, excluded): the single source for everything that shows them.
 
-Of a run with a verdict the counts are those that the verdict was drawn from (`summary.evaluations`); of any other they
-are the totals of its stage rows. Start reading at `of`.
+For a run with a verdict they are those on which the verdict is based (`summary.evaluations`), for any other the totals
+of its stage rows.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ COLUMNS = (
     Run.failed_evaluations,
     *(Run.summary["evaluations", key].as_integer().label(f"verdict_{key}") for key in _TOLD),
 )
-"""What `of` reads of a run's row; the first two are totals of the stage rows, written in the same transaction."""
+"""The columns that `of` needs; the first two are totals of the stage rows, written in the same transaction."""
 
 
 def of(row: Any, excluded: int) -> dict[str, int]:
-    """The counts of one run; excluded: over its stage rows."""
+    """The counts of one run; excluded: the total of its stage rows."""
     told = [getattr(row, f"verdict_{key}") for key in _TOLD]
     counted = [row.evaluations, row.failed_evaluations, excluded]
     chosen = counted if any(number is None for number in told) else told
@@ -31,7 +31,7 @@ def of(row: Any, excluded: int) -> dict[str, int]:
 
 
 def excluded(reader: sa.Connection, ids: Sequence[int]) -> dict[int, int]:
-    """The excluded evaluations over the stages of each run; runs without any are left out."""
+    """The total of excluded evaluations of each run; runs without any are omitted."""
     if not ids:
         return {}
     total = sa.func.sum(Stage.excluded)

@@ -16,10 +16,10 @@ from campaigns.claims import earlier
 from campaigns.symbols import labels
 
 Terms = Callable[[], earlier.Terms]
-"""Worked out once, when the first such sentence is read."""
+"""Computed once, when the first such sentence is read."""
 
 
-def speaking(reader: sa.Connection, run_id: int) -> Terms:
+def terms_of(reader: sa.Connection, run_id: int) -> Terms:
     """The value of the criterion and the uncertain parameters of a run, with their symbols and units."""
     return functools.cache(lambda: _terms(reader, run_id))
 

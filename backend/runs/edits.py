@@ -1,4 +1,4 @@
-"""What people write on a run after it was submitted: name, tags, notes, pin; cancelling several. Start at `edit`."""
+"""Annotations of a submitted run (name, tags, notes, pin), and cancelling several runs."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from campaigns.runs import run_name
 
 
 def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> None:
-    """Write what is given, leave the rest; 404 for no run, 422 where nothing is given, 409 for notes that changed
-    and for a run that is removed.
+    """Change the given fields. 404 if there is no such run, 422 if no field is given, 409 if the notes have changed
+    or the run is removed.
     """
     values = given.model_dump(exclude_unset=True, exclude={"notes_before"})
     empty = [key for key, value in values.items() if value is None]
@@ -38,19 +38,19 @@ def edit(engine: sa.Engine, run_id: int, given: RunEdit, visitor: Visitor) -> No
             _unchanged(writer, run_id, given.notes_before)
         if writer.execute(sa.update(Run).where(Run.id == run_id).values(**values)).rowcount != 1:
             raise not_found("run", run_name(run_id))
-        audit.note(writer, visitor, "run.edited", run_name(run_id), _said(values))
+        audit.note(writer, visitor, "run.edited", run_name(run_id), _audited(values))
 
 
 def _unchanged(writer: sa.Connection, run_id: int, notes: str) -> None:
-    """409 unless the run's notes are still those that were read."""
+    """Raise 409 unless the run's notes are still those that were read."""
     stored = writer.scalar(sa.select(Run.notes).where(Run.id == run_id).with_for_update())
     if stored is not None and stored != notes:
         detail = "another user has changed these notes since they were read: read them again, then add your text"
         raise RefusedError(409, "notes-changed", detail)
 
 
-def _said(values: JsonObject) -> JsonObject:
-    """What the audit trail stores of an edit: of notes, which can be long, their length and digest."""
+def _audited(values: JsonObject) -> JsonObject:
+    """The entry of the audit trail; notes, which can be long, are stored as length and digest."""
     notes = values.get("notes")
     if notes is None:
         return values
@@ -59,7 +59,7 @@ def _said(values: JsonObject) -> JsonObject:
 
 
 def cancel(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[RunSummary]:
-    """Cancel several runs; those that have ended stay as they are. 404 for one that is not there, and none is."""
+    """Cancel several runs; those that have ended are unchanged. 404 if one does not exist; then none is cancelled."""
     with engine.begin() as writer:
         known = set(writer.scalars(sa.select(Run.id).where(Run.id.in_(run_ids))))
         for run_id in run_ids:

@@ -1,4 +1,4 @@
-"""POST and GET /runs, one run, its stages, cancelling. Start reading at `submit_run`."""
+"""POST and GET /runs, one run, its stages, cancellation, removal."""
 
 from __future__ import annotations
 
@@ -51,18 +51,18 @@ SUBMIT_BODY = {
 }
 LOCATION: dict[int | str, JsonObject] = {
     201: {
-        "description": "The run that was queued, now or before under the same key.",
+        "description": "The run that was queued, now or earlier with the same key.",
         "headers": {"Location": {"description": "The address of the run.", "schema": {"type": "string"}}},
     }
 }
 CAMPAIGN_FILE: dict[int | str, JsonObject] = {
     200: {
-        "description": "YAML, or JSON where it was typed as such.",
+        "description": "YAML, or JSON if it was submitted as JSON.",
         "content": {"application/yaml": {"schema": {"type": "string"}}},
     }
 }
 MOST = 50
-"""Alternatives of one filter."""
+"""Alternative values of one filter."""
 Word = Annotated[str, Field(max_length=200)]
 Key = Annotated[
     str | None,
@@ -70,7 +70,7 @@ Key = Annotated[
         alias="Idempotency-Key",
         min_length=1,
         max_length=128,
-        description="Any text: a repeated request under the same key gives the run that the first one queued.",
+        description="Any text: a repeated request with the same key returns the run queued by the first one.",
     ),
 ]
 
@@ -122,19 +122,21 @@ def list_runs(
     q: Annotated[str, Query(max_length=200, description="Words in the name, campaign, tags, owner or number.")] = "",
     state: Annotated[list[RunState] | None, Query(max_length=MOST, description="Their states.")] = None,
     verdict: Annotated[list[VerdictWord] | None, Query(max_length=MOST, description="Their verdicts.")] = None,
-    tag: Annotated[list[Word] | None, Query(max_length=MOST, description="Tags, of which they have one.")] = None,
+    tag: Annotated[list[Word] | None, Query(max_length=MOST, description="Tags; a run must have one of them.")] = None,
     campaign: Annotated[list[Word] | None, Query(max_length=MOST, description="Names of campaigns.")] = None,
-    owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Who submitted them.")] = None,
-    method: Annotated[list[Word] | None, Query(max_length=MOST, description="Which found the worst case.")] = None,
-    since: Annotated[Seconds | None, Query(description="Submitted from then on [s since 1970].")] = None,
-    until: Annotated[Seconds | None, Query(description="Submitted before then [s since 1970].")] = None,
-    pinned: Annotated[bool | None, Query(description="Pinned ones alone, or all others.")] = None,
-    removed: Annotated[bool, Query(description="Those that were removed, instead of all others.")] = False,
-    sort: Annotated[Sort, Query(description="With a minus: the largest first.")] = "-created",
-    cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the page before.")] = None,
-    limit: Annotated[int, Query(ge=1, le=200, description="At most so many runs on a page.")] = 50,
+    owner: Annotated[list[Word] | None, Query(max_length=MOST, description="Users who submitted them.")] = None,
+    method: Annotated[
+        list[Word] | None, Query(max_length=MOST, description="Methods that found the worst case.")
+    ] = None,
+    since: Annotated[Seconds | None, Query(description="Submitted since this time [s since 1970].")] = None,
+    until: Annotated[Seconds | None, Query(description="Submitted before this time [s since 1970].")] = None,
+    pinned: Annotated[bool | None, Query(description="Only pinned runs, or only the others.")] = None,
+    removed: Annotated[bool, Query(description="Removed runs instead of listed ones.")] = False,
+    sort: Annotated[Sort, Query(description="With a minus: largest first.")] = "-created",
+    cursor: Annotated[str | None, Query(max_length=1000, description="`next_cursor` of the previous page.")] = None,
+    limit: Annotated[int, Query(ge=1, le=200, description="Maximum number of runs on a page.")] = 50,
 ) -> RunPage:
-    """The runs, a page at a time, pinned ones first; repeated filters are alternatives."""
+    """The runs, in pages, pinned ones first; repeated filters are alternatives."""
     filters = Filters(
         q,
         state or (),
@@ -153,25 +155,25 @@ def list_runs(
 
 @router.get("/runs/facets")
 def list_facets(reader: Reader) -> RunFacets:
-    """The campaigns, tags, owners and methods that the list can be narrowed to."""
+    """The campaigns, tags, owners and methods by which the list can be filtered."""
     return facets(reader)
 
 
 @router.post("/runs/cancel", responses=problems("not-found", "purged"))
 def cancel_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
-    """Cancel several runs; those that have ended stay as they are."""
+    """Cancel several runs; those that have ended are unchanged."""
     return edits.cancel(engine, [service.number(run) for run in given.runs], visitor)
 
 
 @router.post("/runs/remove", responses=problems("not-found", "not-removable", "purged"))
 def remove_runs(given: RunsRemoved, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
-    """Take several runs out of the lists, all or none; see the removal of one."""
+    """Remove several runs from the lists, all or none; see the removal of one."""
     return removal.remove(engine, [service.number(run) for run in given.runs], given.reason, visitor)
 
 
 @router.post("/runs/restore", responses=problems("not-found", "purged"))
 def restore_runs(given: RunsNamed, engine: Engine, visitor: CurrentVisitor) -> list[RunSummary]:
-    """Put several removed runs back into the lists; those that are there stay."""
+    """Restore several removed runs to the lists; those that are listed are unchanged."""
     return removal.restore(engine, [service.number(run) for run in given.runs], visitor)
 
 
@@ -195,14 +197,14 @@ def get_run(run: RunName, reader: Reader) -> RunDetail:
     "/runs/{run}/campaign.yaml", response_class=Response, responses=CAMPAIGN_FILE | problems("not-found", "purged")
 )
 def get_run_campaign(run: RunName, reader: Reader) -> Response:
-    """The campaign of a run as a file: as it was typed where it was given as text, else as YAML."""
+    """The campaign of a run as a file: the original text if it was submitted as text, else YAML."""
     headers = {"Content-Disposition": f'attachment; filename="{run_name(service.number(run))}-campaign.yaml"'}
     return Response(texts.text(reader, service.number(run)), headers=headers, media_type="application/yaml")
 
 
 @router.post("/runs/{run}/cancel", responses=problems("not-found", "purged"))
 def cancel_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
-    """Cancel a run: queued ones at once, running ones within a second; one that has ended stays as it is."""
+    """Cancel a run: queued ones at once, running ones within a second; one that has ended is unchanged."""
     return edits.cancel(engine, [service.number(run)], visitor)[0]
 
 
@@ -213,17 +215,17 @@ def remove_run(
     visitor: CurrentVisitor,
     reason: Annotated[Reason, Query(description="The reason; it is shown wherever the run is requested.")],
 ) -> RunSummary:
-    """Take a run that is over out of every list; its address, its results and its history stay, and it can be restored.
+    """Remove a run that has ended from all lists; its address, results and history stay, and it can be restored.
 
-    Refused (409) while it works, and while a sign-off of it stands that is not withdrawn. Removed runs are deleted by
-    nobody but `clearance purge`, on the command line.
+    Refused (409) while it is active, and while it has a valid sign-off. Only `clearance purge`, on the command line,
+    deletes removed runs.
     """
     return removal.remove(engine, [service.number(run)], reason, visitor)[0]
 
 
 @router.post("/runs/{run}/restore", responses=problems("not-found", "purged"))
 def restore_run(run: RunName, engine: Engine, visitor: CurrentVisitor) -> RunSummary:
-    """Put a removed run back into the lists; a run that is not removed stays unchanged."""
+    """Restore a removed run to the lists; a run that is not removed is unchanged."""
     return removal.restore(engine, [service.number(run)], visitor)[0]
 
 
@@ -241,6 +243,6 @@ def list_run_components(run: RunName, reader: Reader) -> RunComponents:
 
 @router.get("/runs/{run}/history", responses=problems("not-found"))
 def list_history(run: RunName, reader: Reader) -> list[HistoryEntry]:
-    """What was done to a run and by whom, the newest first: submitted, edited, cancelled, signed off,
+    """The actions on a run and their users, newest first: submitted, edited, cancelled, signed off,
     removed, restored, purged."""
     return history(reader, service.number(run))

@@ -1,4 +1,4 @@
-"""What the run list can be narrowed to: the campaigns, tags, owners and methods that runs have. Start at `facets`."""
+"""The values by which the run list can be filtered: campaigns, tags, owners and methods of runs."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from backend.db.tables import Run
 from backend.runs.schemas import Facet, RunFacets
 
 MOST = 200
-"""Of each kind, those with the most runs."""
+"""Maximum number of values of each kind; those with the most runs are kept."""
 
 
 def facets(reader: sa.Connection) -> RunFacets:
-    """Each with how many runs have it, the most frequent first."""
+    """The values with their numbers of runs, most frequent first."""
     digests = _counted(reader, Run.campaign_digest)
     names = {row.digest: row.name for row in reader.execute(sa.select(CampaignRow.digest, CampaignRow.name))}
     campaigns: Counter[str] = Counter()

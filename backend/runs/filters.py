@@ -1,4 +1,4 @@
-"""What the run list is narrowed to, as conditions on its rows. Start reading at `Filters.conditions`."""
+"""The filters of the run list, as SQL conditions. Start reading at `Filters.conditions`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from campaigns.results.verdict import VerdictWord
 from campaigns.runs import RunState
 
 MOST_WORDS = 8
-"""Words of a search that count; the others are left out."""
+"""Maximum number of search words; further ones are ignored."""
 
 
 @dataclass(frozen=True)
 class Filters:
-    """What the list is narrowed to; lists are alternatives, an empty one is no condition. Times [s since 1970]."""
+    """The filters of the list; lists are alternatives, an empty list does not filter. Times [s since 1970]."""
 
     q: str = ""
     state: Sequence[RunState] = ()
@@ -29,16 +29,16 @@ class Filters:
     """Names of campaigns."""
     owner: Sequence[str] = ()
     method: Sequence[str] = ()
-    """Which found the worst case."""
+    """Methods that found the worst case."""
     since: float | None = None
     until: float | None = None
     """Submitted from `since` on, and before `until`."""
     pinned: bool | None = None
     removed: bool = False
-    """Those that were removed, instead of all others."""
+    """Removed runs instead of listed ones."""
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
-        """Everything together."""
+        """All conditions."""
         found = self.found()
         if self.state:
             found.append(Run.state.in_(self.state))
@@ -47,12 +47,12 @@ class Filters:
         return found
 
     def found(self) -> list[sa.ColumnElement[bool]]:
-        """Everything but state and verdict, by which the found ones are counted."""
+        """All conditions except state and verdict, by which the result is counted."""
         return [*self._there(), *self.narrowed()]
 
     def narrowed(self) -> list[sa.ColumnElement[bool]]:
-        """Everything but state and verdict, of removed runs and all others alike."""
-        conditions = [_said(word) for word in self.q.split()[:MOST_WORDS]]
+        """All conditions except state and verdict, for removed and listed runs."""
+        conditions = [_contains(word) for word in self.q.split()[:MOST_WORDS]]
         if self.tag:
             tags = sa.cast(Run.tags, sa.Text)
             conditions.append(sa.or_(*(tags.contains(json.dumps(tag), autoescape=True) for tag in self.tag)))
@@ -71,14 +71,14 @@ class Filters:
         return conditions
 
     def _there(self) -> list[sa.ColumnElement[bool]]:
-        """In the lists, or removed from them and still to be restored."""
+        """Listed, or removed but not purged."""
         if self.removed:
             return [Run.removed.is_not(None), Run.purged.is_(None)]
         return [Run.removed.is_(None)]
 
 
-def _said(word: str) -> sa.ColumnElement[bool]:
-    """The word is in a name, a tag, the owner or the number."""
+def _contains(word: str) -> sa.ColumnElement[bool]:
+    """The word occurs in a name, a tag, the owner or the number."""
     columns = [Run.name, Run.owner, sa.cast(Run.tags, sa.Text), _printed_id()]
     named = sa.select(CampaignRow.digest).where(CampaignRow.name.icontains(word, autoescape=True))
     here = [column.icontains(word, autoescape=True) for column in columns]

@@ -1,4 +1,4 @@
-"""What was done to a run, and by whom, out of the audit trail. Start reading at `history`."""
+"""The history of a run, from the audit trail."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOST = 500
 
 
 def history(reader: sa.Connection, run_id: int) -> list[HistoryEntry]:
-    """The newest first, at most `MOST`; of a purged run, too. 404 for no run."""
+    """At most `MOST` entries, newest first, also of a purged run; 404 if there is no such run."""
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
         raise not_found("run", run_name(run_id))
     of = sa.select(Audit.at, Audit.user, Audit.via, Audit.action, Audit.detail)

@@ -1,6 +1,6 @@
-"""The run list: search, filter, sort, and pages that hold their place while runs come in.
+"""The run list: search, filters, sorting, and pages that stay stable while runs are added.
 
-What narrows it is in `backend.runs.filters`, orders and cursors in `backend.runs.order`. Start reading at `page`.
+Filters are in `backend.runs.filters`, orders and cursors in `backend.runs.order`. Start reading at `page`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Units = dict[tuple[str | None, str], tuple[str, str]]
 
 
 def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None, limit: int) -> RunPage:
-    """One page of the list, the cursor of the next, and how many runs the same search and tags find in all."""
+    """One page of the list, the cursor of the next page, and the total counts for the same search."""
     order, conditions = Order(sort), filters.conditions()
     if cursor is not None:
         conditions.append(order.after(cursor))
@@ -44,7 +44,7 @@ def page(reader: sa.Connection, filters: Filters, sort: Sort, cursor: str | None
 
 
 def summaries(reader: sa.Connection, *conditions: sa.ColumnElement[bool]) -> list[RunSummary]:
-    """The runs that fulfil the conditions, newest first, as the list shows them; of purged ones nothing is left."""
+    """Summaries of the runs that fulfil the conditions, newest first; purged runs are omitted."""
     asked = CampaignRow.document
     named = [asked["criterion"][k].as_string().label(k) for k in ("component", "result")]
     simulator = asked["simulator"]["name"].as_string().label("simulator")
@@ -70,7 +70,7 @@ def _summary(row: Any, stage: StageProgress | None, units: Units, evaluations: d
 
 
 def _units(reader: sa.Connection) -> Units:
-    """Quantity and unit by simulator (None for a scenario) and criterion, for runs that have no verdict to say it."""
+    """Quantity and unit by simulator (None for a scenario) and criterion, for runs without a verdict."""
     catalogue = published(reader)
     if catalogue is None:
         return {}
@@ -79,7 +79,7 @@ def _units(reader: sa.Connection) -> Units:
 
 
 def _working(reader: sa.Connection, ids: list[int]) -> dict[int, StageProgress]:
-    """The stage in work of each of the runs."""
+    """The running stage of each run."""
     if not ids:
         return {}
     columns = [getattr(Stage, field) for field in StageProgress.model_fields]

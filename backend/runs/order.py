@@ -1,6 +1,6 @@
-"""The orders of the run list, and the cursors that hold a place in them.
+"""The orders of the run list, and the cursors that mark a position in them.
 
-Pages go by key, not by offset (Winand, "Paging Through Results", use-the-index-luke.com): a cursor names the last row's
+Keyset pagination, not offsets (Winand, "Paging Through Results", use-the-index-luke.com): a cursor names the last row's
 pin, sort value and number. Pinned runs come first in every order. Start reading at `Order`.
 """
 
@@ -30,7 +30,7 @@ Sort = Literal[
 
 _CAMPAIGN = sa.select(CampaignRow.name).where(CampaignRow.digest == Run.campaign_digest).scalar_subquery()
 _VALUES: dict[str, sa.ColumnElement[Any]] = {
-    "created": sa.type_coerce(Run.id, sa.Integer),  # runs are numbered as they are created
+    "created": sa.type_coerce(Run.id, sa.Integer),  # run numbers follow the time of creation
     "started": sa.type_coerce(Run.started, sa.Double),
     "finished": sa.type_coerce(Run.finished, sa.Double),
     "duration": Run.finished - Run.started,
@@ -53,13 +53,13 @@ _VALUES: dict[str, sa.ColumnElement[Any]] = {
 
 @dataclass(frozen=True)
 class Order:
-    """By pin, then by value, what has none last in either direction, newest first among equals."""
+    """By pin, then by value with missing values last in both directions, then newest first."""
 
     sort: Sort
 
     @property
     def value(self) -> sa.ColumnElement[Any]:
-        """What is sorted by."""
+        """The sort value."""
         return _VALUES[self.sort.lstrip("-")]
 
     @property
@@ -71,15 +71,15 @@ class Order:
         return [Run.pinned.desc(), self.value.is_(None), self.value.desc() if down else self.value.asc(), Run.id.desc()]
 
     def after(self, cursor: str) -> sa.ColumnElement[bool]:
-        """The rows behind the one that the cursor names; 422 for one that this order did not give."""
+        """The rows after the one named by the cursor; 422 for a cursor of another order."""
         pinned, value, run_id = self._decode(cursor)
-        behind = self._behind(value, run_id)
+        behind = self._after(value, run_id)
         if not pinned:
             return sa.and_(Run.pinned.is_(False), behind)
         return sa.or_(Run.pinned.is_(False), behind)
 
-    def _behind(self, value: Any, run_id: int) -> sa.ColumnElement[bool]:
-        """Among rows that are pinned alike."""
+    def _after(self, value: Any, run_id: int) -> sa.ColumnElement[bool]:
+        """The condition among rows with the same pin."""
         down = self.sort.startswith("-")
         if self.sort.endswith("created"):
             return Run.id < run_id if down else Run.id > run_id
@@ -89,7 +89,7 @@ class Order:
         return sa.or_(further, sa.and_(self.value == value, Run.id < run_id), self.value.is_(None))
 
     def cursor(self, row: Any) -> str:
-        """The place of a row with its `pinned`, `value` and `id`."""
+        """The cursor of a row, from its `pinned`, `value` and `id`."""
         text = json.dumps([self.sort, bool(row.pinned), row.value, row.id])
         return base64.urlsafe_b64encode(text.encode()).decode().rstrip("=")
 
@@ -108,7 +108,7 @@ class Order:
         return pinned, value, run_id
 
     def _fits(self, value: Any) -> bool:
-        """Whether the value is one that rows of this order can have, and a database can be asked for."""
+        """Whether rows of this order can have the value, and the database can compare with it."""
         if value is None or isinstance(value, bool):
             return value is None
         if isinstance(self.value.type, sa.String):

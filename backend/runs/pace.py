@@ -1,4 +1,4 @@
-"""How fast a run goes and how long it may still take. Start reading at `estimate`."""
+"""Estimates the speed and the remaining time of a run."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ FEWEST = 8
 def estimate(stages: Sequence[StageProgress]) -> tuple[float | None, float | None]:
     """Evaluations per second of the running stage, and the time left [s] if every stage uses its whole budget.
 
-    A stage that has hardly begun is taken to be as fast as the run was so far; one that ends by its own rule is over
-    sooner.
+    A stage that has just started is assumed to be as fast as the run so far. Stages that end by their own rule finish
+    earlier.
     """
     running = next((s for s in stages if s.state == "running"), None)
     if running is None:

@@ -1,4 +1,4 @@
-"""Runs that are taken out of every list, and put back. Nothing is deleted here: that is `clearance purge`.
+"""Removal of runs from all lists, and restoration. Nothing is deleted here; that is done by `clearance purge`.
 
 A removed run retains its address, its results and its history.
 """
@@ -22,9 +22,9 @@ from campaigns.runs import ENDED, run_name
 
 
 def remove(engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visitor) -> list[RunSummary]:
-    """Take runs out of the lists, all of them or none; one that is removed already stays as it is.
+    """Remove runs from the lists, all of them or none; runs that are already removed are unchanged.
 
-    404 for one that is not there, 410 for one that was purged, 409 while one works or a sign-off of it stands.
+    404 for an unknown run, 410 for a purged one, 409 for one that is active or has a valid sign-off.
     """
     with engine.begin() as writer:
         rows = _locked(writer, run_ids)
@@ -35,11 +35,11 @@ def remove(engine: sa.Engine, run_ids: Sequence[int], reason: str, visitor: Visi
                 values = {"removed": at, "removed_by": visitor.user, "removed_reason": reason}
                 writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
                 audit.note(writer, visitor, "run.removed", run_name(row.id), {"reason": reason})
-    return _told(engine, run_ids)
+    return _summaries(engine, run_ids)
 
 
 def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list[RunSummary]:
-    """Put runs back into the lists; one that is there stays. 404 for one that is not, 410 for one that was purged."""
+    """Restore runs to the lists; listed ones are unchanged. 404 for an unknown run, 410 for a purged one."""
     with engine.begin() as writer:
         for row in _locked(writer, run_ids):
             if row.removed is not None:
@@ -47,11 +47,11 @@ def restore(engine: sa.Engine, run_ids: Sequence[int], visitor: Visitor) -> list
                 writer.execute(sa.update(Run).where(Run.id == row.id).values(**values))
                 told = {"removed_by": row.removed_by, "reason": row.removed_reason}
                 audit.note(writer, visitor, "run.restored", run_name(row.id), told)
-    return _told(engine, run_ids)
+    return _summaries(engine, run_ids)
 
 
 def refuse_removed(writer: sa.Connection, run_id: int) -> None:
-    """409 where the run is removed, 410 where it was purged. Holds its row, so that neither happens meanwhile."""
+    """Raise 409 if the run is removed, 410 if it was purged. Locks its row, so that neither can happen concurrently."""
     removed = writer.scalar(sa.select(Run.removed).where(Run.id == run_id).with_for_update())
     tombstones.refuse_purged(writer, run_id)
     if removed is not None:
@@ -59,7 +59,7 @@ def refuse_removed(writer: sa.Connection, run_id: int) -> None:
 
 
 def _locked(writer: sa.Connection, run_ids: Sequence[int]) -> list[Any]:
-    """The runs' rows, held in the order of their numbers, so that two removals cannot wait for each other."""
+    """The runs' rows, locked in the order of their numbers, which prevents deadlocks between removals."""
     columns = (Run.id, Run.state, Run.removed, Run.removed_by, Run.removed_reason)
     of = sa.select(*columns).where(Run.id.in_(run_ids)).order_by(Run.id).with_for_update()
     rows = {row.id: row for row in writer.execute(of)}
@@ -94,7 +94,7 @@ def _refuse(problems: Sequence[Problem]) -> None:
         raise RefusedError(409, "not-removable", said + more + none, problems)
 
 
-def _told(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
+def _summaries(engine: sa.Engine, run_ids: Sequence[int]) -> list[RunSummary]:
     with read(engine) as reader:
         found = {item.id: item for item in listing.summaries(reader, Run.id.in_(run_ids))}
     return [found[run_name(run_id)] for run_id in dict.fromkeys(run_ids)]

@@ -1,4 +1,4 @@
-"""What the API says of runs: submitting, listing, watching. Start reading at `RunSummary`."""
+"""The API schemas of runs: submission, list, detail. Start reading at `RunSummary`."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ Reason = Annotated[Notes, Field(min_length=1, max_length=400, pattern=r"\S")]
 
 
 class RunSubmit(Given):
-    """A campaign to run; the campaign's own name and tags are used where none are given."""
+    """A campaign to run; the campaign's own name and tags are the defaults."""
 
-    checked_elsewhere: ClassVar = frozenset({"campaign"})  # `campaigns.asked.reading` names the places in it
+    checked_elsewhere: ClassVar = frozenset({"campaign"})  # errors in it are located by `campaigns.asked.reading`
     campaign: JsonObject
     name: Annotated[str, Field(min_length=1, max_length=120)] | None = None
     tags: Tags | None = None
@@ -51,18 +51,19 @@ class RunEdit(Given):
     notes: Annotated[str, Field(max_length=20_000, description="Markdown.")] | None = None
     pinned: bool | None = None
     notes_before: Annotated[
-        str | None, Field(max_length=20_000, description="The notes that were read: others are not written over.")
+        str | None,
+        Field(max_length=20_000, description="The notes that were read; refused if changed since."),
     ] = None
 
 
 class HistoryEntry(Schema):
-    """Something done to a run, as the audit trail has it."""
+    """An action on a run, from the audit trail."""
 
     at: float
     """Seconds since 1970."""
     user: str
     via: str
-    """How they were signed in: link or token; cli on the command line."""
+    """The authentication: link, token, or cli for the command line."""
     action: str
     """run.submitted, run.edited, run.cancelled, run.removed, run.restored, run.purged, signoff.created,
     signoff.withdrawn, signoff.bound"""
@@ -76,35 +77,35 @@ class RunsNamed(Given):
 
 
 class RunsRemoved(RunsNamed):
-    """Several runs, and why they are taken out of the lists."""
+    """Several runs, and the reason for their removal."""
 
     reason: Reason
 
 
 class Facet(Schema):
-    """Something that runs can be found by, and how many have it."""
+    """A value by which runs can be filtered, and its number of runs."""
 
     value: str
     runs: int
 
 
 class RunFacets(Schema):
-    """What the runs can be narrowed to, the most frequent first."""
+    """The values by which runs can be filtered, most frequent first."""
 
     campaigns: list[Facet]
     tags: list[Facet]
     owners: list[Facet]
     methods: list[Facet]
-    """Which found the worst cases."""
+    """Methods that found the worst cases."""
 
 
 class StageSummary(Schema):
-    """A kind of stage that a run goes through."""
+    """A kind of stage of a run."""
 
     kind: StageKind
     title: str
     description: str
-    """What its stages do, in a few words."""
+    """A short description of its stages."""
 
 
 class StageProgress(Schema):
@@ -127,7 +128,7 @@ class StageProgress(Schema):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def title(self) -> str:
-        """The name of its kind, also of one that a run of another version has and this installation lacks."""
+        """The title of its kind; also for a kind of another version that this installation lacks."""
         stage = declared().get(self.kind)
         return self.kind.capitalize() if stage is None else stage.title
 
@@ -139,7 +140,7 @@ class StageDetail(StageProgress):
 
 
 class RunSummary(Schema):
-    """A run as the list shows it. Times are seconds since 1970; costs and margins are in `unit`."""
+    """A run as in the list. Times are seconds since 1970; costs and margins are in `unit`."""
 
     id: str
     """R-0001"""
@@ -165,7 +166,7 @@ class RunSummary(Schema):
     evaluations: int
     planned: int
     failed_evaluations: int
-    """Timeouts among them."""
+    """Includes timeouts."""
     excluded_evaluations: int
     created: float
     started: float | None
@@ -178,17 +179,17 @@ class RunSummary(Schema):
     """The run whose searches this one extends, R-0001."""
     pinned: bool
     best_so_far: list[tuple[int, float]]
-    """Evaluations and the lowest cost within them, thinned: for a small picture."""
+    """Convergence history: evaluations and the lowest cost within them, thinned for a sparkline."""
     upper_bound: float | None
-    """Of P(violation), from the independent sample."""
+    """Upper bound on P(violation), from the independent sample."""
     removed: float | None
-    """Since when it is in no list; None where it is."""
+    """Time of removal from all lists; None if it is listed."""
     removed_by: str | None
     removed_reason: str | None
 
 
 class RunVerdict(Verdict):
-    """The verdict of a run, its checks as they are read."""
+    """The verdict of a run, with its checks."""
 
     checks: list[DescribedCheck]  # type: ignore[assignment]
 
@@ -200,17 +201,17 @@ class RunDetail(RunSummary):
     """In Markdown."""
     campaign: JsonObject
     criteria: list[CriterionOut]
-    """The one that decides first, then the objectives."""
+    """The deciding criterion, then the objectives."""
     components_digest: str | None
-    """Of what its components meant when it was submitted (`/runs/{run}/components`); None if it was not stored."""
+    """Digest of the component descriptions at submission (`/runs/{run}/components`); None if not stored."""
     flown: Flown | None
-    """The versions when the first stage began: code, packages, machine; None before that, or if not stored."""
+    """The versions when the first stage started: code, packages, machine; None before that, or if not stored."""
     plan: list[StageSummary]
     """The kinds of stages in the order of the run."""
     stages: list[StageProgress]
     """Empty until a worker has started the run."""
     summary: RunVerdict | None
-    """The verdict with everything that supports it; null while there is none."""
+    """The verdict with its evidence; null until there is one."""
     rate: float | None
     """Evaluations per second of the running stage."""
     remaining: float | None
@@ -218,18 +219,18 @@ class RunDetail(RunSummary):
 
 
 class RunComponents(Schema):
-    """What the components and methods of a run meant: texts, units, limits and default values in force."""
+    """The descriptions of a run's components and methods: texts, units, limits and default values."""
 
     digest: str | None
     """SHA-256 of the stored snapshot; None if nothing was stored, in which case the installed ones are reported."""
     catalogue: Catalogue
     """The entries that the run's campaign uses."""
     changes: list[str]
-    """What this installation says otherwise now, as sentences; empty where it says the same."""
+    """Differences of this installation's descriptions, as sentences; empty if there are none."""
     code: str | None
-    """Digest of the code that ran the run; None if it has not begun, or the digest was not stored."""
+    """Digest of the code that ran the run; None if it has not started, or the digest was not stored."""
     code_installed: str | None
-    """Digest of the code that the newest worker has; None where none has published it."""
+    """Digest of the newest worker's code; None if no worker has published one."""
     code_changes: list[str]
     """The modules that differ between the two, if known."""
 
@@ -240,4 +241,4 @@ class RunPage(Schema):
     items: list[RunSummary]
     next_cursor: str | None
     counts: dict[str, int]
-    """How many runs there are by state and by verdict under the same search text, and how many removed ones."""
+    """The numbers of runs by state and by verdict for the same search text, and of removed runs."""

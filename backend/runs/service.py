@@ -1,4 +1,4 @@
-"""Runs: submitting, reading one, cancelling. The list is in `backend.runs.listing`. Start reading at `submit`."""
+"""Submission and details of runs. The list is in `backend.runs.listing`. Start reading at `submit`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from backend.db.tables import IdempotencyKey, Run, RunText, Stage
 from backend.http import bodies
 from backend.http.errors import RefusedError, not_found
 from backend.runs import listing, pace
-from backend.runs.earlier import Terms, speaking
+from backend.runs.earlier import Terms, terms_of
 from backend.runs.schemas import RunDetail, RunSubmit, RunSummary, RunVerdict, StageDetail, StageProgress, StageSummary
 from backend.runs.tombstones import refuse_purged
 from backend.runs.versions import readable
@@ -34,16 +34,16 @@ from campaigns.stages.plan import plan
 
 @dataclass(frozen=True)
 class Submission:
-    """A campaign to run, read but not yet held against the catalogue."""
+    """A campaign to run, parsed but not yet checked against the catalogue."""
 
     campaign: Campaign
     name: str
     tags: list[str]
     priority: int
     digest: str
-    """Of the request's body, to tell a repeated request from another one under the same key."""
+    """Digest of the request body, to distinguish a repeated request from another one with the same key."""
     text: str | None
-    """The campaign as it was typed; None where only a document was given."""
+    """The original text of the campaign; None if only a document was given."""
 
 
 def number(run: str) -> int:
@@ -60,7 +60,7 @@ def from_yaml(body: bytes) -> Submission:
 
 
 def from_json(body: bytes, given: RunSubmit) -> Submission:
-    """A submission as the API describes it; raises `CampaignError`, also where its text means another campaign."""
+    """A submission from JSON; raises `CampaignError`, also if its text describes another campaign."""
     campaign = load_document(given.campaign, "request")
     if given.text is not None and load_text(given.text, "text").digest != campaign.digest:
         text = "the text describes a different campaign than `campaign`: make both equal, or omit the text"
@@ -75,7 +75,7 @@ def _submission(campaign: Campaign, given: RunSubmit, body: bytes) -> Submission
 
 
 def submit(engine: sa.Engine, submission: Submission, visitor: Visitor, key: str | None) -> RunSummary:
-    """Queue a run, or give the one queued before under the same key; a refused request leaves no row."""
+    """Queue a run, or return the one queued earlier with the same key; a refused request leaves no row."""
     with read(engine) as reader:
         catalogue = required(reader)
     problems = check(submission.campaign, catalogue)
@@ -128,7 +128,7 @@ def _remember(writer: sa.Connection, submission: Submission, visitor: Visitor, k
 
 
 def summary(reader: sa.Connection, run_id: int) -> RunSummary:
-    """One run as the list shows it, or 404."""
+    """The summary of one run, or 404."""
     found = listing.summaries(reader, Run.id == run_id)
     if not found:
         require(reader, run_id)
@@ -136,7 +136,7 @@ def summary(reader: sa.Connection, run_id: int) -> RunSummary:
 
 
 def detail(reader: sa.Connection, run_id: int) -> RunDetail:
-    """One run with its campaign, stages and the time it may still take."""
+    """One run with its campaign, stages and estimated remaining time."""
     base = summary(reader, run_id)
     document, parts, notes, snapshot, flown = reader.execute(
         sa.select(CampaignRow.document, Run.summary, Run.notes, Run.snapshot, Run.flown)
@@ -156,7 +156,7 @@ def detail(reader: sa.Connection, run_id: int) -> RunDetail:
         flown=None if flown is None else Flown.of(flown),
         plan=_plan(campaign),
         stages=stages,
-        summary=_described(parts, base.failed_evaluations, speaking(reader, run_id)),
+        summary=_described(parts, base.failed_evaluations, terms_of(reader, run_id)),
         rate=rate,
         remaining=remaining,
     )
@@ -171,7 +171,7 @@ def _plan(campaign: Campaign) -> list[StageSummary]:
 
 
 def _described(parts: JsonObject | None, failed: int, terms: Terms) -> RunVerdict | None:
-    """The stored verdict with its checks as they are read."""
+    """The stored verdict with its checks."""
     if not parts or not parts.get("verdict"):
         return None
     with readable("the verdict of this run"):
@@ -192,12 +192,12 @@ def stages(reader: sa.Connection, run_id: int) -> list[StageDetail]:
     columns = (getattr(Stage, name) for name in StageDetail.model_fields)
     rows = reader.execute(sa.select(*columns).where(Stage.run_id == run_id).order_by(Stage.position))
     with readable(f"a result of {run_name(run_id)}"):
-        terms = speaking(reader, run_id)
+        terms = terms_of(reader, run_id)
         return [StageDetail.model_validate(earlier.spoken(dict(row._mapping), terms)) for row in rows]
 
 
 def require(reader: sa.Connection, run_id: int) -> None:
-    """404 unless there is such a run, 410 where it was purged."""
+    """Raise 404 if there is no such run, 410 if it was purged."""
     refuse_purged(reader, run_id)
     if reader.scalar(sa.select(Run.id).where(Run.id == run_id)) is None:
         raise not_found("run", run_name(run_id))

@@ -1,4 +1,4 @@
-"""A run's campaign as a file: as it was typed where it came as text, comments and all. Start reading at `text`."""
+"""A run's campaign as a file: the original text with its comments, if it was submitted as text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from campaigns.runs import run_name
 
 
 def text(reader: sa.Connection, run_id: int) -> str:
-    """The text that a run was submitted as, else its campaign as YAML; 404 for no such run, 410 for a purged one."""
+    """The original text of a run's campaign, else YAML; 404 if there is no such run, 410 if it was purged."""
     require(reader, run_id)
     typed = reader.scalar(sa.select(RunText.text).where(RunText.run_id == run_id))
     if typed is not None:
@@ -25,5 +25,5 @@ def text(reader: sa.Connection, run_id: int) -> str:
     document = reader.execute(of).scalar_one()
     try:
         return to_yaml(load_document(document, run_name(run_id)))
-    except CampaignError:  # of another version: told as it is kept, and refused where it is read
+    except CampaignError:  # stored by another version: returned unchanged, although this version cannot parse it
         return json.dumps(document, indent=2)

@@ -1,6 +1,6 @@
-"""What stays of a run that was purged: its number, name, digests, who removed it, when and why; and that it is gone.
+"""Tombstones of purged runs: number, name, digests, and who removed them, when and why.
 
-Source: RFC 9110, 15.5.11, 410 Gone. Start reading at `refuse_purged`.
+Source: RFC 9110, 15.5.11, 410 Gone.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _KEPT = (
 
 
 def refuse_purged(reader: sa.Connection, run_id: int) -> None:
-    """410 where the run was purged, with all that is still known of it; nothing where it was not, or never was."""
+    """Raise 410 if the run was purged, with its remaining data; do nothing if it was not, or does not exist."""
     columns = [getattr(Run, name) for name in _KEPT]
     row = reader.execute(sa.select(*columns).where(Run.id == run_id, Run.purged.is_not(None))).one_or_none()
     if row is not None:

@@ -1,4 +1,4 @@
-"""What another version stored in a shape that this one does not read. Start reading at `readable`."""
+"""Handles stored values of other versions whose form this version cannot read."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from backend.http.errors import RefusedError
 
 @contextmanager
 def readable(what: str) -> Iterator[None]:
-    """409 where a stored value does not have the shape that this version reads; `what` begins the sentence."""
+    """Raise 409 if a stored value does not have the form of this version; `what` starts the sentence."""
     try:
         yield
     except ValidationError:

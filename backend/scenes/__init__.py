@@ -1,11 +1,12 @@
-"""The 3D view of a run, on viser. Start reading at `viewer/viewer.py`. A room imports only rooms above it in this list.
+"""The 3D view of a run, on viser. Start reading at `viewer/viewer.py`. A package imports only
+packages above it in this list.
 
-base/        address, setting, flights, axes and colours, which all other rooms need
+base/        address, setting, flights, axes and colours, shared by all other packages
 live/        simulations on demand, in a child process
-drawing/     what stands and flies in a scene, and from where it is seen
-panel/       the tabs of the viewer's panel and what they show
-cloud/       the parameter space in place of the flights
+drawing/     the objects of a scene, and its cameras
+panel/       the tabs of the viewer's panel
+cloud/       the parameter space, shown instead of the flights
 viewer/      one viewer: scene and panel of one browser socket
-control/     how a browser comes to its viewer, and how the page steers it
-recordings/  a flight as a page that plays without a server
+control/     connects a browser to its viewer, and lets the page control it
+recordings/  a flight as a self-contained page that plays without a server
 """

@@ -32,19 +32,25 @@ for(let i=0;i<rest.length;i++){const w=rest[i];
 if(w==='t'||w==='cam')q.set(w,rest[++i]);else if(w!=='dark'&&w!=='light')q.set('finding',w)}
 location.replace('/runs/'+run+'/flight'+(q.size?'?'+q:''))}
 </script>"""
-"""What stands behind the # is part of the address, too: so a browser keeps one page for all views of a run.
+"""The fragment (after #) is moved into the path: a browser caches one page for all views of a run.
 
-In a window of its own and without a key, the view would have no controls: the page with the controls takes its place.
+A view in its own window, without a key, has no controls: it redirects to the page that has them.
+"""
+_DOCKS = b"""<script>
+{const ask=matchMedia.bind(window);window.matchMedia=query=>ask(query==='(max-width: 36em)'?'not all':query)}
+</script>"""
+"""Keeps the panel docked in narrow windows. There viser would show it as a sheet over the scene, which always begins
+unfolded and which no command folds.
 """
 _PAGE = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_bytes()
-_PAGE = _PAGE.replace(b"<head>", b"<head>" + _MOVES, 1)
+_PAGE = _PAGE.replace(b"<head>", b"<head>" + _MOVES + _DOCKS, 1)
 _PACKED = gzip.compress(_PAGE, 9)
 CSP = (
     "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; worker-src blob: data:; "
     "style-src 'unsafe-inline'; img-src 'self' data: blob:; font-src data:; connect-src 'self' data: blob:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
-"""viser's page is one file with everything in it. `connect-src 'self'` keeps it from attaching to another server."""
+"""viser's page is one self-contained file. `connect-src 'self'` prevents it from connecting to another server."""
 
 FAILED = 1011
 BUSY = 1013
@@ -54,20 +60,20 @@ _log = logging.getLogger(__name__)
 
 @router.get("/view/{run}")
 def view_without_slash(run: str, request: Request) -> Response:
-    """The page finds its socket by its own address, which ends in a slash."""
+    """Redirect to the address with a slash: the page derives its socket's address from its own."""
     return RedirectResponse(f"{request.url.path}/", 308)
 
 
 @router.get("/view/{run}/{rest:path}")
 def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response:
-    """The viewer's page; the same for every run, the socket brings the scene."""
+    """The viewer's page; identical for every run, since the scene comes over the socket."""
     setting.drawable(reader, number(run))
     _address(rest)
     if "websocket" in request.query_params:
-        detail = "?websocket= would attach this page to another server and is not allowed"
+        detail = "?websocket= would connect this page to another server and is not allowed"
         raise RefusedError(400, "not-allowed", detail)
     if "playbackPath" in request.query_params:
-        raise RefusedError(400, "not-allowed", "?playbackPath= is not allowed: recordings have addresses of their own")
+        raise RefusedError(400, "not-allowed", "?playbackPath= is not allowed: recordings have their own addresses")
     packed = "gzip" in request.headers.get("accept-encoding", "")
     headers = {"Content-Security-Policy": CSP, "Vary": "Accept-Encoding", "Cache-Control": "private, max-age=3600"}
     if packed:
@@ -77,13 +83,13 @@ def view_page(run: str, rest: str, request: Request, reader: Reader) -> Response
 
 @router.websocket("/view/{run}")
 async def view_socket_at_root(socket: WebSocket, run: str) -> None:
-    """The socket of a page without anything behind the run."""
+    """The socket of a page whose address ends with the run."""
     await view_socket(socket, run, "")
 
 
 @router.websocket("/view/{run}/{rest:path}")
 async def view_socket(socket: WebSocket, run: str, rest: str) -> None:
-    """One viewer; the visitor and the Origin were checked by the guard."""
+    """The socket of one viewer; the guard has checked the visitor and the Origin."""
     if socket.query_params or not socket.scope["subprotocols"]:
         await socket.close(REFUSED)
         return
@@ -122,7 +128,7 @@ def _address(rest: str) -> Address:
         return parse(rest)
     except ValueError as error:
         raise RefusedError(
-            404, "not-found", f"{error}: /view/RUN/F2/t/SECONDS/cam/chase/dark/key/UUID, each part if wanted"
+            404, "not-found", f"{error}: /view/RUN/F2/t/SECONDS/cam/chase/dark/key/UUID, each part is optional"
         ) from None
 
 

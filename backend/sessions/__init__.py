@@ -1,1 +1,1 @@
-"""Signing in by the login link, and out."""
+"""Signing in with the login link, and signing out."""

@@ -1,7 +1,7 @@
-"""Bounds what wrong login codes cost: never a write, and beyond a rate not even a read each.
+"""Limits the cost of wrong login codes: they cause no writes, and above a rate no individual reads.
 
-A good code is accepted whatever the rate, at the latest a second after it was made: wrong codes of others keep nobody
-from signing in. Start reading at `Attempts`.
+A valid code is accepted at any rate, at the latest one second after its creation: wrong codes of others cannot prevent
+a user from signing in.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from backend.access.door import Door
 from backend.db import access
 
 BURST = 20
-"""So many wrong codes are answered with 403 at once; those beyond with 429."""
+"""Burst of wrong codes answered with 403; further ones are answered with 429."""
 
 PERIOD = 3.0
-"""One more is allowed each time [s]."""
+"""Interval after which one more is allowed [s]."""
 
 RECENT = 1.0
-"""Beyond the rate, the codes that are good are looked up this often [s]."""
+"""Above the rate, the valid codes are read at this interval [s]."""
 
 
 class Attempts:
@@ -32,7 +32,7 @@ class Attempts:
 
     @property
     def over(self) -> bool:
-        """Whether there were too many wrong codes of late."""
+        """Whether the rate of wrong codes is exceeded."""
         return self._wrong >= BURST
 
     async def good(self, code: str) -> bool:
@@ -40,10 +40,11 @@ class Attempts:
         at = time.monotonic()
         self._wrong, self._since = max(0.0, self._wrong - (at - self._since) / PERIOD), at
         few = not self.over
-        self._wrong = min(self._wrong + 1, BURST + 1)  # until it is known to be good: many may ask at once
+        # counted before the check, because many requests may arrive at the same time
+        self._wrong = min(self._wrong + 1, BURST + 1)
         if few or at - self._looked >= RECENT:
             self._looked = at
-            self._good = await self._door.ask(access.good_codes)
+            self._good = await self._door.ask(access.valid_codes)
         good = access.hashed(code) in self._good
         if good:
             self._wrong = max(0.0, self._wrong - 1)

@@ -1,4 +1,4 @@
-"""The login link opens a session; GET and DELETE /session show and end it. Start reading at `login`."""
+"""The login link opens a session; GET and DELETE /session show and end it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from backend.http.deps import Engine
 from backend.sessions.schemas import SessionInfo
 
 USER = "local"
-"""Whoever came by the login link; there are no accounts yet."""
+"""The user of every login link; there are no accounts yet."""
 
 router = APIRouter(tags=["session"])
 login = APIRouter(include_in_schema=False)
@@ -22,7 +22,7 @@ login = APIRouter(include_in_schema=False)
 
 @login.api_route("/login", methods=["GET", "HEAD"])
 async def open_session(request: Request, engine: Engine, code: str = "") -> Response:
-    """Use a login link up and go to the runs. HEAD uses nothing up: programs that preview links send it."""
+    """Use a login link and redirect to the runs. HEAD does not use it, because link previews send HEAD."""
     if not code or request.method == "HEAD":
         return pages.sign_in(200)
     attempts = request.app.state.attempts
@@ -51,13 +51,13 @@ def _opened(engine: sa.Engine, code: str) -> str | None:
 
 @router.get("/session")
 async def get_session(visitor: CurrentVisitor) -> SessionInfo:
-    """Who is signed in."""
+    """The user who is signed in."""
     return SessionInfo(user=visitor.user, via=visitor.via)
 
 
 @router.delete("/session", status_code=status.HTTP_204_NO_CONTENT)
 def end_session(request: Request, engine: Engine) -> Response:
-    """Sign this browser out; an API token stays good."""
+    """Sign out this browser; an API token stays valid."""
     cookie = request.app.state.settings.cookie
     if cookie in request.cookies:
         with engine.begin() as connection:

@@ -1,4 +1,4 @@
-"""What the API says of the visitor."""
+"""The API schema of the session."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from backend.http.schema import Schema
 
 
 class SessionInfo(Schema):
-    """Who is signed in, and how they came in."""
+    """The user who is signed in, and how they authenticated."""
 
     user: str
     via: Literal["link", "token"]

@@ -1,4 +1,4 @@
-"""GET and POST /runs/{run}/signoffs, withdrawing one. Start reading at `sign_off`."""
+"""GET and POST /runs/{run}/signoffs, and withdrawal."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Number = Annotated[int, Path(ge=1, le=2**31 - 1, description="The number of the 
 
 @router.get("/runs/{run}/signoffs", responses=problems("not-found", "purged"))
 def list_signoffs(run: RunName, reader: Reader) -> Signoffs:
-    """The sign-offs of a run, and the digest that a new one is to name."""
+    """The sign-offs of a run, and the digest that a new one must give."""
     return service.listed(reader, number(run))
 
 
@@ -31,7 +31,7 @@ def list_signoffs(run: RunName, reader: Reader) -> Signoffs:
     responses=problems("not-found", "no-verdict", "results-changed", "already-signed", "removed", "purged"),
 )
 def sign_off(run: RunName, given: SignoffRequest, engine: Engine, visitor: CurrentVisitor) -> Signoff:
-    """Sign the results of a run off; the digest says which were reviewed, and others are refused."""
+    """Sign off the results of a run; the digest identifies the reviewed results and must match the current ones."""
     return service.sign(engine, number(run), given, visitor)
 
 

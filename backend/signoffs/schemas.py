@@ -1,4 +1,4 @@
-"""What the API says of sign-offs. Start reading at `Signoff`."""
+"""The API schemas of sign-offs."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ Comment = Annotated[Notes, Field(max_length=4000)]
 
 
 class SignoffRequest(Given):
-    """A reviewer's word on the results that they have seen."""
+    """A reviewer's sign-off of the results that they reviewed."""
 
     name: Name
     role: Name
     comment: Comment = ""
     digest: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
-    """Of the results that were reviewed; another one than the run's is refused."""
+    """The digest of the reviewed results; refused if it is not the run's current one."""
 
 
 class WithdrawalRequest(Given):
-    """Why a sign-off is no longer good."""
+    """The reason why a sign-off is withdrawn."""
 
     reason: Annotated[Comment, Field(min_length=1)]
 
@@ -39,7 +39,7 @@ class Signoff(Schema):
     current: bool
     """Whether the results are still those that were signed."""
     user: str
-    """Who was signed in to the service."""
+    """The user who was signed in to the service."""
     created: float
     withdrawn: float | None
     withdrawn_by: str | None
@@ -47,9 +47,9 @@ class Signoff(Schema):
 
 
 class Signoffs(Schema):
-    """The sign-offs of a run, the oldest first, and the digest of its results as they are now."""
+    """The sign-offs of a run, oldest first, and the digest of its current results."""
 
     digest: str
     can_sign: bool
-    """Whether there is a verdict to sign, of a run that is not removed."""
+    """Whether the run can be signed off: it has a verdict and is not removed."""
     items: list[Signoff]

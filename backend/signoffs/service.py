@@ -1,6 +1,6 @@
-"""Signing a run's results off, and withdrawing that: the results' digest binds what was signed.
+"""Sign-offs of a run's results and their withdrawal; a sign-off is bound to the digest of the results.
 
-Each write is one transaction with its row in the audit trail. Start reading at `sign`.
+Each write includes its row in the audit trail, in one transaction.
 """
 
 from __future__ import annotations
@@ -22,19 +22,17 @@ from campaigns.runs import run_name
 
 
 def listed(reader: sa.Connection, run_id: int) -> Signoffs:
-    """The sign-offs of a run, the oldest first; 404 for no run."""
+    """The sign-offs of a run, oldest first; 404 if there is no such run."""
     verdict = _verdict(reader, run_id)
     removed = reader.scalar(sa.select(Run.removed).where(Run.id == run_id)) is not None
     digest = results_digest(reader, run_id)
     rows = reader.execute(sa.select(Row.__table__).where(Row.run_id == run_id).order_by(Row.id)).mappings()
-    items = [_told(dict(row), digest) for row in rows]
+    items = [_signoff(dict(row), digest) for row in rows]
     return Signoffs(digest=digest, can_sign=verdict is not None and not removed, items=items)
 
 
 def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor) -> Signoff:
-    """Sign the results off. 409 where there is no verdict, where others were reviewed, for the same word twice, and
-    for a run that is removed.
-    """
+    """Sign off the results. 409 without a verdict, for other results, for a repetition, and for a removed run."""
     with engine.begin() as writer:
         refuse_removed(writer, run_id)
         if _verdict(writer, run_id) is None:
@@ -42,13 +40,13 @@ def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor
         digest = results_digest(writer, run_id)
         if given.digest != digest:
             detail = (
-                f"the results of {run_name(run_id)} are not those that were reviewed (sha256 {given.digest[:16]}): "
+                f"the results of {run_name(run_id)} have changed since the review (sha256 {given.digest[:16]}): "
                 "load the run and review it again"
             )
             raise _conflict("results-changed", detail)
         same = (Row.run_id == run_id, Row.name == given.name, Row.role == given.role, Row.digest == digest)
         if writer.scalar(sa.select(Row.id).where(*same, Row.withdrawn.is_(None))) is not None:
-            raise _conflict("already-signed", f"{given.name} has signed these results off as {given.role} already")
+            raise _conflict("already-signed", f"{given.name} has already signed off these results as {given.role}")
         values = given.model_dump() | {"run_id": run_id, "user": visitor.user, "created": now(writer)}
         signoff_id = writer.execute(sa.insert(Row).values(**values).returning(Row.id)).scalar_one()
         audit.note(writer, visitor, "signoff.created", run_name(run_id), {"signoff": signoff_id, **given.model_dump()})
@@ -56,11 +54,11 @@ def sign(engine: sa.Engine, run_id: int, given: SignoffRequest, visitor: Visitor
 
 
 def withdraw(engine: sa.Engine, run_id: int, signoff_id: int, reason: str, visitor: Visitor) -> Signoff:
-    """Withdraw a sign-off, once and with a reason; it stays on record. 404 for none, 409 where it is withdrawn."""
+    """Withdraw a sign-off with a reason; it stays on record. 404 if there is none, 409 if it is already withdrawn."""
     with engine.begin() as writer:
         standing = _one(writer, run_id, signoff_id)
         if standing.withdrawn is not None:
-            raise _conflict("withdrawn", f"this sign-off was withdrawn by {standing.withdrawn_by} already")
+            raise _conflict("withdrawn", f"this sign-off was already withdrawn by {standing.withdrawn_by}")
         values = {"withdrawn": now(writer), "withdrawn_by": visitor.user, "withdrawn_reason": reason}
         writer.execute(sa.update(Row).where(Row.id == signoff_id).values(**values))
         detail = {"signoff": signoff_id, "reason": reason}
@@ -74,16 +72,16 @@ def _one(reader: sa.Connection, run_id: int, signoff_id: int) -> Signoff:
     row = reader.execute(query).mappings().one_or_none()
     if row is None:
         raise not_found(f"sign-off of {run_name(run_id)} with the number", str(signoff_id))
-    return _told(dict(row), results_digest(reader, run_id))
+    return _signoff(dict(row), results_digest(reader, run_id))
 
 
-def _told(row: JsonObject, digest: str) -> Signoff:
+def _signoff(row: JsonObject, digest: str) -> Signoff:
     del row["run_id"]
     return Signoff(**row, current=row["digest"] == digest)
 
 
 def _verdict(reader: sa.Connection, run_id: int) -> str | None:
-    """The verdict of a run, or 404; 410 where it was purged."""
+    """The verdict of a run, or 404; 410 if it was purged."""
     refuse_purged(reader, run_id)
     found = reader.execute(sa.select(Run.verdict).where(Run.id == run_id)).one_or_none()
     if found is None:

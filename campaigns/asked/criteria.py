@@ -30,7 +30,7 @@ def criteria(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
 
 
 def named(components: Iterable[str]) -> list[str]:
-    """The criteria of these components as results name them, each name once: the second of a component is name#2."""
+    """Unique names of the criteria in results: a second criterion of the same component is name#2."""
     found: list[str] = []
     for component in components:
         alike = sum(name.partition("#")[0] == component for name in found)
@@ -42,7 +42,7 @@ def _reached(field: str, name: str, campaign: Campaign, catalogue: Catalogue) ->
     avoider = catalogue.component("avoider", campaign.given_scenario.avoider.component)
     if avoider is not None and not {"x", "y"} <= {g.name for g in avoider.goals}:
         text = (
-            f"this criterion measures the distance to the goal, but {avoider.name} follows a course and has no goal "
+            f"this criterion measures the distance to the goal, but {avoider.name} follows a path and has no goal "
             "position; remove this entry"
         )
         yield Problem(field, name, text)

@@ -1,4 +1,4 @@
-"""YAML or JSON in, a `Campaign` out, or every problem found: file, field, what was given, what is allowed.
+"""Reads YAML or JSON into a `Campaign`, or reports every problem: file, field, what was given, what is allowed.
 
 Start reading at `load_text`; how text becomes plain values is in `campaigns.asked.reading`.
 """
@@ -24,7 +24,7 @@ LIBRARY = Path(__file__).parents[1] / "library"
 
 
 def load_file(path: Path) -> Campaign:
-    """Read a campaign from a file; raises `CampaignError` for anything that is wrong, a missing file included."""
+    """Read a campaign from a file; raises `CampaignError` for all problems, including a missing file."""
     return load_text(read_text(path), str(path))
 
 
@@ -74,7 +74,7 @@ def load_document(document: Any, source: str = "campaign") -> Campaign:
 
 
 def library() -> dict[str, Path]:
-    """The shipped campaigns by identifier (the file's name without its ending)."""
+    """The shipped campaigns by identifier (the file name without its extension)."""
     return {path.stem: path for path in sorted(LIBRARY.glob("*.yaml"))}
 
 

@@ -1,4 +1,4 @@
-"""A problem of a campaign: its location, what was given, and what is allowed or to do.
+"""A problem of a campaign: its location, what was given, and what is allowed or to be done.
 
 Start reading at `Problem`.
 """
@@ -11,17 +11,17 @@ from dataclasses import dataclass
 from typing import Any
 
 MOST = 50
-"""Problems told of one campaign; more help nobody."""
+"""The largest number of problems reported for one campaign."""
 
 LONGEST = 120
-"""Characters of a given value that are told."""
+"""The largest number of characters shown of a given value."""
 
 _WRITER = json.JSONEncoder(default=str, ensure_ascii=False)
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong with a campaign: where, what was given, and what is allowed or to do."""
+    """One problem of a campaign: where, what was given, and what is allowed or to be done."""
 
     field: str
     given: str
@@ -33,10 +33,10 @@ class Problem:
 
 
 class CampaignError(ValueError):
-    """The campaign cannot be used; `problems` lists why, `source` says which file or request it came from."""
+    """The campaign cannot be used; `problems` lists why, `source` is the file or request."""
 
     def __init__(self, source: str, problems: Sequence[Problem], found: int | None = None) -> None:
-        """`found` is how many there are where only the first are given."""
+        """found: the total number of problems, if only the first ones are given."""
         self.source = source
         self.problems = list(problems[:MOST])
         more = (len(problems) if found is None else found) - len(self.problems)

@@ -1,7 +1,7 @@
-"""Text to plain JSON values: JSON by RFC 8259, YAML by the core schema of YAML 1.2 (section 10.3), without its traps.
+"""Reads text as plain JSON values: JSON by RFC 8259, YAML by the core schema of YAML 1.2 (section 10.3), restricted.
 
-No aliases, no tags, no repeated keys, no keys but text, nothing deeper than a campaign can be: `1e-3` is a number, and
-`no`, `012:30` and `2026-01-31` are text. Start reading at `parse`; `Dumper` writes what it reads.
+Aliases, tags, repeated keys, keys that are not text, and deep nesting are refused. `1e-3` is a number; `no`, `012:30`
+and `2026-01-31` are text. Start reading at `parse`; `Dumper` writes text that `parse` reads.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ DEEPEST = 16
 """A campaign nests 6 deep; parameters may be written nested."""
 
 MOST_VALUES = 200_000
-"""Values of a YAML text, keys counted: 10,000 starts in eight parameters have fewer, and are read in two seconds."""
+"""The largest number of values and keys in a YAML text: 10,000 starts in eight parameters have fewer, read in 2 s."""
 
 LONGEST_KEY = 200
 LARGEST_WHOLE = 2**63
 
 _PARSED_DEPTH = 100
-"""Nested deeper, the reader stops before Python's stack ends; below it `misshapen` names the place."""
+"""The reader refuses deeper nesting, to protect Python's stack; up to here `misshapen` reports the location."""
 
 _EXPLAINED = 64_000
-"""Longer text that is no YAML gets libyaml's own sentence, not that of PyYAML, which takes 25 us a value."""
+"""Longer invalid YAML is reported with libyaml's message; PyYAML's is better but takes 25 us per value."""
 
 _TOO_MANY = f"more than {MOST_VALUES:,} values, keys counted: shorten the campaign, or give it as JSON"
 
@@ -66,7 +66,7 @@ def parse(text: str) -> Any:
 
 
 def _yaml(text: str) -> Any:
-    """YAML by libyaml, ten times as fast; what it refuses is read again by PyYAML for its message."""
+    """Read YAML with libyaml, which is ten times as fast; refused text is read again with PyYAML for its message."""
     try:
         return yaml.load(text, Loader=_Fast)
     except (_RefusedError, RecursionError):
@@ -101,7 +101,7 @@ def field(place: Place) -> str:
 
 
 def misshapen(document: Any) -> Iterator[Problem]:
-    """Where a document is not plain JSON of limited depth; a document that passes is safe for recursion."""
+    """Locations where a document is not plain JSON of limited depth; a valid document is safe for recursion."""
     waiting: list[tuple[Place, Any, int]] = [(None, document, 0)]
     while waiting:
         place, value, depth = waiting.pop()
@@ -154,7 +154,7 @@ class _RefusedError(yaml.MarkedYAMLError):
 
 
 class _Plain(yaml.composer.Composer, yaml.constructor.SafeConstructor):
-    """Without aliases (a small file must stay small), tags, repeated keys, and more values than a campaign has."""
+    """Refuses aliases (which expand a small file), tags, repeated keys, and too many values."""
 
     values = depth = 0
 
@@ -202,7 +202,7 @@ _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class _Fast(_Plain, _Parser):  # type: ignore[misc]
-    """Reads with libyaml's scanner and parser where PyYAML was built with it; composed here, so that values count."""
+    """Reads with libyaml's scanner and parser, if available; composed in Python, so that values are counted."""
 
     yaml_implicit_resolvers: JsonObject = {}  # noqa: RUF012
 

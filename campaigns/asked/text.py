@@ -6,6 +6,7 @@ from typing import Any
 
 import yaml
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from campaigns.asked.reading import Dumper
 from campaigns.asked.spec import Campaign
@@ -24,9 +25,16 @@ def _said(value: Any) -> Any:
     if isinstance(value, BaseModel):
         fields = type(value).model_fields
         pairs = ((field.alias or name, field, getattr(value, name)) for name, field in fields.items())
-        return {key: _said(inner) for key, field, inner in pairs if key in _ALWAYS or inner != field.default}
+        return {key: _said(inner) for key, field, inner in pairs if _is_written(key, field, inner)}
     if isinstance(value, dict):
         return {key: _said(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
         return [_said(inner) for inner in value]
     return value
+
+
+def _is_written(key: str, field: FieldInfo, value: Any) -> bool:
+    """Whether the text has this field; what the canonical form omits is omitted here as well."""
+    if field.exclude_if is not None and field.exclude_if(value):
+        return False
+    return key in _ALWAYS or value != field.default

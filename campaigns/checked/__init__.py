@@ -1,4 +1,4 @@
-"""Whether a campaign can be run: validated against the catalogue, its limits and what it asks of the machine.
+"""Checks whether a campaign can be run: validation against the catalogue, limits and computing effort.
 
 Start reading at `check`.
 """

@@ -44,7 +44,7 @@ def _first(problems: Iterator[Problem]) -> list[Problem]:
 
 
 def parts(campaign: Campaign) -> Iterator[tuple[str, str, Role, Part]]:
-    """The parts of a scenario: prefix of its parameters' paths, field in the file, role, part; none of a simulator."""
+    """The parts of a scenario: prefix of parameter paths, field in the file, role, part; empty for a simulator."""
     s = campaign.scenario
     if s is None:
         return
@@ -181,7 +181,7 @@ def _fits(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
     avoider = catalogue.component("avoider", scenario.avoider.component)
     if controller is not None and avoider is not None and avoider.demand not in controller.demands:
         follows = " or ".join(controller.demands)
-        text = f"it asks for a {avoider.demand}; the controller {controller.name} follows a {follows}"
+        text = f"it demands a {avoider.demand}; the controller {controller.name} follows a {follows}"
         yield Problem("scenario.avoider.component", avoider.name, text)
     if not scenario.obstacles:
         yield Problem("scenario.obstacles", "[]", "give at least one obstacle: the criterion reads distances to them")
@@ -196,9 +196,9 @@ def _placed(campaign: Campaign, catalogue: Catalogue) -> Iterator[Problem]:
             continue
         field = f"scenario.faults.{i}.on"
         if entry.path == "actuator" and fault.on not in vehicle.inputs:
-            yield Problem(field, fault.on, f"name the input it is on: {', '.join(vehicle.inputs)}")
+            yield Problem(field, fault.on, f"name the input it acts on: {', '.join(vehicle.inputs)}")
         elif entry.path != "actuator" and fault.on:
-            yield Problem(field, fault.on, f"a fault of {entry.path} is not on an input; leave this out")
+            yield Problem(field, fault.on, f"a {entry.path} fault does not act on an input; remove this")
         if entry.path == "guidance" and campaign.given_scenario.guidance.period == 0:
             text = "only sampled guidance can be delayed; give scenario.guidance.period, or delay an actuator"
             yield Problem(f"scenario.faults.{i}.component", fault.component, text)

@@ -13,14 +13,14 @@ from campaigns.asked.spec import Campaign, Scenario
 from campaigns.stages.plan import plan
 
 MOST_STEPS = 10**13
-"""Steps of simulation of a whole run; of 20 ns each (a vehicle in a plane) they take two days on one core. The largest
+"""Simulation steps of a run; at 20 ns each (a vehicle in the plane) they take two days on one core. The largest
 campaign of the library has 5e8."""
 
 MOST_TRACED = 10**8
-"""Numbers of one trace, 0.8 GB; its states, what is drawn of them and distances to every obstacle count."""
+"""Numbers of one trace, 0.8 GB: its states, the observed columns and distances to every obstacle."""
 
 MOST_STORED = 3 * 10**8
-"""Numbers of all evaluations of a run, 2.4 GB: they are held together when the verdict is reached."""
+"""Numbers of all evaluations of a run, 2.4 GB: all are in memory when the verdict is computed."""
 
 PREVIEW_STEPS = 2 * 10**7
 PREVIEW_TRACED = 2 * 10**7
@@ -35,7 +35,7 @@ OBSTACLE = 8
 
 
 def steps(campaign: Campaign) -> int:
-    """Steps of one evaluation, all its realisations together; unknown (0) for a simulator."""
+    """Steps of one evaluation, over all its realisations; 0 (unknown) for a simulator."""
     return 0 if campaign.scenario is None else traced_steps(campaign) * len(campaign.scenario.realisations.seeds)
 
 
@@ -51,7 +51,7 @@ def traced(campaign: Campaign) -> int:
 
 
 def excessive(campaign: Campaign) -> Iterator[Problem]:
-    """Where the campaign exceeds what can be run, and what to lower."""
+    """Problems with a campaign that exceeds the limits, and what to lower."""
     evaluations = sum(stage.planned for stage in plan(campaign))
     if campaign.scenario is not None:
         yield from _simulating(campaign, campaign.scenario, evaluations)
@@ -78,7 +78,7 @@ def _simulating(campaign: Campaign, scenario: Scenario, evaluations: int) -> Ite
 
 
 def unpreviewable(campaign: Campaign) -> Iterator[Problem]:
-    """Where the nominal case exceeds the limits of a preview, though not those of a run."""
+    """Problems with a nominal case that exceeds the limits of a preview, which are lower than those of a run."""
     if campaign.scenario is None:
         yield Problem("simulator", "", "a simulator has no preview; start the run")
         return

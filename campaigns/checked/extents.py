@@ -1,4 +1,4 @@
-"""The extent of obstacles against the criterion: a distance to a centre does not show whether a vehicle is inside."""
+"""Compares obstacle sizes with the threshold: a distance to a centre does not show whether a vehicle is inside."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def within(campaign: Campaign, catalogue: Catalogue, known: Known) -> dict[str, 
 
 
 def largest(reach: ReachEntry, prefix: str, campaign: Campaign, known: Known) -> float:
-    """The reach of an obstacle [m]; of an uncertain parameter the magnitude of the bound farther from 0 counts."""
+    """The reach of an obstacle [m]; for an uncertain parameter, with the bound of larger magnitude."""
     return reach.times * math.hypot(*(_largest(f"{prefix}.{name}", campaign, known) for name in reach.of))
 
 
@@ -69,14 +69,14 @@ def _sentence(catalogue: Catalogue, inside: Mapping[str, float]) -> str:
     use = f"use {' or '.join(surface)} (distance to the surface)" if surface else "measure to the surface"
     reach = _upward(inside[path])
     return (
-        f"this distance is measured to the obstacles' centres, and {path}{others} reaches {reach} m from its own: "
-        f"a vehicle inside it would count as clear; {use}, give at least {reach} m, "
+        f"this distance is measured to the obstacles' centres, and the surface of {path}{others} extends to {reach} m "
+        f"from its centre: a vehicle inside it would count as clear; {use}, give at least {reach} m, "
         f"or state from_centre: true if distances to the centre are meant"
     )
 
 
 def _upward(reach: float) -> str:
-    """A number of at most 6 digits that is not below the reach, so that it is accepted where it is given."""
+    """The reach rounded up to at most 6 digits, so that it is accepted as a threshold."""
     text = f"{reach:.6g}"
     below = float(text) < reach * (1 - SLACK)
     return f"{reach + 10.0 ** (math.floor(math.log10(reach)) - 5):.6g}" if below else text

@@ -1,4 +1,4 @@
-"""One frame for a scenario: the vehicle's axes, which every component with a sense of up, right or heading shares."""
+"""Checks that components which depend on up, right or heading assume the axes of the vehicle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the checks of a campaign write numbers, limits and names, and compare units."""
+"""Formats numbers, limits and names in the checks of a campaign, and compares units."""
 
 from __future__ import annotations
 

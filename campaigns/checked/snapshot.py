@@ -35,8 +35,8 @@ _WORDS = {
     "reach": "reach",
     "kind": "kind",
     "source": "source",
-    "how": "way to search, in short",
-    "starts": "taking of start points",
+    "how": "short description of the search",
+    "starts": "use of start points",
     "evaluations": "usual budget",
 }
 _GROUPS = {"parameters": "", "starts": "start state ", "goals": "goal "}
@@ -173,7 +173,7 @@ def _fields(
         if field == "text":
             yield f"the text of {called} (equations, source) is different here"
         else:
-            yield f"the {_WORDS.get(field, field)} of {called} was {_told(was)}, here it is {_told(is_)}"
+            yield f"the {_WORDS.get(field, field)} of {called} was {_shown_value(was)}, here it is {_shown_value(is_)}"
 
 
 def _gone(called: str) -> str:
@@ -193,7 +193,7 @@ def _value(value: float | None, unit: str) -> str:
     return "none" if value is None else f"{repr(value).removesuffix('.0')} {unit}".strip()
 
 
-def _told(value: Any) -> str:
+def _shown_value(value: Any) -> str:
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "none"
     return "none" if value in (None, "") else f"“{value}”" if isinstance(value, str) else str(value)

@@ -91,7 +91,7 @@ def matrix(correlations: Sequence[Correlation], paths: Sequence[str]) -> list[li
 
 
 def positive_definite(rows: Sequence[Sequence[float]]) -> bool:
-    """By Cholesky's factors, none of whose squared pivots may be below 1e-9."""
+    """Whether a Cholesky factorisation has no squared pivot below 1e-9."""
     factor: list[list[float]] = []
     for i, row in enumerate(rows):
         made: list[float] = []

@@ -1,4 +1,4 @@
-"""The codes of claims: what a check is about, by which rule a search stopped.
+"""The codes of claims: subjects of checks, and rules by which searches stop.
 
 A method or check of another package has its own code, a string that is not listed here.
 """

@@ -1,6 +1,6 @@
-"""What comes out of a run, as types: the result of each stage, findings, the verdict with its checks, heads of flights.
+"""The types of a run's results: the result of each stage, findings, the verdict with its checks, trace headers.
 
-The worker builds them, the store keeps them as JSON, the API declares them, report, command line and pages read them.
+The worker builds them, the store keeps them as JSON, the API declares them; report, command line and pages read them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The certify stage: an independent sample from the distributions, and a full grid where asked for."""
+"""The certify stage: an independent sample from the distributions, and a full grid if requested."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from campaigns.stages.declared import Declared
 
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
-    # Where nothing is excluded: excluded draws come on top.
+    # Excluded draws, which are repeated, are not included.
     asked = campaign.stages.certify
     if asked is None:
         return []

@@ -1,4 +1,4 @@
-"""What a kind of stage declares. Start reading at `Declared`."""
+"""The declaration of a kind of stage. Start reading at `Declared`."""
 
 from __future__ import annotations
 
@@ -19,6 +19,6 @@ class Declared:
     title: str
     result: type[StageResult]
     planned: Callable[[Campaign], list[tuple[str | None, int]]]
-    """For every stage of this kind that the campaign asks for: the method, if any, and the budget of evaluations."""
+    """For every stage of this kind in the campaign: the method, if any, and the budget of evaluations."""
     description: Callable[[Campaign], str]
-    """What the stages of this kind do in this campaign, in a few words."""
+    """A short description of the stages of this kind in this campaign."""

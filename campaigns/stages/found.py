@@ -1,4 +1,4 @@
-"""Which kinds of stages there are, and the result of any of them as one type. Start reading at `declared`."""
+"""Discovers the kinds of stages, and combines their results in one type. Start reading at `declared`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from campaigns.stages.declared import Declared
 
 @cache
 def declared() -> dict[str, Declared]:
-    """Every kind of stage in the order of a run; two of one kind are an error."""
+    """Every kind of stage in the order of a run; a duplicate kind is an error."""
     found: list[Declared] = []
     for info in pkgutil.iter_modules(campaigns.stages.__path__):
         stage = getattr(importlib.import_module(f"campaigns.stages.{info.name}"), "stage", None)
@@ -41,5 +41,5 @@ _ADAPTER: TypeAdapter[StageResult] = TypeAdapter(AnyResult)
 
 
 def stage_result(stored: Any) -> StageResult:
-    """A stored result as its type; raises pydantic's `ValidationError` where it is not a result."""
+    """A stored result as its type; raises pydantic's `ValidationError` if it is invalid."""
     return _ADAPTER.validate_python(stored)

@@ -1,6 +1,6 @@
-"""The stages that a run of a campaign goes through, and how many evaluations each may take.
+"""The stages of a run of a campaign, with the budget of evaluations of each.
 
-The worker plans with it and the service announces with it, so that both count alike. Start reading at `plan`.
+Worker and service both use it, so that their numbers agree. Start reading at `plan`.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from campaigns.stages.found import StageKind, declared
 
 
 class Planned(NamedTuple):
-    """One stage to come; `planned` evaluations are its budget.
+    """One planned stage; `planned` evaluations are its budget.
 
-    Of validate they are an estimate: the number of worst cases is not known before. Of certify they are what is
-    simulated where nothing is excluded. Checks at half the step and with the reference integrator are not counted.
+    For validate this is an estimate, since the number of worst cases is not known in advance. For certify it excludes
+    repeated draws. Checks at half the step and with the reference integrator are not counted.
     """
 
     kind: StageKind

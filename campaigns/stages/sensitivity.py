@@ -1,4 +1,4 @@
-"""The sensitivity stage: one parameter at a time over its bounds, and the indices where asked for."""
+"""The sensitivity stage: one parameter at a time over its bounds, and the indices if requested."""
 
 from __future__ import annotations
 

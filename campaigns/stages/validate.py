@@ -8,7 +8,7 @@ from campaigns.stages.declared import Declared
 
 
 def _planned(campaign: Campaign) -> list[tuple[str | None, int]]:
-    # An estimate: what distinguishing the worst cases usually takes (measured on the library), and one's neighbours.
+    # An estimate: the usual number to distinguish the worst cases (measured on the library), plus one's neighbours.
     usual = 400 * (len(campaign.uncertain) + 1)
     return [(None, min(campaign.stages.findings.evaluations, usual) + campaign.stages.validate_.neighbours)]
 

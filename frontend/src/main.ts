@@ -1,14 +1,13 @@
-// Starts the pages: styles first; then all that an address needs is asked for at once, code and data alike, instead of
-// one after another.
+// Starts the pages: styles first; then code and data for the address are requested in parallel.
 import './theme/styles'
 import { askAhead } from './api/ahead'
 import { pageAt } from './app/lazy'
 
 const pages = import('./app/Pages')
-// Where its code does not come, the router asks again, and says so.
+// If the code cannot be loaded, the router retries and reports it.
 pageAt(location.pathname)?.().catch(() => undefined)
 askAhead(location)
-// Fonts would wait for the first words that need them, and lay all words out again when they come.
+// Without preloading, fonts would be requested at first use and cause a second layout.
 void document.fonts.load('1em "Inter Variable"')
 void document.fonts.load('1em "JetBrains Mono Variable"')
 

@@ -1,4 +1,4 @@
-"""Classes of attack on a verdict, each a generator of campaigns from a seed; what each may end as is known beforehand.
+"""Classes of attack on a verdict, each a generator of campaigns from a seed, with known permitted outcomes.
 
 Where the truth can be had it comes from brute force: a dense set of simulations at half the step, apart from every
 stage of a run. Start reading at `CLASSES`; `tests/adversary/attack.py` runs them.
@@ -41,7 +41,7 @@ class Attack:
 
 
 def campaign(name: str, random: np.random.Generator, may: frozenset[str], **changes: Any) -> Attack:
-    """Case 1 with these changes: searches of a few hundred evaluations, a small sample, one seed of its own."""
+    """Case 1 with these changes: searches of a few hundred evaluations, a small sample, its own seed."""
     stages = {
         "sensitivity": {"points": 9},
         "search": [*SEARCHES],
@@ -119,7 +119,7 @@ def out_of_reach(random: np.random.Generator) -> Attack:
 
 
 def no_avoidance(random: np.random.Generator) -> Attack:
-    """Nothing avoids, and the obstacle is beside the path."""
+    """No avoidance, and the obstacle is next to the path."""
     beside = circle(float(random.uniform(1.0, 3.0)), float(random.uniform(4.5, 6.0)), 0.3)
     return campaign(
         "no avoidance", random, NOT_CLEARED, scenario__obstacles=[beside], scenario__avoider=avoider(0.0),
@@ -147,7 +147,7 @@ def collision(random: np.random.Generator) -> Attack:
 
 
 def side_switch(random: np.random.Generator) -> Attack:
-    """An avoider that changes sides: the worst ridge is a jump that no two integrations place alike."""
+    """An avoider that changes sides: the worst ridge is a discontinuity whose position depends on the integrator."""
     start = {"x": float(random.uniform(0.1, 0.4)), "y": float(random.uniform(-0.4, -0.1)), "theta": 0.0}
     uncertain = MASSES | {"start.x": {"low": -0.5, "high": 0.5}, "start.y": {"low": -0.5, "high": 0.5}}
     return campaign(
@@ -169,7 +169,7 @@ def one_realisation(random: np.random.Generator) -> Attack:
 
 
 def mean_of_realisations(random: np.random.Generator) -> Attack:
-    """The mean over noise realisations, above the threshold where single ones are not."""
+    """The mean over noise realisations is above the threshold, although single ones are not."""
     seeds = [int(s) for s in random.choice(1000, 4, replace=False)]
     return campaign(
         "mean of realisations", random, NOT_CLEARED,
@@ -197,7 +197,7 @@ def mostly_excluded(random: np.random.Generator) -> Attack:
 
 
 def tails(random: np.random.Generator) -> Attack:
-    """A normal distribution most of which lies outside the bounds."""
+    """A normal distribution that is mostly outside the bounds."""
     wide = float(random.uniform(0.2, 3.0))
     uncertain = {
         "vehicle.m": {"low": 4.9, "high": 5.1, "distribution": {"kind": "normal", "mean": 5.0, "deviation": wide}},
@@ -222,7 +222,7 @@ def through_a_wall(random: np.random.Generator) -> Attack:
 
 
 def aliased(random: np.random.Generator) -> Attack:
-    """An obstacle that orbits once a step: at every step, and half step, it is where it was."""
+    """An obstacle that orbits once per step: at every step and half step it is at the same position."""
     speed = 1000.0
     way = speed * 0.0025 / (2 * math.pi)
     orbiting = {
@@ -239,7 +239,7 @@ def aliased(random: np.random.Generator) -> Attack:
 
 
 def near_the_worst(random: np.random.Generator) -> Attack:
-    """An honest campaign whose threshold is close to its worst case, above or below: brute force says which."""
+    """An honest campaign whose threshold is close to its worst case, above or below, as determined by brute force."""
     x, y = random.uniform(3.6, 4.4, 2)
     uncertain = MASSES | {"avoider.k_rep": {"low": 3.0, "high": 5.0}}
     made = campaign(

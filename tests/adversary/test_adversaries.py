@@ -1,4 +1,4 @@
-"""No campaign that was written to make a verdict claim too much is cleared; every class, a few of each.
+"""No adversarial campaign is cleared; a few of every class.
 
 All classes many times over: `make nightly`.
 """

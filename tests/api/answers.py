@@ -1,4 +1,4 @@
-"""What the service answers: the problem documents. Start reading at `problem`."""
+"""Checks responses that are problem documents. Start reading at `problem`."""
 
 from __future__ import annotations
 

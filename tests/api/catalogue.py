@@ -1,4 +1,4 @@
-"""A small catalogue and campaign written out by hand, so that the service is tested without the physics."""
+"""A small hand-written catalogue and campaign, to test the service without the physics."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ CATALOGUE = Catalogue.model_validate(
 
 
 def published_by_workers() -> dict[str, Any]:
-    """The catalogue of the components that are really there, from a process of its own, as a worker asks for it."""
+    """The catalogue of the installed components, from a separate process as in a worker."""
     program = "from worker.catalogue.installed import catalogue; print(catalogue().model_dump_json())"
     printed = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
     return dict(json.loads(printed))

@@ -38,7 +38,7 @@ def fresh_sqlite(migrated: Path) -> Fresh:
 
 @pytest.fixture(scope="session")
 def fresh_postgresql() -> Iterator[Fresh]:
-    """The same on a PostgreSQL server; skipped where there is none."""
+    """The same on a PostgreSQL server; skipped if there is none."""
     with on_postgresql() as made:
         yield made
 
@@ -67,7 +67,7 @@ def running(fresh: Fresh, folder: Path, **settings: Any) -> Iterator[Service]:
 
 @pytest.fixture
 def bare(fresh: Fresh, tmp_path: Path) -> Iterator[Service]:
-    """A service of the test's own, as it is before any worker came."""
+    """A separate service, before any worker has started."""
     with running(fresh, tmp_path) as service:
         yield service
 

@@ -1,4 +1,4 @@
-"""On which databases a test of the service runs. SQLite where nothing is said. Start reading at `BOTH`."""
+"""The databases on which a test of the service runs; SQLite by default. Start reading at `BOTH`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ POSTGRESQL = pytest.mark.parametrize("database", KINDS[1:], indirect=True)
 
 @contextmanager
 def on_postgresql() -> Iterator[Fresh]:
-    """Copies a database that was migrated once, and drops those that nobody uses any more: each has 8 MB."""
+    """Copies a migrated database, and drops unused ones, each of which has 8 MB."""
     with postgres.server() as server:
         engine = connect(server.url).execution_options(isolation_level="AUTOCOMMIT")
         numbers = itertools.count(1)

@@ -1,4 +1,4 @@
-"""Many runs at once. Start reading at `fill`."""
+"""Fills a database with many runs. Start reading at `fill`."""
 
 from __future__ import annotations
 

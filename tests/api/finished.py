@@ -1,4 +1,4 @@
-"""A run with a flight or two, written as a worker writes it. Start reading at `finish`."""
+"""A finished run with stored flights, written in the way of a worker. Start reading at `finish`."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def encounter(name: str, frame: str, intruder: Any, rows: int = 401, parameters:
 
 
 def straight(x: float, y: float, z: float, *speed: float) -> Any:
-    """The way of an intruder at constant velocity."""
+    """The path of an intruder at constant velocity."""
     return lambda t: np.array([x, y, z]) + t[:, None] * np.array(speed)
 
 

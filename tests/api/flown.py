@@ -1,4 +1,4 @@
-"""What flew the runs that the tests store, and another code, as workers give them. Start reading at `CODE`."""
+"""The code version of stored test runs, and a different one, as published by workers. Start reading at `CODE`."""
 
 from __future__ import annotations
 

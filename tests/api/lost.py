@@ -1,4 +1,4 @@
-"""A run whose intruder may start inside the safety radius and whose robot may spin: flights that were really lost.
+"""A run with excluded and failed evaluations: its intruder may start inside the safety radius, its robot may spin.
 
 Start reading at `lose`.
 """
@@ -27,7 +27,7 @@ UNCERTAIN = {
     "vehicle.J": {"low": 0.004, "high": 0.06},
 }
 INSIDE = np.array([[0.01 * i, 0.02, 0.9] for i in range(1, 5)])
-"""The obstacle stands within 0.5 m of the start."""
+"""The obstacle is within 0.5 m of the start."""
 SPINNING = np.array([[0.8, 0.1 * i, 0.0] for i in range(1, 8)])
 """So little inertia that the loop does not hold: the turn rate leaves the model's envelope."""
 FLYING = np.array([[0.3 + 0.06 * i, 0.9 - 0.05 * i, 0.8] for i in range(10)])
@@ -43,7 +43,7 @@ class Lost(NamedTuple):
 
 
 def lose(service: Service, client: httpx.Client, publish: bool = True) -> Lost:
-    """A run that is over, with a search whose evaluations were flown here: 4 excluded, 7 failed, 10 with a value."""
+    """A finished run with a simulated search: 4 evaluations excluded, 7 failed, 10 with a value."""
     if publish:
         service.publish(published_by_workers())
     document: dict[str, Any] = load_file(library()["unicycle_static"]).document()

@@ -35,7 +35,7 @@ PARAMETERS = {"vehicle.m": 6.0, "vehicle.J": 0.06}
 def finish_fully(
     service: Service, verdict: Any = "cleared", text: str = SENTENCE, checked: str = "holds", criteria: int = 1
 ) -> None:
-    """Work off the next run in the queue, with every kind of result; `text` and `checked` stand in the verdict."""
+    """Finish the next run in the queue with every kind of result; `text` and `checked` are part of the verdict."""
     claim = Queue(service.engine).claim("w1")
     assert claim is not None
     store = RunStore(service.engine, claim)

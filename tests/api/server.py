@@ -1,4 +1,4 @@
-"""The service in a thread of its own, on a free port, as a visitor meets it. Start reading at `Service`."""
+"""The service in its own thread on a free port, for tests over HTTP. Start reading at `Service`."""
 
 from __future__ import annotations
 

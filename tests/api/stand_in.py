@@ -1,4 +1,4 @@
-"""A simulation process that answers at once."""
+"""A stand-in of the simulation process that responds immediately."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests with values that break readers, drivers and databases, made for any operation of the document.
+"""Requests with values that break parsers, drivers and databases, for any operation of the OpenAPI document.
 
 Start reading at `requests`.
 """
@@ -76,7 +76,7 @@ def cursors() -> st.SearchStrategy[str]:
 
 @cache
 def places(document: str) -> list[tuple[Any, ...]]:
-    """Every place in a body, as keys from the top."""
+    """Every location in a body, as keys from the root."""
     found: list[tuple[Any, ...]] = []
 
     def walk(value: Any, at: tuple[Any, ...]) -> None:
@@ -99,7 +99,7 @@ def replaced(document: Any, at: tuple[Any, ...], value: Any) -> Any:
 
 @st.composite
 def bodies(draw: st.DrawFn, whole: dict[str, Any]) -> bytes:
-    """A body with something strange at one place of it, or none at all."""
+    """A body with an invalid value at one location, or no body."""
     text = json.dumps(whole)
     if draw(st.integers(0, 9)) == 0:
         return draw(

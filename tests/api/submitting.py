@@ -1,4 +1,4 @@
-"""Runs that a test submits. Start reading at `submit`."""
+"""Submits runs for tests. Start reading at `submit`."""
 
 from __future__ import annotations
 

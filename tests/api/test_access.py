@@ -1,4 +1,4 @@
-"""Who may come in: login links, sessions, tokens, origins."""
+"""Access control: login links, sessions, tokens, origins."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_everything_else_is_closed(still: Service, path: str) -> None:
 
 
 @pytest.mark.parametrize("path", ["/", "/runs", "/runs/R-0001", "/view/R-0001/"])
-def test_a_stranger_asking_for_a_page_is_told_how_to_sign_in(still: Service, path: str) -> None:
+def test_an_unauthenticated_page_request_explains_how_to_sign_in(still: Service, path: str) -> None:
     with still.visitor(accept="text/html") as stranger:
         answer = stranger.get(path)
     assert answer.status_code == 401
@@ -155,7 +155,7 @@ def writing(service: Service) -> Iterator[None]:
 
 
 @BOTH
-def test_nobody_waits_for_a_writer_to_be_known_or_refused(service: Service) -> None:
+def test_authentication_does_not_wait_for_a_writer(service: Service) -> None:
     token = service.token("ci")
     with service.visitor(authorization=f"Bearer {token}") as program, writing(service):
         program.timeout = httpx.Timeout(5.0)

@@ -1,4 +1,4 @@
-"""Bodies that cannot be read or are far too large: a sentence each, nothing stored, the service still up."""
+"""Unreadable and oversized bodies: a clear error each, nothing stored, the service stays up."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Long work waits in short queues of its own, and the service answers meanwhile."""
+"""Long work waits in its own short queues while the service stays responsive."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from tests.api.server import Service, until
 from tests.api.submitting import submit
 
 MANY = 45
-"""More than the threads that all requests share."""
+"""More than the number of threads shared by all requests."""
 
 
 class Asked:
-    """A request under way; nobody reads the answer yet."""
+    """A pending request whose response is not read yet."""
 
     def __init__(
         self, service: Service, client: httpx.Client, path: str, method: str = "GET", more: str = "", body: str = ""
@@ -179,7 +179,7 @@ def test_health_and_the_guard_answer_when_every_shared_thread_is_busy(
     assert {one.answer()[0] for one in asked} == {200}
 
 
-def test_whoever_waits_too_long_is_told_when_to_ask_again(
+def test_a_wait_that_is_too_long_returns_retry_after(
     service: Service, client: httpx.Client, monkeypatch: pytest.MonkeyPatch, go: threading.Event
 ) -> None:
     submit(client)

@@ -25,7 +25,7 @@ def test_components_are_the_published_catalogue(guest: httpx.Client) -> None:
     assert guest.get("/api/v1/components").json() == CATALOGUE.model_dump(mode="json")
 
 
-def test_the_library_is_told_with_its_text_and_digest(guest: httpx.Client) -> None:
+def test_the_library_is_listed_with_text_and_digest(guest: httpx.Client) -> None:
     found = guest.get("/api/v1/campaigns").json()
     assert [c["id"] for c in found] == list(library())
     for shipped in found:
@@ -78,7 +78,7 @@ def test_a_good_campaign_is_explained(still: Service, guest: httpx.Client, form:
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_what_is_wrong_is_told_by_field(guest: httpx.Client, case: str) -> None:
+def test_errors_are_reported_by_field(guest: httpx.Client, case: str) -> None:
     document, field, message = WRONG[case]
     answer = guest.post(CHECK, json={"campaign": document})
     assert answer.status_code == 200

@@ -1,4 +1,4 @@
-"""What flew a run: stored as it begins, compared when another worker takes it over, shown wherever the run is."""
+"""The code version of a run: stored at its start, compared when another worker resumes it, shown with the run."""
 
 from __future__ import annotations
 

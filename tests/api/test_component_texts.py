@@ -1,4 +1,4 @@
-"""The texts of this installation's components reach the pages whole: equations, symbols, units, limits, sources."""
+"""Texts of installed components reach the pages completely: equations, symbols, units, limits, sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How many connections may be open, and how long a client may take: to send, to read, and to stay once signed out."""
+"""Limits on the number of connections and on the time to send, to read, and to stay connected after signing out."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def test_a_stream_outlives_that_time(strict: Service) -> None:
         lines = stream.iter_lines()
         assert next(lines) == "retry: 2000"
         with opened(strict) as connection:
-            rest(connection)  # one that sends nothing is closed meanwhile, twice
+            rest(connection)  # an idle connection is closed meanwhile, twice
         with opened(strict) as connection:
             rest(connection)
         submit(client)
@@ -124,7 +124,7 @@ def test_a_client_that_does_not_read_is_not_waited_for(strict: Service) -> None:
 
 
 def unread(service: Service, head: str, client: httpx.Client) -> socket.socket:
-    """A connection whose small buffers soon are full, since nobody reads what comes."""
+    """A connection whose small buffers fill up, because it does not read."""
     service._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)  # connections have it from there
     connection = socket.socket()
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2048)
@@ -136,7 +136,7 @@ def unread(service: Service, head: str, client: httpx.Client) -> socket.socket:
 def test_an_event_stream_that_is_not_read_is_let_go(fresh: Fresh, tmp_path: Path) -> None:
     with running(fresh, tmp_path, request_patience=PATIENCE) as service, service.signed_in() as client:
         service.publish()
-        fill(service, 400, state="queued")  # what is active is told at once
+        fill(service, 400, state="queued")  # active runs are sent at once
         with unread(service, "GET /api/v1/events HTTP/1.1\r\n", client):
             held = until(lambda: waiting(service))
             until(lambda: service.app.state.hub.listeners == 0)
@@ -199,7 +199,7 @@ def test_beyond_so_many_connections_there_is_a_refusal_and_one_gone_makes_room(s
         until(lambda: strict.app.state.hub.listeners == 0)
 
 
-def test_who_sends_nothing_keeps_nobody_out(strict: Service) -> None:
+def test_idle_clients_do_not_block_others(strict: Service) -> None:
     connections = strict.server.server_state.connections
     until(lambda: not connections)
     halves = [opened(strict) for _ in range(3 * MOST)]
@@ -219,7 +219,7 @@ def test_a_view_outlives_that_time(strict: Service) -> None:
         with viewing(strict, client, f"/view/{run}/") as view:
             for _ in range(2):
                 with opened(strict) as connection:
-                    rest(connection)  # one that sends nothing is closed meanwhile
+                    rest(connection)  # an idle connection is closed meanwhile
             assert view.ping().wait(5)
     until(lambda: strict.app.state.viewers.open == 0)
 

@@ -1,4 +1,4 @@
-"""Failed, excluded and sampled evaluations: every place that shows how many there are shows the same numbers.
+"""The numbers of failed, excluded and sampled evaluations are the same everywhere.
 
 A campaign that fails where the inertia is small and excludes where the obstacle is at the start, run once by the real
 runner into a service and into the command line's memory. Start reading at `ran`.
@@ -47,7 +47,7 @@ STAGES = {
 
 
 class Both:
-    """A run kept by a service and in memory, as the command line keeps it."""
+    """A run stored by a service, and in memory as by the command line."""
 
     def __init__(self, service: RunStore, memory: MemoryStore) -> None:
         self.service, self.memory = service, memory
@@ -185,7 +185,7 @@ def test_the_report_counts_the_same(ran: Ran) -> None:
     stored, failed, excluded = map(grouped, expected(ran))
     assert f"Total {stored} {failed} {excluded}" in text
     assert f"{failed} of {stored} evaluations failed" in text
-    assert f"{failed} evaluations failed: how those flights would have ended is not known" in text
+    assert f"{failed} evaluations failed: their outcome is unknown" in text
     assert f"{excluded} evaluations were excluded" in text
     sample = ran.api()["summary"]["statistics"]
     assert f"{grouped(sample['samples'])} independent flights" in text
@@ -206,7 +206,7 @@ def test_the_command_line_counts_the_same(ran: Ran, capsys: pytest.CaptureFixtur
 
 
 def test_no_violation_is_not_said_to_hold_where_evaluations_failed(ran: Ran) -> None:
-    """Whatever the check of the values says, those that failed have none."""
+    """Failed evaluations have no value, whatever the result of the check."""
     for told in (ran.api()["summary"]["checks"], summary(ran.campaign, ran.memory, ran.verdict)["checks"]):
         standing = {check["name"]: check["standing"] for check in told}
         assert standing["evaluations"] == "fails"

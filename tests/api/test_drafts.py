@@ -1,4 +1,4 @@
-"""Drafts: kept as they were typed, never overwritten unseen, deleted with a note in the audit trail."""
+"""Drafts: original text, no lost updates, deletion recorded in the audit trail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs that earlier versions stored with words alone: the words stay, and symbols and units are set in them as before.
+"""Runs stored by earlier versions with plain sentences: unchanged text, formatted symbols and units.
 
 `stored/revision-0010.sqlite3.gz` was written by the code of that revision: case 1 with a step of 0.01 s, certify,
 Morris and Sobol; R-0001 is violated, R-0002 inconclusive. Start at `test_every_sentence_keeps_its_words`.
@@ -43,7 +43,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def rows(folder: Path) -> dict[str, dict[str, Any]]:
-    """What the database holds of each run."""
+    """The stored rows of each run."""
     with sqlite3.connect(folder / "clearance.sqlite3") as connection:
         found: dict[str, dict[str, Any]] = {}
         for run_id, summary, reason in connection.execute("select id, summary, reason from runs").fetchall():

@@ -1,4 +1,4 @@
-"""Whatever is sent to a route of the API is answered, and as its document says: no fault of ours, a problem document.
+"""Any input to a route gets a documented response: a problem document, never an internal error.
 
 The values are those that break readers, drivers and databases: digits that are none of ASCII, numbers beyond 64 bits or
 beyond what Python reads, halves of surrogate pairs, null characters, far too many or too long of everything.
@@ -41,7 +41,7 @@ JSON = "application/problem+json"
 
 @pytest.fixture(scope="module")
 def service(fresh_sqlite: Fresh, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """One with a finished run, a draft, and a simulation process that only stands in."""
+    """A service with a finished run, a draft, and a stand-in simulation process."""
     folder = tmp_path_factory.mktemp("edge")
     (folder / "dist" / "assets").mkdir(parents=True)  # a folder that is not there has no names that are too long
     with running(fresh_sqlite, folder) as service:
@@ -208,7 +208,7 @@ def test_the_document_names_the_problems_of_every_operation() -> None:
 
 def test_models_are_described_by_what_stands_below_their_fields() -> None:
     schemas = DOCUMENT["components"]["schemas"]
-    assert schemas["RunSummary"]["properties"]["upper_bound"]["description"].startswith("Of P(violation)")
+    assert schemas["RunSummary"]["properties"]["upper_bound"]["description"].startswith("Upper bound on P(violation)")
     assert schemas["Scenario"]["properties"]["horizon"]["description"] == "[s]"
     objects = {name: schema for name, schema in schemas.items() if schema.get("type") == "object"}
     assert [name for name, schema in objects.items() if not schema.get("description")] == []

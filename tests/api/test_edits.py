@@ -1,4 +1,4 @@
-"""What people write on runs after they were submitted, and cancelling several at once."""
+"""Annotations of submitted runs, and cancelling several at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Progress as server-sent events: told at once, at most four times a second, from one poller for all."""
+"""Progress as server-sent events: sent at once, at most four times per second, by one poller for all listeners."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def listening(client: httpx.Client, **query: str) -> Iterator[Stream]:
         yield Stream(response)
 
 
-def test_a_listener_to_all_runs_is_told_what_is_active_and_what_changes(service: Service, client: httpx.Client) -> None:
+def test_a_listener_to_all_runs_receives_active_runs_and_changes(service: Service, client: httpx.Client) -> None:
     first = submit(client)
     with listening(client) as stream:
         assert (told := stream.next("run"))["id"] == first
@@ -93,7 +93,7 @@ def test_a_listener_to_a_run_hears_of_its_stages_and_improvements(service: Servi
     assert more["parameters"] == {path: v[last] for path, v in stored["parameters"].items() if last is not None}
 
 
-def test_whoever_comes_late_is_told_everything(service: Service, client: httpx.Client) -> None:
+def test_a_late_listener_receives_everything(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     work = Work(service)
     work.search(0, 50)
@@ -106,7 +106,7 @@ def test_whoever_comes_late_is_told_everything(service: Service, client: httpx.C
     assert told["index"] == thin.improvements(search(0, 150).costs[:, 0]).tolist()
 
 
-def test_a_finished_run_is_told_once(service: Service, client: httpx.Client) -> None:
+def test_a_finished_run_is_reported_once(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     client.post(f"/api/v1/runs/{run}/cancel")
     with listening(client, run=run) as stream:
@@ -137,7 +137,7 @@ def marks(block: list[str]) -> list[str]:
 
 
 def told(stream: Stream, count: int) -> list[tuple[Any, str]]:
-    """The next runs that are told, each with its id."""
+    """The next reported runs with their ids."""
     found: list[tuple[Any, str]] = []
     for block in stream.blocks():
         if "event: run" in block:
@@ -148,8 +148,8 @@ def told(stream: Stream, count: int) -> list[tuple[Any, str]]:
     return found
 
 
-def test_whoever_was_away_when_a_run_ended_is_told_on_coming_back(service: Service, client: httpx.Client) -> None:
-    fill(service, 20, finished=1.0, started=0.5, created=0.1, state="done")  # ended long ago: not told again
+def test_a_reconnecting_client_receives_runs_that_ended(service: Service, client: httpx.Client) -> None:
+    fill(service, 20, finished=1.0, started=0.5, created=0.1, state="done")  # ended long ago: not reported again
     run, other = submit(client), submit(client, seed=2)
     work = Work(service)
     with listening(client) as stream:
@@ -169,7 +169,7 @@ def test_whoever_was_away_when_a_run_ended_is_told_on_coming_back(service: Servi
         assert stream.next("run")["verdict"] == "violated"
 
 
-def test_a_stream_on_which_nothing_was_told_has_a_mark_too(service: Service, client: httpx.Client) -> None:
+def test_an_empty_stream_has_a_mark(service: Service, client: httpx.Client) -> None:
     with listening(client) as stream:
         mark = next(found[0] for block in stream.blocks() if (found := marks(block)))
     run = submit(client)
@@ -188,15 +188,15 @@ def test_a_mark_that_was_not_given_here_counts_as_none(service: Service, client:
 
 def test_of_events_that_come_together_the_last_alone_has_the_new_mark() -> None:
     listener = hub._Listener(None, 5.0)
-    listener.greet([Event(1, "run", "{}"), Event(2, "run", "{}")], 7.0)
-    listener.tell([Event(1, "run", "{}"), Event(1, "stages", "[]"), Event(2, "run", "{}")], 8.0)
+    listener.send_all([Event(1, "run", "{}"), Event(2, "run", "{}")], 7.0)
+    listener.send([Event(1, "run", "{}"), Event(1, "stages", "[]"), Event(2, "run", "{}")], 8.0)
     texts = [listener.queue.get_nowait() for _ in range(listener.queue.qsize())]
     assert marks("".join(text or "" for text in texts).splitlines()) == ["5.000", "7.000", "7.000", "8.000"]
 
 
 def test_a_greeting_is_never_too_long() -> None:
     listener = hub._Listener(None)
-    listener.greet([Event(i, "run", "{}") for i in range(hub.BACKLOG + 1)], 7.0)
+    listener.send_all([Event(i, "run", "{}") for i in range(hub.BACKLOG + 1)], 7.0)
     assert listener.queue.qsize() == 1
     assert listener.queue.get_nowait() is not None
 
@@ -243,7 +243,7 @@ def test_at_most_four_times_a_second(service: Service, client: httpx.Client) -> 
 
 def test_a_listener_too_far_behind_is_let_go() -> None:
     listener = hub._Listener(None)
-    listener.tell([Event(1, "run", "{}")] * (hub.BACKLOG + 1))
+    listener.send([Event(1, "run", "{}")] * (hub.BACKLOG + 1))
     assert [listener.queue.get_nowait() for _ in range(hub.BACKLOG)][-1] is None
 
 

@@ -1,4 +1,4 @@
-"""A run as files: names, every evaluation, streaming of a large run, flights as CSV and MAT, entity tags."""
+"""Export files of a run: names, all evaluations, streaming of a large run, flights as CSV and MAT, entity tags."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_the_files_are_listed_with_good_names(client: httpx.Client, run: str) ->
     assert [file["name"] for file in listed] == [f"R-0001-unicycle-past-a-pillar-{file}" for file in kinds]
     for file in listed:
         assert file["unavailable"] is None or "Chromium" in file["unavailable"]
-        if file["media_type"] == "application/pdf":  # held in test_reports
+        if file["media_type"] == "application/pdf":  # tested in test_reports
             continue
         answer = client.get(file["href"])
         assert answer.status_code == 200
@@ -85,7 +85,7 @@ def test_every_evaluation_is_a_row_with_all_its_digits(client: httpx.Client, run
     assert [float(row[8]) for row in rows] == (4.0 + (6.0 - 4.0) * flown.points[:, 0]).tolist()
 
 
-def test_without_a_catalogue_parameters_are_told_as_shares(service: Service, client: httpx.Client, run: str) -> None:
+def test_without_a_catalogue_parameters_are_fractions(service: Service, client: httpx.Client, run: str) -> None:
     with service.engine.begin() as connection:
         connection.execute(sa.delete(CatalogueDocument))
         connection.execute(sa.update(Run).values(snapshot=None))

@@ -1,4 +1,4 @@
-"""One flight of a run with other parameters: its numbers, what is refused and why, the newest request, the view."""
+"""What-if flights of a run: numbers, refusals, superseded requests, drawing in the view."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def patient(bare: Service) -> Service:
 
 @pytest.fixture
 def held(service: Service, tmp_path: Path) -> Iterator[Path]:
-    """A folder: while it has a file `5.5.held`, the flight with a mass of 5.5 kg is not answered."""
+    """A folder: while it contains `5.5.held`, the response for a mass of 5.5 kg is delayed."""
     service.app.state.live.close()
     live = Live((sys.executable, "-c", STAND_IN.replace("FOLDER", repr(str(tmp_path)))), limit=60, first_limit=60)
     service.app.state.live = live
@@ -236,7 +236,7 @@ def test_a_run_whose_components_are_not_installed_says_so(patient: Service) -> N
 
 
 class Asking(threading.Thread):
-    """A request under way, and its answer."""
+    """A pending request, and its response."""
 
     def __init__(self, visitor: httpx.Client, run: str, mass: float, **more: Any) -> None:
         super().__init__()
@@ -272,9 +272,7 @@ def test_of_one_client_the_newest_request_counts(service: Service, client: httpx
     assert flown(client, run, parameters={"vehicle.m": 5.75})["cost"] == 1.0
 
 
-def test_so_many_are_simulated_at_once_and_the_rest_is_told_to_wait(
-    service: Service, client: httpx.Client, held: Path
-) -> None:
+def test_concurrent_simulations_are_limited(service: Service, client: httpx.Client, held: Path) -> None:
     run = submit(client)
     capacity = service.app.state.capacities.flights
     capacity.waiting = 1

@@ -1,4 +1,4 @@
-"""HEAD is answered at every address that answers GET, and changes nothing."""
+"""HEAD works at every address that supports GET, and changes nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.api.viewing import KEY
 
 
 def head_and_get(client: httpx.Client, path: str) -> None:
-    """HEAD tells what GET tells, and brings nothing."""
+    """HEAD returns the headers of GET, and no body."""
     with client.stream("GET", path, follow_redirects=False) as got:
         head = client.head(path)
         assert (head.status_code, head.content) == (got.status_code, b""), path

@@ -1,4 +1,4 @@
-"""The run list: search, filters, counts, orders, and pages that hold their place."""
+"""The run list: search, filters, counts, orders, and stable pages."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tests.api.submitting import submit
 
 @pytest.fixture(scope="module", params=KINDS)
 def crowd(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
-    """A visitor to a service with fifty runs, which nobody changes."""
+    """A client of a service with fifty runs, read-only."""
     fresh: Fresh = request.getfixturevalue(f"fresh_{request.param}")
     with running(fresh, tmp_path_factory.mktemp("crowd")) as service:
         service.publish()

@@ -1,4 +1,4 @@
-"""The client of the process that flies what-if cases: the real process once, and stand-ins that misbehave."""
+"""The client of the what-if simulation process: the real process once, and misbehaving stand-ins."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The migrations make the very tables that the code describes, from nothing, and however many start at once."""
+"""The migrations create exactly the declared tables, from an empty database and with concurrent starts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The OpenAPI document: complete, up to date beside the front end, and true of what is answered."""
+"""The OpenAPI document: complete, up to date in the front end, and consistent with responses."""
 
 from __future__ import annotations
 
@@ -71,10 +71,10 @@ def test_answers_are_as_described(service: Service, client: httpx.Client) -> Non
     for path, method, operation in OPERATIONS:
         if method != "get" or path.endswith("/events"):
             continue
-        if "{key}" in path:  # of a view that is open: held in test_view_channel
+        if "{key}" in path:  # of an open view: tested in test_view_channel
             continue
         content = operation["responses"]["200"]["content"]
-        if "application/json" not in content:  # files are held in test_exports and test_reports
+        if "application/json" not in content:  # files are tested in test_exports and test_reports
             continue
         address = path.replace("{run}", "R-0001").replace("{draft}", "D-0001")
         address = address.replace("{name}", "F1" if "traces" in path else "unicycle_static")

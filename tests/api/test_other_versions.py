@@ -1,4 +1,4 @@
-"""What another version stored, in a shape that this one does not read: said to be so, never a fault of the service."""
+"""Values stored by another version in an unreadable form: reported as such, never an internal error."""
 
 from __future__ import annotations
 

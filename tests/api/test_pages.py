@@ -1,4 +1,4 @@
-"""The built front end: deep links, caching, nothing outside its folder; and the plain page where it is not built."""
+"""The built front end: deep links, caching, nothing outside its folder; and the plain page if it is not built."""
 
 from __future__ import annotations
 

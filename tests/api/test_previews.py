@@ -1,4 +1,4 @@
-"""The nominal flight of an edited campaign: the real process once, stand-ins that misbehave, who waits and who left."""
+"""Previews of an edited campaign: the real process once, misbehaving stand-ins, waiting and disconnected clients."""
 
 from __future__ import annotations
 

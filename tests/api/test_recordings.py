@@ -1,4 +1,4 @@
-"""A flight as a recording: what is in the file, its tag, its page's policy, and what is refused."""
+"""Recordings of flights: content of the file, entity tag, content security policy, and refusals."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_the_caption_says_what_is_shown(client: httpx.Client, run: str) -> None:
     page = client.get(f"/api/v1/runs/{run}/exports/flight-F1.html").text
     assert "<script>alert" not in page
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co" in page
-    card = page[page.index('<details id="told"') : page.index("</details>")]
+    card = page[page.index('<details id="caption"') : page.index("</details>")]
     detail = client.get(f"/api/v1/runs/{run}").json()
     exported = client.get(f"/api/v1/runs/{run}/exports/run.json").json()
     for words in (
@@ -99,7 +99,7 @@ def test_the_caption_says_what_is_shown(client: httpx.Client, run: str) -> None:
         exported["results_digest"],
         f"viser {viser.__version__}",
         "violated",
-        "The play bar counts seconds of the flight; dots every 2 s. An arrow is as long as the way of 2 s",
+        "The play bar shows flight time in seconds; dots every 2 s. The length of an arrow is",
     ):
         assert words in card
 

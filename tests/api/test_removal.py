@@ -177,7 +177,7 @@ def test_a_purged_run_leaves_a_tombstone(service: Service, client: httpx.Client,
 def test_a_run_that_was_restored_or_signed_is_not_purged(service: Service, client: httpx.Client, run: str) -> None:
     assert not purge(service.engine, 1, 0.0, "root")
     sign(client, run)
-    with service.engine.begin() as writer:  # as nobody can by the API
+    with service.engine.begin() as writer:  # not possible through the API
         writer.execute(sa.update(Run).values(removed=1.0, removed_by="x", removed_reason="y"))
     assert due(service.engine, 0.0) == []
     assert not purge(service.engine, 1, 0.0, "root")
@@ -199,7 +199,7 @@ def test_a_purge_that_breaks_off_has_done_nothing(
     assert (service.rows(), client.get(run).json()) == (before, told)
 
 
-def test_the_same_submit_again_is_told_what_became_of_its_run(service: Service, client: httpx.Client) -> None:
+def test_a_repeated_submission_reports_the_state_of_its_run(service: Service, client: httpx.Client) -> None:
     def post() -> httpx.Response:
         return client.post("/api/v1/runs", json={"campaign": campaign()}, headers={"Idempotency-Key": "k"})
 

@@ -1,4 +1,4 @@
-"""The report for a safety case: its sections, its figures, what it says of unfinished runs, hostile names, the PDF."""
+"""The report for a safety case: sections, figures, unfinished runs, hostile names, the PDF."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_hostile_words_stay_words(service: Service, client: httpx.Client) -> Non
 
 
 @pytest.mark.parametrize("verdict", ["violated", "inconclusive"])
-def test_other_verdicts_are_told_as_such(service: Service, client: httpx.Client, verdict: str) -> None:
+def test_other_verdicts_are_reported(service: Service, client: httpx.Client, verdict: str) -> None:
     run = submit(client)
     finish_fully(service, verdict, "Nothing may be claimed.")
     text = report(client, run)
@@ -127,9 +127,9 @@ def test_an_unfinished_run_claims_nothing(service: Service, client: httpx.Client
     work.search(0, 700)
     text = report(client, run)
     assert "Running: no verdict" in text
-    assert "Nothing is claimed" in text
-    assert "This report is no evidence for a safety case" in text
-    assert "No independent random sample was flown" in text
+    assert "No claim is made" in text
+    assert "This report is not evidence for a safety case" in text
+    assert "No independent random sample was simulated" in text
     assert "Cleared</div>" not in text
     assert not [heading for heading in SECTIONS if heading not in text]
 
@@ -139,7 +139,7 @@ def test_a_run_with_bare_results_says_what_is_unknown(service: Service, client: 
     finish(service)
     text = report(client, run)
     assert "No sensitivity study is stored" in text
-    assert "Nothing was flown again by other means" in text
+    assert "No case was validated" in text
     assert text.count("not recorded") >= 5
 
 
@@ -148,7 +148,7 @@ def test_without_a_catalogue_the_model_is_said_to_be_unknown(service: Service, c
         connection.execute(sa.delete(CatalogueDocument))
         connection.execute(sa.update(Run).values(snapshot=None))
     text = report(client, run)
-    assert "does not know the component" in text
+    assert "This installation has no component" in text
     assert "not described" in text
 
 
@@ -160,11 +160,11 @@ def test_components_that_may_have_changed_since_are_named(service: Service, clie
         meta = connection.scalar(trace) | {"parameters": {"vehicle.m": 5.5, "vehicle.J": 0.05}}  # type: ignore[operator]
         connection.execute(sa.update(Trace).where(Trace.name == "nominal").values(meta=meta))
     text = report(client, run)
-    assert "vehicle.m was 5.5 in the nominal flight, and 5 is its nominal value here" in text
+    assert "vehicle.m was 5.5 in the nominal case of the run; its nominal value here is 5" in text
     assert "vehicle.J was" not in text
 
 
-def test_parameters_of_one_symbol_are_told_apart(client: httpx.Client) -> None:
+def test_parameters_with_one_symbol_are_distinguished(client: httpx.Client) -> None:
     document = campaign()
     document["scenario"]["obstacles"] *= 2
     document["uncertain"] |= {f"obstacles.{i}.radius": {"low": 0.4, "high": 0.6} for i in range(2)}
@@ -207,7 +207,7 @@ def test_a_browser_that_fails_or_hangs_is_a_problem(
 ) -> None:
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
     _stand_in(tmp_path, "echo no display >&2; exit 7")
-    assert "ended without a file" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
+    assert "ended without writing a file" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])
     monkeypatch.setattr(pdf, "PATIENCE", 0.3)
     _stand_in(tmp_path, "sleep 600 & sleep 600")
     assert "took too long" in str(problem(client.get(f"/api/v1/runs/{run}/report.pdf"), 503)["detail"])

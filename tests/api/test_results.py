@@ -1,4 +1,4 @@
-"""Evaluations, findings and traces: thinned for charts, every number as it was stored."""
+"""Evaluations, findings and traces: thinned for charts, with unchanged numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Submitting, reading and cancelling runs; everything refused leaves nothing behind."""
+"""Submitting, reading and cancelling runs; refused requests change nothing."""
 
 from __future__ import annotations
 

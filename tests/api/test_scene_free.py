@@ -1,4 +1,4 @@
-"""The 3D view draws what must stay free about an obstacle's surface where the criterion measures to it."""
+"""The 3D view draws the required distance from an obstacle's surface if the criterion measures to surfaces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the scene draws things: axes, bodies, tracks, the camera's box."""
+"""Geometry of the scene: axes, bodies, tracks, the bounding box for cameras."""
 
 from __future__ import annotations
 
@@ -68,13 +68,13 @@ def test_bodies_are_what_their_parameters_say() -> None:
     at = {"obstacles.0.position.x": 1.0, "obstacles.0.position.y": 2.0, "obstacles.0.position.z": -3.0}
     ned = Axes("ned")
     ball = body_of(0, at | {"obstacles.0.radius": 4.0}, ned, None)
-    assert (ball.kind, ball.size, ball.reach) == ("round", (4.0,), 4.0)
+    assert (ball.kind, ball.size, ball.extent) == ("round", (4.0,), 4.0)
     assert ball.place == pytest.approx((2, 1, 3))
     tower = body_of(0, at | {"obstacles.0.radius": 3.0, "obstacles.0.height": 8.0}, ned, None)
-    assert (tower.kind, tower.size, tower.reach) == ("cylinder", (3.0, 8.0), 5.0)
+    assert (tower.kind, tower.size, tower.extent) == ("cylinder", (3.0, 8.0), 5.0)
     sides = {"obstacles.0.length": 2.0, "obstacles.0.width": 3.0, "obstacles.0.height": 6.0, "obstacles.0.angle": 0.3}
     box = body_of(0, at | sides, ned, None)
-    assert (box.kind, box.size, box.reach) == ("box", (2.0, 3.0, 6.0), 3.5)
+    assert (box.kind, box.size, box.extent) == ("box", (2.0, 3.0, 6.0), 3.5)
     assert turned(box.turn, np.array([1.0, 0, 0])) == pytest.approx((np.sin(0.3), np.cos(0.3), 0)), (
         "from north over east"
     )

@@ -1,4 +1,4 @@
-"""A flight that drew its own noise is simulated again under that noise, wherever a 3D view does so."""
+"""A 3D view repeats a flight that drew its own noise with that noise."""
 
 from __future__ import annotations
 

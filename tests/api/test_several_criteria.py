@@ -1,4 +1,4 @@
-"""Evaluations of several criteria: stored with every bit, the first one counts, exported in their own sign."""
+"""Evaluations with several criteria: stored bit-identical, judged by the first one, exported in their own sign."""
 
 from __future__ import annotations
 

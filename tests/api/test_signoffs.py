@@ -1,4 +1,4 @@
-"""Sign-offs: bound to the results that were reviewed, never edited, withdrawn with a reason, all of it audited."""
+"""Sign-offs: bound to the reviewed results, never edited, withdrawn with a reason, recorded in the audit trail."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_a_later_change_of_a_result_shows(
     now = client.get(run).json()
     assert now["items"][0]["current"] is False
     assert now["digest"] != now["items"][0]["digest"]
-    assert "they have changed since" in client.get(run.replace("signoffs", "report.html")).text
+    assert "which have changed since" in client.get(run.replace("signoffs", "report.html")).text
 
 
 @BOTH

@@ -1,4 +1,4 @@
-"""A simulator of an installed package through the command line and a whole service, each in processes of its own."""
+"""A simulator of an installed package through the command line and a whole service, in separate processes."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def test_every_result_and_export_answers(visit: Visit) -> None:
         assert client.get(f"{base}/exports/{name}").status_code == 200, name
     report = client.get(f"{base}/report.html")
     assert report.status_code == 200, report.text
-    assert "This simulator gives no trace." in report.text
+    assert "This simulator provides no trace." in report.text
     assert "Evaluated again" in report.text
     assert "Reference integrator" not in report.text
     preview = client.post("/api/v1/campaigns/preview", json={"campaign": package.campaign()})
@@ -145,7 +145,7 @@ KEY = "0b6c1e0e-4f5a-4a3b-9d1c-2f8e7a6b5c4d"
 WITHOUT_A_TRACE = {
     "/api/v1/runs/{run}/traces/{name}": "no stored flight",
     "/api/v1/runs/{run}/exports/flight-{flight}.html": "no stored flight",
-    "/api/v1/runs/{run}/views/{key}": "no 3D view of",
+    "/api/v1/runs/{run}/views/{key}": "it has no 3D view",
     "/view/{run}/": "it has no 3D view",
     "/view/{run}/F1/recorded/": "no stored flight",
 }
@@ -255,4 +255,4 @@ class TestEveryRoute:
         file.write_text(json.dumps(package.campaign()), encoding="utf-8")
         done = clearance(installed, "explain", str(file))
         assert done.returncode == 3, done.stderr
-        assert "Two basins, simulator two_basins has no text to print; only a closed loop does" in done.stderr
+        assert "Two basins, simulator two_basins has no Python code to print; only a closed loop has" in done.stderr

@@ -1,4 +1,4 @@
-"""A run keeps what its components meant: shared among runs, told beside what is installed now, part of the digest."""
+"""A run stores its component descriptions: shared by runs, compared with the installed ones, part of the digest."""
 
 from __future__ import annotations
 
@@ -102,13 +102,13 @@ def test_what_is_installed_later_changes_nothing_of_what_a_run_says(service: Ser
     export = client.get(f"{run}/exports/run.json").json()
     assert export["components"] == told
     report = client.get(f"{run}/report.html").text
-    assert "describes them otherwise now" in report
+    assert "describes them differently" in report
     assert "was 0.05 kg m2, here it is 0.2 kg m2" in report
     assert told["digest"] in report
-    assert "does not know the component" not in report
+    assert "This installation has no component" not in report
 
 
-def test_a_run_from_before_is_told_by_what_is_installed_and_says_so(service: Service, client: httpx.Client) -> None:
+def test_a_run_without_snapshot_uses_the_installed_descriptions(service: Service, client: httpx.Client) -> None:
     run = f"/api/v1/runs/{submit(client)}"
     finish_fully(service)
     forget(service)
@@ -117,9 +117,9 @@ def test_a_run_from_before_is_told_by_what_is_installed_and_says_so(service: Ser
     assert told["catalogue"] == snapshot(ASKED, CATALOGUE).model_dump(mode="json")
     assert client.get(f"{run}/exports/run.json").json()["components"] is None
     report = client.get(f"{run}/report.html").text
-    assert "What the components meant was not kept with this run." in report
+    assert "The component descriptions were not stored with this run." in report
     install(service, altered(heavier))
-    assert "does not know the component" in client.get(f"{run}/report.html").text
+    assert "This installation has no component" in client.get(f"{run}/report.html").text
 
 
 @BOTH
@@ -212,5 +212,5 @@ def test_what_was_not_recorded_yet_is_no_difference() -> None:
     [("title", True), ("goal", True), ("one more", True), ("unit", False), ("start", False), ("no method", True)],
 )
 def test_what_makes_other_flights_is_told_apart(case: str, same: bool) -> None:
-    """A default counts where the campaign does not give the value; the goal it gives."""
+    """A default is used if the campaign does not give the value; it gives the goal."""
     assert (values_changed(ASKED, snapshot(ASKED, CATALOGUE), altered(OTHERWISE[case][0])) == []) is same

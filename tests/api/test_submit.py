@@ -21,7 +21,7 @@ Command = Callable[..., "Future[int]"]
 
 @pytest.fixture
 def command(service: Service, monkeypatch: pytest.MonkeyPatch) -> Iterator[Command]:
-    """The command line beside the test, with the service's address and a token in its environment."""
+    """The command line as a process, with the service's address and a token in its environment."""
     monkeypatch.setenv("CLEARANCE_SERVICE", service.url)
     monkeypatch.setenv("CLEARANCE_TOKEN", service.token())
     monkeypatch.setenv("NO_PROXY", "127.0.0.1")
@@ -131,7 +131,7 @@ def test_a_service_that_comes_back_is_waited_for(
 def test_a_service_that_stays_away_is_said(command: Command, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ("submit", file, "--service", "http://127.0.0.1:9", "--patience", "0")
     assert command(*arguments).result(30) == INTERNAL
-    assert "http://127.0.0.1:9 did not answer for 0 s" in capsys.readouterr().err
+    assert "http://127.0.0.1:9 did not respond for 0 s" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_a_token_is_needed(
     assert said in capsys.readouterr().err
 
 
-def test_what_the_service_refuses_is_told_by_field(
+def test_refusals_of_the_service_are_reported_by_field(
     service: Service, command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     document = campaign()

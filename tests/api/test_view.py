@@ -100,8 +100,8 @@ def test_what_is_found_while_watching_appears(service: Service, client: httpx.Cl
         frames_until(connection, b"/flights/worst/path", b"Worst 0.8000 m")
 
 
-def test_a_view_that_is_told_parameters_simulates_them(bare: Service) -> None:
-    """With the components as workers publish them, and the process that really flies."""
+def test_a_view_simulates_given_parameters(bare: Service) -> None:
+    """With the published catalogue, and the real simulation process."""
     bare.app.state.live._first_limit = 120.0  # on a busy machine compilation takes as long as it takes
     bare.publish(published_by_workers())
     with bare.signed_in() as client:
@@ -206,7 +206,7 @@ def test_nothing_of_a_viewer_is_left_when_its_browser_goes(service: Service, cli
     until(lambda: not {t for t in threading.enumerate() if t not in known and "AnyIO" not in t.name})
 
 
-def test_visers_own_port_takes_nobody_else(service: Service, client: httpx.Client) -> None:
+def test_visers_own_port_refuses_other_clients(service: Service, client: httpx.Client) -> None:
     run = submit(client)
     finish(service)
     before = listening()

@@ -1,8 +1,9 @@
-"""A page steers the 3D view that it has opened, and nobody else's."""
+"""A page controls the 3D view that it opened, and no other."""
 
 from __future__ import annotations
 
 import contextlib
+import re
 import threading
 import time
 from typing import Any
@@ -38,12 +39,12 @@ def address(run: str, key: str = KEY) -> str:
 
 
 def said(state: dict[str, Any]) -> dict[str, Any]:
-    """What can be told beforehand of what a view shows."""
+    """The predictable part of a view's state."""
     assert state["revision"] > 0
     return {name: state[name] for name in ("opened", "flight", "time", "camera", "playing", "theme")}
 
 
-def test_a_page_steers_its_view_and_is_told_what_it_shows(service: Service, client: httpx.Client, run: str) -> None:
+def test_a_page_controls_its_view_and_receives_its_state(service: Service, client: httpx.Client, run: str) -> None:
     with viewing(service, client, f"/view/{run}/t/2/key/{KEY}/") as connection:
         shown = {"flight": "F1", "time": 2.0, "camera": "overview", "playing": False, "theme": "light"}
         answer = client.get(address(run), params={"wait": 10}).json()
@@ -140,7 +141,7 @@ def test_a_browser_that_leaves_while_its_camera_is_moved_is_no_matter(
         server, camera = shown._server, shown._following
         clients = server.get_clients()
     until(lambda: all(c._websock_connection.get_message_buffer().done for c in clients.values()))
-    monkeypatch.setattr(server, "get_clients", lambda: clients)  # as it was asked a moment before
+    monkeypatch.setattr(server, "get_clients", lambda: clients)  # as requested just before
     camera.place((np.zeros(3), np.ones(3)))
     camera.work(time.monotonic())
     assert len(clients) == 1
@@ -170,12 +171,16 @@ def test_a_key_is_good_for_its_run_and_its_visitor_alone(service: Service, clien
         for asking, path in (
             (client, address(run, OTHER)),
             (client, address(other, KEY)),
-            (client, address("R-0099")),
             (stranger, address(run)),
         ):
             detail = problem(asking.patch(path, json={"time": 2.0}), 404)["detail"]
             assert "no 3D view of" in detail
             problem(asking.get(path), 404)
+            advised = re.search(r"open (/view/\S+/) first", detail)
+            assert advised, detail
+            assert asking.get(advised[1]).status_code == 200
+        for absent in (client.patch(address("R-0099"), json={"time": 2.0}), client.get(address("R-0099"))):
+            assert "/view/" not in problem(absent, 404)["detail"]
         assert steer(client, run)["time"] == 1.0
     until(lambda: service.app.state.viewers.open == 0)
     problem(client.get(address(run)), 404)
@@ -320,6 +325,6 @@ def test_a_view_that_is_opened_anew_can_be_told_all_that_it_showed(
         assert target.tolist() == eye["target"]
 
 
-def test_where_no_more_views_fit_the_page_is_told_so(service: Service, client: httpx.Client, run: str) -> None:
+def test_the_limit_of_views_is_reported_on_the_page(service: Service, client: httpx.Client, run: str) -> None:
     service.app.state.viewers.most = 0
     assert "0 3D views are open" in problem(client.patch(address(run), json={}), 503)["detail"]

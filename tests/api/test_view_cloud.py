@@ -1,4 +1,4 @@
-"""The parameter space in a viewer: shown in place of the flights, and a click that flies a stored evaluation."""
+"""The parameter space in a viewer: shown instead of the flights, and a click that simulates a stored evaluation."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def stored(service: Service, cost: float) -> None:
 
 
 def camera(connection: ClientConnection) -> tuple[Any, Any]:
-    """Where the browser's camera is told to stand and to look, once the points are there."""
+    """Position and target of the camera as sent to the browser, once the points are drawn."""
     eye = target = None
     drawn = False
     for frame in frames(connection):
@@ -83,7 +83,7 @@ def test_a_click_on_a_point_flies_it_and_holds_it_against_what_is_stored(bare: S
             click(panel, eye, (0.0, 0.0, 1.0))
             frames_until(connection, b"There is no evaluation near that position.")
             click(panel, eye, middle - eye)
-            received = frames_until(connection, b"Identical, bit by bit.", b"/flights/what-if/path", seconds=120)
+            received = frames_until(connection, b"Bit-identical.", b"/flights/what-if/path", seconds=120)
             assert b"search \xc2\xb7 direct, evaluation 0 (from 0)" in received
             assert repr(cost).encode() in received
             panel.set("Show its flight", True)
@@ -121,13 +121,13 @@ def test_what_was_really_excluded_or_failed_has_its_own_sign_and_flies_again_the
             drawn = viewer._panel._cloud._drawn
             for row, status in ((0, b"excluded"), (4, b"failed")):
                 click(panel, drawn.points[row] - np.array([0.0, 0.01, 0.0]) * drawn.side, (0.0, 1.0, 0.0))
-                said = frames_until(connection, b"simulated again", b"The same: " + status, seconds=120)
+                said = frames_until(connection, b"simulated again", b"Identical: " + status, seconds=120)
                 assert f"evaluation {row} (from 0)".encode() in said
                 assert html.escape(lost.reasons[row]).encode() in said
 
 
 def test_nothing_of_the_flights_is_left_out_when_they_are_hidden(bare: Service) -> None:
-    """Whatever a scene has stands below what is hidden with it, or is one of the few that have their own switch."""
+    """All nodes of a scene are below a node that is hidden with it, or have their own switch."""
     with bare.signed_in() as client:
         run = shipped(bare, client, "uav_aca")
         work = Work(bare)

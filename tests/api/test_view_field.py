@@ -1,4 +1,4 @@
-"""The avoider's field in a viewer: computed by the process that flies, drawn, computed again for another time."""
+"""The avoider's field in a viewer: computed by the simulation process, drawn, updated with the time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_the_field_is_shown_for_the_time_shown(bare: Service) -> None:
                 connection,
                 b"/field/slice/plane",
                 b"/field/slice/arrows",
-                b"asks for over the plane, at t = 2.00 s of Nominal",
+                b"demands over the plane, at t = 2.00 s of Nominal",
                 seconds=120,
             )
             assert b"Force [N]" in drawn

@@ -1,4 +1,4 @@
-"""The 3D view shows every flight where its trace has it: intruders that move, aircraft with z down."""
+"""The 3D view draws every flight at the positions of its trace: intruders that move, aircraft with z down."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_an_aircraft_flies_upright_with_north_ahead_and_east_to_the_right(bare: 
                     break
         assert b"/course" in received, "a plan of speed and heading instead of a goal"
         assert b"/goal/label" not in received
-        # A number stands at its height: the aircraft climbs from 0 to 40 m, the safety radius reaches further up.
+        # Labels are at their heights: the aircraft climbs from 0 to 40 m, the safety radius reaches further up.
         texts, heights = {}, {}
         for message in drawn:
             if message["type"] == "LabelMessage" and message["name"].startswith("/north/height/"):

@@ -1,4 +1,4 @@
-"""Cameras that go with the flight, velocities and trails: closed forms."""
+"""Following cameras, velocities and trails against closed forms."""
 
 from __future__ import annotations
 

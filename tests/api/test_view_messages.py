@@ -1,4 +1,4 @@
-"""What a page may send to its 3D view, how many views one visitor has, and that signing out ends them."""
+"""Messages allowed from a page to its 3D view, the limit of views per visitor, and their end after signing out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A viewer whose wake-up comes from another thread, at the worst moment."""
+"""A wake-up of a viewer from another thread at the worst moment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A viewer's socket as a browser holds it, and the panel that its visitor uses. Start reading at `viewing`."""
+"""A client of a viewer's socket in place of a browser, and its panel. Start reading at `viewing`."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def viewing(service: Service, client: httpx.Client, path: str, **changes: str | 
         subprotocols=[websockets.Subprotocol(PROTOCOL)],
         compression=None,
         max_size=None,
-        max_queue=None,  # what nobody reads must not hold up the closing
+        max_queue=None,  # unread data must not delay closing
         proxy=None,
     ) as connection:
         yield connection
@@ -74,14 +74,14 @@ def frames_until(connection: ClientConnection, *wanted: bytes, seconds: float = 
 
 
 def steer(client: httpx.Client, run: str, key: str = KEY, **change: Any) -> dict[str, Any]:
-    """Have the open view show something else, as its page does; what it says it shows."""
+    """Change the open view as its page does; returns the reported state."""
     answer = client.patch(f"/api/v1/runs/{run}/views/{key}", json=change, params={"wait": 10})
     assert answer.status_code == 200, answer.text
     return dict(answer.json())
 
 
 Node = dict[str, Any]
-"""position and wxyz as last told."""
+"""The last sent position and wxyz."""
 
 
 class Panel:
@@ -101,20 +101,20 @@ class Panel:
                     self._elements.setdefault(str(label), message["uuid"])
             if last in self._elements:
                 break
-        # The page says first where its camera stands; before that viser hears nothing else.
+        # The page first reports its camera; viser ignores other messages before that.
         self.look(CAMERA["position"], CAMERA["look_at"])
 
     def look(self, position: Any, look_at: Any) -> None:
-        """What the page says when its camera has come to another place, by whomever it was moved."""
+        """Report a camera movement to the viewer."""
         moved = {"position": tuple(map(float, position)), "look_at": tuple(map(float, look_at))}
         self._say(type="ViewerCameraMessage", **(CAMERA | moved))
 
     def told(self, seconds: float = 10.0) -> tuple[Any, Any]:
-        """Where the page is next told to place its camera, and what to look at."""
+        """The next camera position and target sent to the page."""
         position = look_at = None
         for frame in frames(self._connection, seconds):
             for message in msgspec.msgpack.decode(frame)["messages"]:
-                if message.get("initial"):  # where it opens, and goes back to
+                if message.get("initial"):  # the initial camera, also used for the reset
                     continue
                 if message["type"] == "SetCameraPositionMessage":
                     position = np.array(message["position"])
@@ -127,7 +127,7 @@ class Panel:
         return position, look_at
 
     def places(self, go: Callable[[], object], *nodes: str) -> dict[str, Node]:
-        """Nodes of the scene once the view has gone where it is told, the position of each told anew."""
+        """Nodes of the scene after the view has applied a change, with their new positions."""
         go()
         missing = set(nodes)
         for frame in frames(self._connection):
@@ -137,7 +137,7 @@ class Panel:
         return {node: self.nodes[node] for node in nodes}
 
     def _hear(self, messages: list[dict[str, Any]]) -> set[str]:
-        """Note where nodes are said to be; which were given a position."""
+        """Record the positions of nodes; returns those that were set."""
         placed = set()
         for message in messages:
             if message["type"] == "SetPositionMessage":
@@ -148,7 +148,7 @@ class Panel:
         return placed
 
     def set(self, label: str, value: object) -> None:
-        """What the page says when its visitor moves a slider or presses a button."""
+        """Send a slider movement or a button press."""
         self._say(type="GuiUpdateMessage", uuid=self._elements[label], updates={"value": value})
 
     def _say(self, **message: object) -> None:

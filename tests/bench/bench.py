@@ -1,4 +1,4 @@
-"""`make bench`: what an evaluation costs, as ratios measured in one run; prints a table, writes build/bench.json.
+"""`make bench`: cost of an evaluation, as ratios measured in one run; prints a table, writes build/bench.json.
 
 Every figure is the best of several repetitions on one thread; the machine should be idle. Start reading at `main`.
 """
@@ -121,7 +121,7 @@ def aircraft() -> dict[str, Any]:
 
 
 def interleaved(measured: list[tuple[Callable[[], object], int]], repeats: int = 9) -> list[float]:
-    """Seconds per evaluation of each, the best of several rounds that take turns, so that noise meets all alike."""
+    """Seconds per evaluation of each, the best of several interleaved rounds, so that noise affects all equally."""
     for work, _ in measured:
         work()
     best = [float("inf")] * len(measured)
@@ -145,7 +145,7 @@ def build_cpp() -> tuple[ctypes.CDLL, str]:
 
 
 def fly_cpp(cpp: ctypes.CDLL, problem: Problem, vectors: Floats, steps: int, costs: Floats) -> None:
-    """Fly with the hand-written loop; its parameters stand in the same order."""
+    """Simulate with the hand-written loop; its parameters have the same order."""
     cpp.fly_all(
         vectors.ctypes.data_as(ctypes.c_void_p), len(vectors), ctypes.c_double(problem.system.step), steps,
         costs.ctypes.data_as(ctypes.c_void_p),

@@ -1,4 +1,4 @@
-"""`python -m tests.bench.faults [campaign ...]`: what faults and parts of the environment cost, and what vectorises.
+"""`python -m tests.bench.faults [campaign ...]`: cost of faults and environment components, and which vectorise.
 
 Each is put alone into the loop of a library campaign, at a magnitude at which it does something. Cost is the ratio to
 the bare loop in one run; wide and scalar count the instructions on whole registers and on single numbers, libm calls
@@ -33,7 +33,7 @@ FLYING = {
 
 
 def main() -> None:
-    """Measure every loop asked for, print, write."""
+    """Measure all requested loops, print and write the results."""
     BUILD.mkdir(exist_ok=True)
     found = {name: measure(load_file(library()[name])) for name in sys.argv[1:] or ["unicycle_static"]}
     (BUILD / "faults.json").write_text(json.dumps(found, indent=2) + "\n")
@@ -80,7 +80,7 @@ def loop(campaign: Campaign, part: Fault | Environment | None, period: float) ->
 
 
 def instructions(problem: Problem) -> dict[str, Any]:
-    """Counts over the machine code of the compiled loop, which must have been flown."""
+    """Counts over the machine code of the compiled loop, which must have been run."""
     code = problem.system.loop.assembly()
     return {
         "wide": len(re.findall("%zmm|%ymm", code)),

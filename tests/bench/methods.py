@@ -1,4 +1,4 @@
-"""What the search methods cost: DIRECT in batches against NLopt's, every method's own time, DIRECT's counts.
+"""Cost of the search methods: batched DIRECT against NLopt's, own time of every method, DIRECT's counts.
 
 `measure` gives the figures for `make bench`; `python -m tests.bench.methods` prints them and the table of counts, ours
 beside those of Jones et al. (1993), NLopt and SciPy. All run on one core, and its time is what counts: what others do
@@ -84,9 +84,9 @@ def _nlopt(cost: Callable[[Floats, Floats], float], dimension: int) -> tuple[int
 
 
 def overhead(method: Method, evaluations: int = EVALUATIONS, repeats: int = REPEATS) -> float:
-    """A method's own time per evaluation [us]: what passes between an answer and the next request.
+    """A method's own time per evaluation [us]: the time between a result and the next request.
 
-    On a function of `DIMENSION` parameters; a method that ends earlier begins again with another seed.
+    On a function of `DIMENSION` parameters; a method that ends earlier restarts with another seed.
     """
     f = on_unit_cube(f"Levy {DIMENSION}", 1)
     _own(method, f, 500)

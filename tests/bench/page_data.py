@@ -1,4 +1,4 @@
-"""What `tests.bench.pages` shows: a run really flown with 100,000 evaluations, 10,000 stored runs, and runs that grow.
+"""Data for `tests.bench.pages`: a real run with 100,000 evaluations, 10,000 stored runs, and active runs.
 
 Everything goes through the store that workers write to, but the copies of a run in the list. Start reading at `flown`.
 """
@@ -28,7 +28,7 @@ BUDGETS = {"direct": 45_000, "sqp": 2_000, "monte_carlo": 30_000, "portfolio": 2
 
 GROWING = "unicycle_static"
 PERIOD, CHUNK = 0.25, 2_000
-"""Each running run stores so many evaluations so often [s], [1]: together what two cores fly."""
+"""Interval [s] and number of evaluations stored by each active run: together the rate of two cores."""
 LEASE = 3600.0
 """Nobody beats for these runs [s]."""
 

@@ -1,4 +1,4 @@
-"""`make bench-pages`: what the pages cost, from the real service in Debian's chromium; writes build/bench-pages.json.
+"""`make bench-pages`: performance of the pages, real service in Debian's chromium; writes build/bench-pages.json.
 
 The service is a process of its own with its own data. Every visit has an empty browser cache; a figure is the median of
 several visits. The machine should be idle. Start reading at `main`.
@@ -63,7 +63,7 @@ def main() -> None:
         large = page_data.flown(engine)
         page_data.copies(engine, large, RUNS - 1)
         with sync_playwright() as playwright:
-            browser = launch(playwright)
+            browser = launch(playwright.chromium)
             found = measured(running, address, Visitor(browser, address, running), engine, large)
             browser.close()
         engine.dispose()
@@ -161,7 +161,7 @@ class Visitor:
             return 1e3 * (time.perf_counter() - began)
 
     def run_page(self, run: str) -> dict[str, float]:
-        """A run's page: until it is interactive [ms], and all that it has transferred once its 3D view stands [MB]."""
+        """A run's page: until it is interactive [ms], and the data transferred until its 3D view is open [MB]."""
         with self.page() as page:
             traffic = Traffic(page)
             began = time.perf_counter()
@@ -178,7 +178,7 @@ class Visitor:
         }
 
     def core(self, path: str, seen: str) -> float:
-        """The service's share of one core while a live page is watched [%]."""
+        """The service's load of one core while a live page is open [%]."""
         with self.page() as page:
             page.goto(self.address + path)
             page.locator(seen).wait_for()

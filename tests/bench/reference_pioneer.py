@@ -1,4 +1,4 @@
-"""Case 2 as one plain scalar program: the yardstick of the lockstep loop's speed, and an independent formulation.
+"""Case 2 as one plain scalar program: the reference for the lockstep loop's speed, and an independent formulation.
 
 Nothing of the product is used but its parameters: libm, branches, one flight after another. Start reading at `fly`.
 """
@@ -145,7 +145,7 @@ def fly_all(starts: Any, vehicles: Any, laws: Any, encounters: Any, dt: float, s
 
 
 class Reference:
-    """The yardstick for flights of a campaign of case 2: `costs()` flies them all and returns d_min (m,) [m]."""
+    """The reference for simulations of a campaign of case 2: `costs()` simulates all and returns d_min (m,) [m]."""
 
     def __init__(self, problem: Problem, vectors: Floats) -> None:
         def of(prefix: str, *names: str) -> Floats:

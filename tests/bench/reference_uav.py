@@ -1,4 +1,4 @@
-"""Cases 3 to 5 as plain scalar programs: the yardstick of the lockstep loop's speed, and an independent formulation.
+"""Cases 3 to 5 as plain scalar programs: the reference for the lockstep loop's speed, and an independent formulation.
 
 libm, branches, one flight after another. It is spared work that the lockstep loop does: coefficients and gains are
 constants of the compiler, and a flight ends 4 s after its closest approach once it is clear, not at the horizon.

@@ -95,7 +95,7 @@ def evaluations(task: Task) -> tuple[int, bool]:
 
 
 def summary(tasks: list[Task], spent: list[tuple[int, bool]]) -> dict[str, dict[str, dict[str, Any]]]:
-    """By method and function: seeds that succeeded and expected evaluations, None where none did."""
+    """By method and function: seeds that succeeded and expected evaluations, None if none succeeded."""
     found: dict[str, dict[str, dict[str, Any]]] = {}
     for method in dict.fromkeys(t.method for t in tasks):
         found[method] = {}

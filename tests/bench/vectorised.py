@@ -1,4 +1,4 @@
-"""Which loops vectorise, told by their machine code, compiled afresh: `python -m tests.bench.vectorised [campaign]`.
+"""Which loops vectorise, determined from freshly compiled machine code: `python -m tests.bench.vectorised [campaign]`.
 
 A lane loop that does not vectorise multiplies one number at a time; libm's functions are calls. What is done once per
 flight may be unrolled into scalars: fewer products than lanes are let pass. Counted on x86-64 only.

@@ -1,1 +1,1 @@
-"""What every component and every method must keep, whoever adds it: found by presence, like themselves."""
+"""Contracts of all components and methods, which are found by presence."""

@@ -1,4 +1,4 @@
-"""What every component is held to in flight: alone or among others, compiled or plain. Start at `unbreakable`."""
+"""The contract of components in simulation: alone or combined, compiled or plain. Start at `unbreakable`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def unbreakable(flown: Problem, of: Entries, count: int) -> None:
     assert batch.costs.shape == (len(vectors), len(flown.results))
     assert set(np.unique(batch.status)) <= {OK, FAILED, EXCLUDED}
     assert sorted(reasons) == np.flatnonzero(~ok).tolist()
-    assert all(reason.startswith("the flight ") for reason in reasons.values())
+    begins = ("the simulation ", "the vehicle ", f"{flown.results[0].quantity} starts at or below ")
+    assert all(reason.startswith(begins) for reason in reasons.values())
     again, _ = flown.system.fly_vectors(vectors[::-1])
     assert again.costs[::-1].tobytes() == batch.costs.tobytes()
 

@@ -1,4 +1,4 @@
-"""A small campaign around any components, so that they can be flown. Start reading at `scene`."""
+"""A small campaign around any components, so that they can be simulated. Start reading at `scene`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Scene(NamedTuple):
 
 
 def scene(*chosen: Component) -> Scene:
-    """A campaign that flies these components with the first others that fit.
+    """A campaign that simulates these components with the first others that fit.
 
     At most one vehicle, controller, avoider and criterion that decides.
     """
@@ -83,7 +83,7 @@ def scene(*chosen: Component) -> Scene:
 
 
 def around(component: Component) -> dict[str, Any]:
-    """A campaign that flies this component with the first others that fit."""
+    """A campaign that simulates this component with the first others that fit."""
     return scene(component).document
 
 
@@ -96,7 +96,7 @@ def together() -> list[tuple[Component, ...]]:
         pairs = [(v, c) for v in vehicles for c in _of("controller") if v.name in c.fits]
         for k, hand in enumerate(hands):
             hand.extend(pairs[k % len(pairs)])
-        # What flies in the plane and in space is dealt in the plane, whose loops are compiled in half the time.
+        # Components with both dimensions are tested in the plane, where loops compile in half the time.
         rest = {role: _of(role) for role in ("obstacle", "environment", "fault", "criterion")}
         for role, cards in rest.items():
             fit = [c for c in cards if (entry(c).dimension or 2) == dimension]
@@ -108,7 +108,7 @@ def together() -> list[tuple[Component, ...]]:
 
 
 def problem(*chosen: Component, compiled: bool = True) -> Problem:
-    """The campaign of a scene, ready to fly, in plain Python half as long; the same for components that share it."""
+    """The compiled campaign of a scene, with half the horizon in plain Python; shared by its components."""
     document = scene(*chosen).document
     document["scenario"]["horizon"] = HORIZON if compiled else HORIZON / 2
     return _problem(json.dumps(document), compiled)
@@ -120,7 +120,7 @@ def _problem(document: str, compiled: bool) -> Problem:
 
 
 def own(component: Component, among: tuple[Component, ...] = ()) -> dict[str, ParameterEntry]:
-    """The parameters of a component by path, in a scene of its own or among others."""
+    """The parameters of a component by path, in its own scene or among others."""
     found: dict[str, ParameterEntry] = {}
     described, chosen = entry(component), among or (component,)
     for prefix in dict(zip(map(id, chosen), scene(*chosen).prefixes, strict=True))[id(component)]:

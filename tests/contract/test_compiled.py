@@ -1,4 +1,4 @@
-"""Every component compiled: unbreakable within its limits, and flying as in plain Python.
+"""Every component compiled: robust within its limits, and equal to plain Python.
 
 Several share a closed loop, so that fewer are compiled; `make nightly` compiles one each. Start reading at `SCENES`.
 """

@@ -1,4 +1,4 @@
-"""Every component: documented, limited, and unbreakable within its limits.
+"""Every component: documented, limited, and robust within its limits.
 
 On the plain form, which needs no compiler; `test_compiled` holds the compiled form to it. Start reading at `EACH`.
 """

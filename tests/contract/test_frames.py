@@ -141,7 +141,7 @@ def rig(role: str, name: str) -> Loop:
 
 
 def drawn(loop: Loop, chance: np.random.Generator) -> dict[str, float]:
-    """Values of all parameters: places around the origin, the obstacle on its way to the vehicle, the rest moderate."""
+    """All values: positions around the origin, the obstacle approaching the vehicle, the rest moderate."""
     found = {}
     for section in loop.sections:
         for p in section.parameters:
@@ -169,7 +169,7 @@ def drawn(loop: Loop, chance: np.random.Generator) -> dict[str, float]:
 
 
 def mirrored(loop: Loop, values: dict[str, float], mirror: str) -> dict[str, float]:
-    """The same in the mirrored world, as far as each parameter's name and text tell its axes."""
+    """The same values mirrored, according to the axes in each parameter's name and text."""
     texts = {f"{s.prefix}.{p.name}": (p.text, p.unit, p.low < 0) for s in loop.sections for p in s.parameters}
     found = dict(values)
     for path, value in values.items():
@@ -200,7 +200,7 @@ def reflected(vector: Any, mirror: str) -> Any:
 def answer(loop: Loop, values: dict[str, float]) -> tuple[Any, Any]:
     """What is done in the loop at two instants: vectors, and numbers that no mirror changes."""
     p = loop.extend(np.array(list(values.values())))
-    x, g = loop.part("initial")(p), loop.part("blank")(p)
+    x, g = loop.part("initial")(p), loop.part("initial_guidance")(p)
     g = loop.part("guide")(0.0, x, g, p) if loop.parts.avoider.memory else g
     vectors: list[float] = []
     numbers: list[float] = []
@@ -233,7 +233,7 @@ def in_space(component: Component) -> bool:
 
 
 def random(component: Component) -> bool:
-    """One realisation has senses by chance; over all of them there is none."""
+    """A single realisation has a handedness by chance; the set of all has none."""
     return any(path.endswith(".seed") for path in own(component))
 
 

@@ -1,4 +1,4 @@
-"""Every search method says what it is, and its options mean what the catalogue tells of them."""
+"""Every search method describes itself, and its options have the effect stated in the catalogue."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every search method on every function of the table, with several criteria, and going on under more budget."""
+"""Every search method on every function of the table, with several criteria, and resumed with a larger budget."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_every_function_of_the_table(method: Method, name: str) -> None:
 
 @EACH
 def test_further_criteria_are_left_to_methods_for_several(method: Method) -> None:
-    """One that looks at a single cost looks at the first, whatever stands beside it."""
+    """A single-objective method uses the first cost, for any further ones."""
 
     def asked(criteria: int) -> Floats:
         def evaluate(points: Floats) -> Answer:

@@ -1,4 +1,4 @@
-"""Every search method: inside the box, within its budget, the same from the same seed, whatever the evaluations do."""
+"""Every search method: inside the box, within its budget, reproducible from its seed, for any outcomes."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def test_answers_may_be_changed_after_they_were_given(method: Method) -> None:
 
 
 def fingerprint(name: str, seed: int) -> str:
-    """The bits of all points that a method asks for: on a rough function and on every one of the table."""
+    """The bits of all points that a method requests: on a rough function and on every one of the table."""
     digest = hashlib.sha256(run(methods()[name], rough, 3, 600, seed=seed).points.tobytes())
     for function in TABLE:
         f = on_unit_cube(function, seed)

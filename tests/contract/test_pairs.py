@@ -1,4 +1,4 @@
-"""Every avoider with every vehicle of its dimension, under every controller that flies the vehicle.
+"""Every avoider with every vehicle of its dimension, with every controller of that vehicle.
 
 In plain Python: what is compiled from it is held to it elsewhere. Start reading at `PAIRS`.
 """

@@ -1,4 +1,4 @@
-"""What every stage is held to: it is declared, a plan names it, and its result is one that a run may store."""
+"""The contract of all stages: declared, named by a plan, with a storable result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every system keeps to, over the closed loop and an analytic simulator. Start reading at `TestSystem`."""
+"""The contract of all systems, tested on the closed loop and an analytic simulator. Start reading at `TestSystem`."""
 
 from __future__ import annotations
 

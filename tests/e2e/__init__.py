@@ -1,1 +1,1 @@
-"""The whole way in a real browser, on real processes: `clearance serve` with its own data, Debian's chromium."""
+"""End-to-end tests in a real browser with real processes: `clearance serve` with its own data, Debian's chromium."""

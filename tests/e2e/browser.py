@@ -1,4 +1,4 @@
-"""A browser that watches what it should not see: errors on the console, requests that leave the service.
+"""A browser that fails on console errors and on requests to other hosts.
 
 Start reading at `Visit`.
 """
@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, ConsoleMessage, Error, Locator, Page, Playwright, Request, WebSocket, expect
+from playwright.sync_api import Browser, BrowserType, ConsoleMessage, Error, Locator, Page, Request, WebSocket, expect
 
 from tests.faults.processes import REPOSITORY
 
@@ -22,14 +22,15 @@ SCREENSHOTS = REPOSITORY / "build" / "screenshots"
 
 ARGUMENTS = (
     "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
     "--disable-gpu",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
     "--no-first-run",
 )
+
+DRAWN_IN_SOFTWARE = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+WITHOUT_3D = ("--disable-3d-apis",)
 
 VIEWER_EVAL = "'wasm-unsafe-eval'"
 """The viewer tries one `eval`, which its own policy refuses, and draws all the same; only that policy has this word."""
@@ -39,8 +40,13 @@ PATIENCE = 60_000
 expect.set_options(timeout=PATIENCE / 2)  # a 3D view drawn in software holds its page for seconds
 
 
-def chromium() -> str:
-    """Where the system's browser is; fails where there is none."""
+def pictured() -> bool:
+    """Whether pictures are stored."""
+    return bool(os.environ.get("CLEARANCE_SCREENSHOTS"))
+
+
+def executable() -> str:
+    """The path of the system's browser; fails if there is none."""
     found = next(
         (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
     )
@@ -65,14 +71,14 @@ class Visit:
         self.page.goto(self.address + path)
 
     def stay(self, path: str) -> Page:
-        """Be at an address, whatever its query: a page that stands there already stays as it is."""
+        """Go to an address; a page that is already there, with any query, is not reloaded."""
         if urlsplit(self.page.url).path != path:
             self.go(path)
         return self.page
 
     def shot(self, name: str, *, full: bool = True, of: Locator | None = None) -> None:
-        """Keep a picture of the page, or of a part of it, where CLEARANCE_SCREENSHOTS asks for them."""
-        if not os.environ.get("CLEARANCE_SCREENSHOTS"):
+        """Save a screenshot of the page, or of a part of it, if CLEARANCE_SCREENSHOTS is set."""
+        if not pictured():
             return
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         file = SCREENSHOTS / f"{name}.png"
@@ -103,7 +109,7 @@ class Visit:
 
 @contextmanager
 def visiting(browser: Browser, address: str) -> Iterator[Visit]:
-    """A fresh browser profile at 1440 x 900; at the end nothing may have gone wrong in it."""
+    """A new browser profile at 1440 x 900; fails at the end if the browser reported errors."""
     context = browser.new_context(viewport={"width": 1440, "height": 900}, color_scheme="light")
     context.set_default_timeout(PATIENCE)
     visit = Visit(context.new_page(), address)
@@ -112,9 +118,13 @@ def visiting(browser: Browser, address: str) -> Iterator[Visit]:
     assert visit.wrong == [], "\n".join(visit.wrong)
 
 
-def launch(playwright: Playwright) -> Browser:
-    """The system's chromium, drawing WebGL in software."""
-    return playwright.chromium.launch(executable_path=chromium(), args=list(ARGUMENTS))
+def launch(chromium: BrowserType, draws: bool = True) -> Browser:
+    """The system's chromium, which draws WebGL in software, or not at all.
+
+    Opening one 3D view in software costs some 15 s of processor time, most of it for compiling shaders.
+    """
+    graphics = DRAWN_IN_SOFTWARE if draws else WITHOUT_3D
+    return chromium.launch(executable_path=executable(), args=[*ARGUMENTS, *graphics])
 
 
 def pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:

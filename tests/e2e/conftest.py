@@ -21,16 +21,17 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
+def browser(request: pytest.FixtureRequest) -> Iterator[Browser]:
+    """A browser; it draws in 3D unless the module sets DRAWS to False."""
     with sync_playwright() as playwright:
-        browser = launch(playwright)
+        browser = launch(playwright.chromium, getattr(request.module, "DRAWS", True))
         yield browser
         browser.close()
 
 
 @pytest.fixture(scope="module")
 def signed_in(service: Service, browser: Browser) -> Iterator[Visit]:
-    """A page of one engineer's browser, who came by the login link; the tests of a module share it."""
+    """A page of a browser that signed in with the login link; shared by the tests of a module."""
     link = service.link()
     with visiting(browser, link.partition("/login")[0]) as visit:
         visit.page.goto(link)

@@ -1,6 +1,6 @@
 """Every page in light and in dark by axe: nothing serious or critical against WCAG 2.1, levels A and AA.
 
-Source: Deque, axe-core API, "axe.run". The pages stand on stored runs, nothing is flown. Start reading at `violations`.
+Source: Deque, axe-core API, "axe.run". The pages show stored runs; nothing is simulated. Start reading at `violations`.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def submit(client: httpx.Client, document: dict[str, Any], name: str) -> None:
 
 
 def violations(page: Page) -> list[str]:
-    """What axe finds serious or critical: rule, place, and what it says of it. The 3D view's frame is not ours."""
+    """Serious and critical findings of axe: rule, element, message. The 3D view's frame is third-party."""
     found = page.evaluate(
         "(rules) => axe.run(document, {runOnly: rules, resultTypes: ['violations'], iframes: false})", RULES
     )
@@ -202,7 +202,7 @@ def test_a_refused_entry_is_accessible(visit: Visit, filled: Service, theme: str
 
 
 def without_inline_styles(route: Route) -> None:
-    """The page under a policy that allows no style but those of files: what breaks it is told on the console."""
+    """The page under a policy that allows no style but those of files: violations are reported on the console."""
     answer = route.fetch()
     policy = answer.headers["content-security-policy"]
     assert "'unsafe-inline'" in policy
@@ -213,7 +213,7 @@ def without_inline_styles(route: Route) -> None:
 
 @pytest.mark.parametrize("theme", THEMES)
 def test_the_text_editor_is_accessible_at_work(visit: Visit, filled: Service, theme: str) -> None:
-    """With a problem, its box, the search and what may be written in sight; Tab goes on, as the page says."""
+    """With a problem, its tooltip, the search and completions visible; Tab leaves the editor, as documented."""
     page = visit.page
     seen(visit, theme, *PAGES["launch-text"])
     write_over(page, written(page).replace("horizon: 15.0", "horizon: 15 s").replace("{m: 5.0, ", "{x: 1, m: 5.0, "))

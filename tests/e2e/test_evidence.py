@@ -1,4 +1,4 @@
-"""From a finished run to evidence: files, the report, figures, a sign-off, and two runs beside each other.
+"""From a finished run to evidence: files, the report, figures, a sign-off, and the comparison of two runs.
 
 The runs are written as a worker writes them, so that nothing is flown here. Start reading at `finished`.
 """
@@ -31,6 +31,7 @@ from tests.e2e.looking import looks
 from tests.e2e.stored import served
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(300)]
+DRAWS = False
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,7 @@ def saved(page: Page, entry: str) -> Download:
 
 
 def test_nothing_is_asked_for_twice(visit: Visit) -> None:
-    visit.page.goto("about:blank")  # what the page before still asks for is not counted
+    visit.page.goto("about:blank")  # pending requests of the previous page are not counted
     asked: list[str] = []
     visit.page.on("request", lambda request: asked.append(request.url))
     visit.go("/runs/R-0001")
@@ -82,6 +83,12 @@ def test_nothing_is_asked_for_twice(visit: Visit) -> None:
     answers = [url for url in asked if "/api/v1/" in url and "/views/" not in url]
     assert len(answers) > 8
     assert sorted(set(answers)) == sorted(answers)
+
+
+def test_without_3d_graphics_the_page_states_it_and_has_everything_else(page: Page) -> None:
+    expect(page.locator("#flight")).to_contain_text("this browser has no 3D graphics (WebGL 2)")
+    expect(page.locator("iframe")).to_have_count(0)
+    expect(page.get_by_role("img", name=re.compile("^Separation")).locator("canvas")).to_be_visible()
 
 
 def test_a_run_is_taken_away_as_files(page: Page) -> None:

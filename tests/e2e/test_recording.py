@@ -1,4 +1,4 @@
-"""The flight in a browser: a recording from disk, the page that a link leads to, the run page and its 3D view as one.
+"""The flight in a browser: a recording from disk, the linked page, and the run page with its 3D view.
 
 Start reading at `recorded`.
 """
@@ -33,20 +33,20 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 
 
 def playing(page: Page, worst: str | None = None) -> Locator:
-    """The play bar, once the time runs, and the worst flight is drawn where its colour is given."""
+    """Wait until the play bar advances; if a colour is given, until the worst flight is drawn."""
     page.set_viewport_size({"width": 900, "height": 600})  # software draws every pixel
     expect(page.locator("canvas").first).to_be_visible()
     time = page.locator("input").first
     expect(time).to_be_visible()
     if worst is not None:
-        # The middle: in the corners stand the caption and viser's word on software rendering, in colours like these.
+        # The centre: the corners contain the caption and viser's notice of software rendering, in similar colours.
         until(lambda: near(pixels(page.screenshot())[150:540, 310:540], rgb(worst), 40) > 60, 60)
     before = time.input_value()
     until(lambda: time.input_value() != before, 60)
     return time
 
 
-def test_the_file_opens_from_disk_and_asks_nobody(recorded: Service, browser: Browser, tmp_path: Path) -> None:
+def test_the_file_opens_from_disk_without_requests(recorded: Service, browser: Browser, tmp_path: Path) -> None:
     file = tmp_path / "flight.html"
     with recorded.signed_in() as client:
         file.write_bytes(client.get("/api/v1/runs/R-0001/exports/flight-F1.html").content)
@@ -54,7 +54,7 @@ def test_the_file_opens_from_disk_and_asks_nobody(recorded: Service, browser: Br
         visit.page.context.set_offline(True)
         visit.go(str(file))
         playing(visit.page, LIGHT.worst)
-        expect(visit.page.locator("#told")).to_contain_text("R-0001 · F1")
+        expect(visit.page.locator("#caption")).to_contain_text("R-0001 · F1")
         assert visit.page.title() == "R-0001 F1: Recorded"
         visit.shot("recording-file", full=False)
 
@@ -97,7 +97,7 @@ def dragged(page: Page) -> bool:
 
 
 REFUSED = re.compile(r"ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|status of 404")
-"""What a browser says of a service that is gone for a while."""
+"""Console messages of a browser while the service is unavailable."""
 
 
 def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Service, browser: Browser) -> None:
@@ -138,7 +138,7 @@ def test_page_and_view_agree_and_a_lost_view_comes_back_as_it_was(recorded: Serv
         until(lambda: page.evaluate("true") and f"since={shown.revision}&" in asked[-1])
         recorded.stop()
         notice = page.locator("#flight [role=status]").last
-        expect(notice).to_contain_text("There is no answer at this address")
+        expect(notice).to_contain_text("No response from this address")
         again = Service(recorded.settings, recorded.port)
         again.start()
         try:

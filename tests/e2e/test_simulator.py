@@ -1,4 +1,4 @@
-"""The page of a run that evaluates a simulator: no 3D view, no words of flights, no errors."""
+"""The page of a run that evaluates a simulator: no 3D view, no mention of flights, no errors."""
 
 from __future__ import annotations
 
@@ -40,7 +40,16 @@ def test_launched_again_from_the_form_and_compared(tmp_path: Path, browser: Brow
         visit.go("/compare?runs=R-0001,R-0002")
         expect(page.get_by_text("From violated to cleared")).to_be_visible()
         expect(page.get_by_text("Simulator digest")).to_be_visible()
+        expect(page.locator("#convergence canvas").first).to_be_visible()
+        empty = "cards => cards.filter((card) => !card.querySelector('table, canvas, svg.ch')).map((card) => card.id)"
+        assert page.locator("main .grid .card").evaluate_all(empty) == []
         visit.shot("simulator-compared")
+        visit.go("/help/components")
+        listed = page.locator("#simulator-two_basins")
+        expect(listed).to_contain_text("Results: 2")
+        expect(page.get_by_role("link", name="Two basins")).to_have_attribute(
+            "href", re.compile("#simulator-two_basins$")
+        )
         visit.go("/runs/R-0002/flight")
         expect(page.get_by_role("heading", name="There is no flight to show")).to_be_visible()
 

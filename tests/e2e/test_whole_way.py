@@ -1,4 +1,4 @@
-"""From the login link to a verdict and its flight, as an engineer goes.
+"""From the login link to a verdict and its flight.
 
 The tests of this file are one story, in order: each begins where the one before it ended.
 """
@@ -27,7 +27,7 @@ VERMILLION = (222, 103, 20)
 THIN = "\u202f"
 
 
-def test_a_stranger_is_told_how_to_come_in(service: Service, browser: Browser) -> None:
+def test_an_unauthenticated_client_is_told_how_to_sign_in(service: Service, browser: Browser) -> None:
     with visiting(browser, service.link().partition("/login")[0]) as stranger:
         stranger.go("/runs")
         expect(stranger.page.locator("body")).to_contain_text("clearance login-link")
@@ -84,7 +84,7 @@ def test_the_scenario_is_drawn_and_flown_while_it_is_edited(signed_in: Visit) ->
     page.get_by_label("Criterion, threshold").fill("0.95")
     expect(said).to_contain_text("violates 0.95 m by 0.0064 m")
     page.get_by_label("Criterion, threshold").fill("none")
-    expect(said).to_contain_text("when the problems are solved")
+    expect(said).to_contain_text("after the problems are solved")
     expect(said).to_contain_text("Of the campaign before the last edit")
     page.get_by_label("Criterion, threshold").fill("0.5")
     expect(said).to_contain_text("clear by 0.4436 m")
@@ -103,7 +103,7 @@ def test_further_criteria_and_faults_are_added_and_taken_out(signed_in: Visit) -
     expect(page.locator("[data-problem='objectives.1.component']")).to_contain_text("already given")
     page.get_by_role("combobox", name="Add fault").click()
     page.get_by_role("option", name="Sensor noise").click()
-    page.get_by_text("Realisations of what is random").click()
+    page.get_by_text("Noise realisations").click()
     page.get_by_label("Seeds of the realisations").fill("1, 2, x")
     expect(page.locator("[data-problem='scenario.realisations.seeds.2']")).to_be_visible()
     page.get_by_label("Seeds of the realisations").fill("0")
@@ -192,7 +192,7 @@ def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> 
     expect(page.get_by_role("list", name="Stages").get_by_role("listitem")).to_have_count(6)
     expect(page.get_by_role("img", name=re.compile("^Convergence"))).to_be_visible(timeout=2 * PATIENCE)
     signed_in.shot("run-live-1440-light")
-    # The page is not loaded again: it hears of the verdict by itself.
+    # The page is not reloaded: the event stream delivers the verdict.
     expect(outcome).to_have_text(re.compile(VERDICTS), timeout=2 * PATIENCE)
     run = api(signed_in, "/runs/R-0001")
     assert run["campaign"]["uncertain"]["vehicle.m"]["low"] == 4.3
@@ -209,7 +209,7 @@ def test_a_run_is_watched_to_its_verdict(service: Service, signed_in: Visit) -> 
     expect(page.get_by_text("at high bound")).to_have_count(2)
 
 
-def test_every_method_is_told_and_drawn(signed_in: Visit) -> None:
+def test_every_method_is_listed_and_drawn(signed_in: Visit) -> None:
     page = signed_in.page
     for stage in api(signed_in, "/runs/R-0001/stages"):
         if stage["kind"] == "search":

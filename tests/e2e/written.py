@@ -1,4 +1,4 @@
-"""The text editor of the launch page, used as a visitor does: by the keyboard, and by taking the file along.
+"""The text editor of the launch page, used by keyboard and by file.
 
 Start reading at `write_over`.
 """
@@ -23,7 +23,7 @@ def written(page: Page) -> str:
 
 
 def write_over(page: Page, text: str) -> None:
-    """Put another text in the place of the one that is there."""
+    """Replace the text."""
     editor(page).focus()
     page.keyboard.press("Control+A")
     page.keyboard.insert_text(text)

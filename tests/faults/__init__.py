@@ -1,1 +1,1 @@
-"""What must survive: killed workers, stale fences, locked databases, hanging children. Real processes."""
+"""Fault tolerance: killed workers, stale fences, locked databases, hanging children. Real processes."""

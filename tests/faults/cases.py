@@ -48,7 +48,7 @@ def columns(first: int, count: int, seed: int = 1) -> Columns:
 
 
 def finding(label: str = "F1", cost: float = 0.1 + 0.2) -> Finding:
-    """A finding with numbers that no short decimal can stand for."""
+    """A finding with numbers that have no short decimal form."""
     parameters = {"vehicle.m": 1 / 3 * 18, "vehicle.J": float(np.nextafter(0.06, 1))}
     known = {"point": [1.0, float(np.nextafter(1, 0))], "at_bounds": {"vehicle.m": "high"}}
     return results.finding(label, cost, cost - 0.5, parameters, **known)

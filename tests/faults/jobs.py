@@ -1,4 +1,4 @@
-"""What a child runs in the fault tests in place of the physics: crashes, hangs, refusals. Each is a runner.
+"""Replacements of the physics in a child process for fault tests: crashes, hangs, refusals. Each is a runner.
 
 Start reading at `steps`; campaigns choose by their name what happens.
 """
@@ -36,7 +36,7 @@ LINGER = 1.0
 
 
 def execute(campaign: Campaign, store: Store) -> Verdict | None:
-    """Two stages; in the second, once half is flown, what the campaign's name says: `crash ...`."""
+    """Two stages; halfway through the second, the fault given by the campaign's name: `crash ...`."""
     records = store.plan([StagePlan("nominal", None, 1), StagePlan("search", "direct", SEARCH)])
     if records[0].state != "done":
         store.begin(0)
@@ -75,7 +75,7 @@ def flying(campaign: Campaign, store: Store) -> Verdict:
 
 
 def happen(campaign: Campaign) -> None:
-    """The accident of that name; `summary` is a file that says that it has happened once already."""
+    """The fault of that name; the file `summary` marks that it has already occurred."""
     word, once = campaign.name.split()[0], Path(campaign.summary) if campaign.summary else None
     if once is not None:
         if once.exists():
@@ -117,7 +117,7 @@ def leave() -> None:
 
 
 def devour() -> None:
-    """Ask for 64 GiB, which nobody touches: address space is what is bounded."""
+    """Allocate 64 GiB without touching it: the address space is limited."""
     held = [np.empty(2**27) for _ in range(64)]
     print(f"took {len(held)} GiB", flush=True)
 

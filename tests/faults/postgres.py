@@ -1,4 +1,4 @@
-"""A PostgreSQL server of the test's own, from Debian's binaries, on a socket in a folder of its own.
+"""A temporary PostgreSQL server from Debian's binaries, on a socket in its own folder.
 
 Start reading at `server`; where the binaries are missing it says so and the tests that need it are skipped.
 """
@@ -17,7 +17,7 @@ import pytest
 
 
 class Server:
-    """A running server: its URL, and a way to take it down."""
+    """A running server: its URL, and a method to stop it."""
 
     def __init__(self, url: str, control: list[str], options: str) -> None:
         self.url, self._control, self._options = url, control, options
@@ -33,13 +33,13 @@ class Server:
 
 @contextmanager
 def server() -> Iterator[Server]:
-    """A running, empty server; skips the test where there is none to start."""
+    """A running, empty server; skips the test if PostgreSQL is not installed."""
     binaries = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"))
     found = shutil.which("initdb") or (str(binaries[-1]) if binaries else None)
     if found is None:
         pytest.skip("no PostgreSQL server is installed (Debian: apt-get install postgresql)")
     bin_folder = Path(found).parent
-    # The server refuses to run as root, and a socket's path is at most 107 bytes: hence a short folder of its own.
+    # The server refuses to run as root, and a socket's path is at most 107 bytes: hence a separate short folder.
     folder = Path(tempfile.mkdtemp(prefix="pg", dir="/tmp"))
     as_user = _as_user(folder)
     try:

@@ -1,4 +1,4 @@
-"""Real processes for the fault tests: started in a session of their own, watched through /proc, never left behind.
+"""Real processes for the fault tests: started in their own session, monitored through /proc, always cleaned up.
 
 Start reading at `Started`.
 """
@@ -20,7 +20,7 @@ CLEARANCE = [sys.executable, "-m", "worker.cli"]
 
 
 class Started:
-    """A command under way; what it prints is kept in a file."""
+    """A running command; its output is written to a file."""
 
     def __init__(self, command: list[str], output: IO[bytes], **environment: str) -> None:
         self.output = Path(output.name)
@@ -126,7 +126,7 @@ def descendants(pid: int) -> list[int]:
 
 
 def _stat(pid: int) -> list[str] | None:
-    """State, parent, ... of a process, as /proc says."""
+    """State, parent, ... of a process, from /proc."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     except OSError:

@@ -26,7 +26,7 @@ class Service(Started):
         return get(self.link().partition("/login")[0] + "/api/v1/health") == 200
 
     def part(self, words: str) -> int:
-        """The process of that command line; 0 while there is none."""
+        """The process with that command line; 0 if there is none."""
         return next((pid for pid in self.family() if words in command_of(pid)), 0)
 
 
@@ -43,7 +43,7 @@ def serving(folder: Path, **environment: str) -> Iterator[Service]:
 
 
 def get(url: str) -> int:
-    """The status of the answer; 0 when there is none."""
+    """The status of the response; 0 if there is none."""
     try:
         return httpx.get(url, timeout=10, trust_env=False).status_code
     except httpx.TransportError:

@@ -1,4 +1,4 @@
-"""Stored runs as the fault tests watch them, while a worker in another process writes them."""
+"""Reads stored runs while a worker in another process writes them."""
 
 from __future__ import annotations
 

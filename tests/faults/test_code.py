@@ -1,4 +1,4 @@
-"""A component's file is edited while a worker runs: the next run flies the new code, one begun before is refused."""
+"""A component's file is edited while a worker runs: the next run uses the new code, one started before is refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""kill -9 in the middle of a search: another worker finishes the run, and nobody can tell from its numbers."""
+"""kill -9 in the middle of a search: another worker finishes the run with identical numbers."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_a_database_server_that_goes_down_is_waited_for(tmp_path: Path) -> None:
             until(lambda: run().evaluations > SAMPLE // 6, "well under way")
             engine.dispose()
             server.stop()
-            until(lambda: "the database did not answer" in patient.text(), "the worker notices")
+            until(lambda: "the database did not respond" in patient.text(), "the worker notices")
             server.start()
             until(lambda: run().state != "running", "the run ends", 120)
             assert (run().state, run().attempts, run().fence) == ("done", 1, 1), patient.text()

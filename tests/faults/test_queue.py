@@ -1,4 +1,4 @@
-"""The queue's promises, on SQLite and PostgreSQL: one holder at a time, attempts, fences, cancelling, order."""
+"""The guarantees of the queue on SQLite and PostgreSQL: exclusive claims, attempts, fences, cancellation, order."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`clearance serve`: comes up, mends itself, and however it ends leaves no process behind."""
+"""`clearance serve`: starts, recovers, and leaves no process behind."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def state(engine: sa.Engine, run_id: int) -> Any:
 def test_serve_from_its_start_to_ctrl_c(tmp_path: Path) -> None:
     with serving(tmp_path) as service:
         assert service.healthy()
-        assert [get(service.link()) for _ in range(2)] == [303, 403], "the link is good once"
+        assert [get(service.link()) for _ in range(2)] == [303, 403], "the link is single-use"
         stored = [path for path in service.data.rglob("*") if path.is_file()]
         assert {path.name for path in stored} >= {"clearance.sqlite3", "backend.log", "worker-1.log"}
         assert not any(b"code=" in path.read_bytes() for path in stored), "the link is on the terminal only"

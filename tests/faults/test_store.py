@@ -1,4 +1,4 @@
-"""The store over the tables: bit-exact numbers, counters in step, all or nothing, resumable."""
+"""The store over the tables: bit-exact numbers, consistent counters, atomic writes, resumable."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_the_first_of_equal_costs_is_the_best(store: RunStore) -> None:
 def test_a_gap_or_a_repetition_is_refused_and_leaves_nothing(store: RunStore) -> None:
     store.append(1, 0, columns(0, 5))
     for first in (0, 4, 6):
-        with pytest.raises(ValueError, match=f"holds 5 evaluations, given some from index {first} on"):
+        with pytest.raises(ValueError, match=f"has 5 evaluations, but new ones start at index {first}"):
             store.append(1, first, columns(first, 5))
     assert rows(store, Run)[0].evaluations == 5
     assert len(rows(store, EvaluationChunk)) == 1

@@ -1,4 +1,4 @@
-"""A worker whose child crashes, hangs, refuses or is killed: real processes, accidents in place of the physics."""
+"""A worker whose child crashes, hangs, refuses or is killed: real processes, faults in place of the physics."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Bench(Stored):
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
-    """A worker that all tests of this file share: it has to survive them all."""
+    """A worker shared by all tests of this file: it must survive all of them."""
     folder = tmp_path_factory.mktemp("worker")
     url = f"sqlite:///{folder}/clearance.sqlite3"
     migrate(url)

@@ -1,1 +1,1 @@
-"""Numbers pinned to the last digit that other machines reproduce, each with the reason why it is what it is."""
+"""Regression values, pinned to the last digit that other machines reproduce, with explanations."""

@@ -32,7 +32,7 @@ PINNED = {
         (26, [362.123773031532, 367.427572316945, 34.169791752105, 0.520341328993, 22.700867759274, 59.341133087066]),
         (32, [431.137827499543, 458.496719151946, 25.165672834339, 1.216141575716, 19.272083618768, 170.571562314476]),
     ],
-    # It flies as planned until the intruder is within 600 m, then left of the line of sight, level, passing in front;
+    # It follows the plan until the intruder is within 600 m, then left of the line of sight, level, passing in front;
     # back to the planned heading of 0.9 rad once the range opens after 27.5 s.
     "uav_aca": [
         (5, [62.183651902436, 78.361231339424, -0.00722501044, 0.900000132077, 20.0009904863, 642.627673254105]),

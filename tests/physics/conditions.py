@@ -1,4 +1,4 @@
-"""Single faults and parts of the environment in a loop, for the tests that hold them to what they state."""
+"""Single faults and environment components in a loop, for tests of their stated effects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A vehicle made for tests of criteria: it drifts along a straight line, rolls and pulls as its parameters say."""
+"""A vehicle for tests of criteria: it moves along a straight line, with roll and load factor given by parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small changes to library campaigns, and flights without a compiler, for the physics tests."""
+"""Small changes to library campaigns, and simulations without a compiler, for the physics tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults of actuators and guidance: closed forms of lag, delay, rate limit, and what sticks, is lost or late.
+"""Faults of actuators and guidance: closed forms of lag, delay and rate limit, and of stuck, lost or late commands.
 
 Start reading at `TestActuators`.
 """

@@ -1,4 +1,4 @@
-"""Avoiders: gradients of the potentials, closed forms of the geometric laws, and each flown with each vehicle."""
+"""Avoiders: gradients of the potentials, closed forms of the geometric laws, and each combined with each vehicle."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ class TestGradients:
         assert force((-0.1, 0.0), 1.0) == (0.0, 0.0)
         assert force((0.5, 0.0), 4.0 + 0.25 / 1.42 + 1e-9) == (0.0, 0.0)
         assert force((0.5, 0.0), 4.0 + 0.25 / 1.42 - 1e-9)[0] < -0.3  # it jumps: the gradient does not vanish there
-        assert force((0.5, 0.0), -2.0) == force((0.5, 0.0), 0.05)  # "not defined" there: held at the floor
+        assert force((0.5, 0.0), -2.0) == force((0.5, 0.0), 0.05)  # "not defined" in the paper: limited to the floor
 
 
 class TestClosestApproach:
@@ -189,7 +189,7 @@ SPACE = load_file(library()["uav_static"])
 
 
 def in_space(vehicle: Vehicle, avoider: Avoider, horizon: float) -> Any:
-    """One on its way past a cylinder, a box, a sphere on waypoints and one that gives way; else as in case 3."""
+    """A vehicle passing a cylinder, a box, a sphere on waypoints and a cooperative one; otherwise as in case 3."""
     goal = {"x": 500.0, "y": 530.0, "z": -50.0}
     return changed(
         SPACE,
@@ -205,7 +205,7 @@ def in_space(vehicle: Vehicle, avoider: Avoider, horizon: float) -> Any:
 
 
 def encounter(vehicle: Vehicle, avoider: Avoider, horizon: float = 20.0) -> Any:
-    """One on its way past a circle, a box and a circle that comes across; all else at its defaults."""
+    """A vehicle passing a circle, a box and a crossing circle; everything else at its defaults."""
     if vehicle.dimension == 3:
         return in_space(vehicle, avoider, horizon)
     fits = next(c for c in components().values() if isinstance(c, Controller) and vehicle.name in c.fits)
@@ -238,6 +238,7 @@ class TestFlown:
         assert batch.status[0] == 0, reasons
         assert np.isfinite(flight(problem)).all()
 
+    @pytest.mark.nightly
     @pytest.mark.parametrize("name", ["orca", "closest_approach", "gnron"])
     def test_lockstep_equals_plain_python(self, name: str) -> None:
         avoider = next(a for a in AVOIDERS if a.name == name)

@@ -1,4 +1,4 @@
-"""Criteria beside the separation, held to closed forms on flights whose motion is known, and to the flights themselves.
+"""Criteria other than separation against closed forms for known motions, and against traces.
 
 A vehicle made for this drifts along a straight line, and rolls and pulls as its parameters say. Start at `flown`.
 """
@@ -102,7 +102,7 @@ class TestTimeToGoal:
         assert flown("time_to_goal", goal__x=1.0) == 0.0
 
     def test_only_the_first_time_counts(self) -> None:
-        # It flies through the sphere and out of it: 3.5 s, whatever comes later.
+        # It passes through the sphere: 3.5 s, independent of later motion.
         assert flown("time_to_goal", goal__x=4.5) == pytest.approx(3.5, abs=1e-12)
         assert flown("time_to_goal", goal__x=4.5, horizon=4.0) == pytest.approx(3.5, abs=1e-12)
 
@@ -125,7 +125,7 @@ class TestPeakBank:
         assert flown("peak_bank", **given) == pytest.approx(math.sin(1.0), abs=1e-9)
 
     def test_a_commanded_turn_banks_as_commanded(self) -> None:
-        # The goal lies behind: the heading error stays at its bound of 0.4 rad, of which the autopilot banks 1.2. Its
+        # The goal is behind: the heading error stays at its bound of 0.4 rad, of which the autopilot banks 1.2. Its
         # integral lets go of the overshoot slowly: 2 % are left.
         made = load_file(library()["uav_moving_criteria"]).document()
         made["scenario"] |= {"goal": {"x": -2000.0, "y": 0.0, "z": 0.0}, "horizon": 6.0}
@@ -280,7 +280,7 @@ class TestCheck:
         made = load_file(library()["uav_aca"]).document() | {"objectives": [{"component": "goal_miss"}]}
         [problem] = check(load_document(made), catalogue())
         assert problem.field == "objectives.0.component"
-        assert "follows a course and has no goal" in problem.message
+        assert "follows a path and has no goal" in problem.message
 
     def test_its_parameters_are_held_to_their_limits(self) -> None:
         wrong = {"component": "time_to_goal", "parameters": {"radius": -1.0}}

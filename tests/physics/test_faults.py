@@ -1,4 +1,4 @@
-"""Faults and environment: each changes nothing at zero magnitude, and each has the effect that its file states.
+"""Faults and environment: each changes nothing at zero magnitude, and each has its documented effect.
 
 Whatever is registered is covered by presence: a component's defaults are its zero magnitude. Start at `TestNeutral`;
 noise and gusts have their own tests in test_noise.py, realisations in test_realisations.py.
@@ -23,7 +23,7 @@ from worker.kernels.views import Body3
 
 
 def loops() -> dict[str, Campaign]:
-    """One campaign of every vehicle and avoider of the library, without the faults it has of its own."""
+    """One campaign of every vehicle and avoider of the library, without its own faults."""
     found: dict[str, Campaign] = {}
     for path in library().values():
         campaign = load_file(path)
@@ -76,7 +76,7 @@ class TestPerception:
         problem = loop_with("position_error", dx=0.7, dy=-0.2)
         p = problem.system.loop.extend(problem.system.nominal)
         x = problem.system.loop.part("initial")(p)
-        *_, q, _, seen = problem.system.loop.part("aware")(0.0, x, p)
+        *_, q, _, seen = problem.system.loop.part("measurements")(0.0, x, p)
         assert (seen[0].x, seen[0].y) == pytest.approx((4.7, 3.8))
         assert seen[0].gap == pytest.approx(math.hypot(4.7 - q[0], 3.8 - q[1]) - 0.5, abs=1e-12)
 
@@ -130,7 +130,7 @@ class TestTiming:
     def seen(self, t: float, name: str, obstacle: dict[str, Any] = MOVING, **given: float) -> Any:
         problem = loop_with(name, "", {"obstacles": [obstacle]}, **given)
         p = problem.system.loop.extend(problem.system.nominal)
-        return problem.system.loop.part("aware")(t, problem.system.loop.part("initial")(p), p)[3][0]
+        return problem.system.loop.part("measurements")(t, problem.system.loop.part("initial")(p), p)[3][0]
 
     def true(self, t: float) -> Any:
         return self.seen(t, "latency")
@@ -162,7 +162,9 @@ class TestNavigation:
     def believed(self, t: float, name: str, **given: float) -> Any:
         problem = loop_with(name, **given)
         p = problem.system.loop.extend(problem.system.nominal)
-        return np.array(problem.system.loop.part("aware")(t, (1.0, 2.0, 0.3, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0), p)[0])
+        return np.array(
+            problem.system.loop.part("measurements")(t, (1.0, 2.0, 0.3, 0.4, 0.5, 0.0, 0.0, 0.0, 0.0), p)[0]
+        )
 
     def test_a_bias_is_added_to_what_is_true(self) -> None:
         found = self.believed(0.0, "navigation_bias", dx=0.1, dy=-0.2, dpsi=0.05, du=0.3)
@@ -222,7 +224,7 @@ class TestInSpace:
 
     def seen(self, t: float, problem: Problem) -> Any:
         p = problem.system.loop.extend(problem.system.nominal)
-        return problem.system.loop.part("aware")(t, problem.system.loop.part("initial")(p), p)[3][0]
+        return problem.system.loop.part("measurements")(t, problem.system.loop.part("initial")(p), p)[3][0]
 
     def test_errors_have_a_third_component(self) -> None:
         true = self.seen(3.0, self.with_fault("position_error"))

@@ -53,7 +53,7 @@ def ask(
     memory: Any = None,
     **given: float,
 ) -> Any:
-    """Demand and memory of one guidance sample; by default on the way north at 20 m/s."""
+    """Demand and memory of one guidance sample; by default heading north at 20 m/s."""
     p = parameters(file, **given)
     goal = Plan(20.0, 0.0, 0.0) if goal is None else goal
     memory = plain(file.remember)(p) if memory is None else memory
@@ -226,7 +226,7 @@ class TestResolution:
 
 
 class TestRightOfWay:
-    """On the way north at 20 m/s; every intruder is on a collision course."""
+    """Heading north at 20 m/s; every intruder is on a collision course."""
 
     ENCOUNTERS = {  # noqa: RUF012
         "head-on": (body(400.0, 2.0, 0.0, 20.0, math.pi - 0.1), True),

@@ -1,4 +1,4 @@
-"""The random numbers of the kernels, and what noise and gusts make of them: moments, independence, spectra.
+"""The random numbers of the kernels, and the noise and gusts generated from them: moments, independence, spectra.
 
 Statistical bounds are five standard errors of the sample: the numbers are fixed, so a test that passes keeps passing.
 Start reading at `TestNumbers`.

@@ -212,7 +212,7 @@ class TestGivesWay:
         assert np.ptp(states[:, -5]) == pytest.approx(0.0, abs=1e-12)
 
     def test_two_that_share_keep_the_clearance_together(self) -> None:
-        # Each turns by its share at the first sight of the other: displacements at the closest approach add up.
+        # Each turns by its fraction at first detection of the other: displacements at the closest approach add up.
         r, a, b = (10.0, 0.5, 0.0), (2.0, 0.0, 0.0), (-1.0, 0.0, 0.0)
         rules = Rules(3.0, 100.0, 1.0)
         side = (0.0, -1.0, 0.0)

@@ -1,4 +1,4 @@
-"""ORCA: half-planes held to the velocity obstacle itself, the choice to a general optimiser, flights of case 2."""
+"""ORCA: half-planes against the velocity obstacle, the solution against a general optimiser, simulations of case 2."""
 
 from __future__ import annotations
 

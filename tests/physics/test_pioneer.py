@@ -126,9 +126,9 @@ class TestIntegrator:
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 5e-4), (CORNER, 3e-3)])
     def test_and_as_far_as_the_switches_allow(self, values: dict[str, float], apart: float) -> None:
-        # The flight slides along v_RO = 0, where the force jumps: no integrator has an order there.
+        # The trajectory slides along v_RO = 0, where the force is discontinuous: the order of convergence is lost.
         other = reference.Reference(PROBLEM.system).fly(PROBLEM.vector(values))
-        assert "switches to and fro" in other.reason
+        assert "switches back and forth" in other.reason
         assert other.cost == pytest.approx(cost(PROBLEM, values), abs=apart)
 
     @pytest.mark.parametrize(("values", "apart"), [({}, 3e-4), (CORNER, 1e-3)])

@@ -1,4 +1,4 @@
-"""Realisations: every evaluation flies the campaign's seeds, and the worst or the mean of them counts.
+"""Realisations: every evaluation simulates the campaign's seeds and uses the worst or the mean of them.
 
 Also what follows from noise being a function of seed and time alone: the same bits in every batch and process, the
 same flight under another integrator; and that nothing within the limits of the faults' parameters ends badly unseen.
@@ -29,7 +29,7 @@ from worker.kernels.component import Environment, Fault
 from worker.reference import Reference
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.systems.closed_loop.trace import fly, trace
+from worker.systems.closed_loop.trace import simulate, trace
 
 CASE = load_file(library()["unicycle_static"])
 NOISE = {"component": "sensor_noise", "parameters": {"sigma": 0.05, "period": 0.1}}
@@ -90,7 +90,7 @@ class TestCombining:
         problem = Problem(noisy([1, 2], start={"x": 4.0, "y": 4.3}))
         batch, reasons = problem.fly(POINTS[:2])
         assert batch.status.tolist() == [EXCLUDED, EXCLUDED]
-        assert reasons[1].startswith("with seed 1: the flight starts with d_min at or below the threshold")
+        assert reasons[1].startswith("with seed 1: d_min starts at or below the threshold")
 
     def test_two_of_a_kind_are_independent_though_their_seeds_are_equal(self) -> None:
         # Twice the same noise would be one of twice the deviation, which two independent ones are not.
@@ -116,7 +116,7 @@ class TestShown:
 
     def test_it_is_flown_alone_bit_by_bit_and_takes_the_memory_of_one(self) -> None:
         problem = Problem(noisy(list(range(32))))
-        flown = fly(problem.system, {})
+        flown = simulate(problem.system, {})
         vectors = problem.realisations.flights(problem.vector({})[None, :])
         every = problem.system.loop.fly(
             vectors, problem.system.step, *problem.system.counts(problem.system.step), traced=len(vectors)
@@ -127,7 +127,7 @@ class TestShown:
         assert flown.costs[0, 0] == flown.own_cost == every.costs[shown, 0]
         tracemalloc.start()
         try:
-            fly(problem.system, {})
+            simulate(problem.system, {})
             peak = tracemalloc.get_traced_memory()[1]
         finally:
             tracemalloc.stop()

@@ -1,4 +1,4 @@
-"""DOP853 as we wrote it: its order, its dense output, jumps, minima between steps, and flights that cannot be flown.
+"""The own DOP853: order, dense output, discontinuities, minima between steps, and cases that cannot be simulated.
 
 Everything here is the same code that is compiled, run in plain Python on systems with a closed form. The compiled code
 is held against SciPy's in `test_reference_flights`.
@@ -52,7 +52,7 @@ class System:
 
 
 def flown(system: System, instants: Any, asks: Any = None, before: float = 0.0) -> tuple[Floats, Floats]:
-    """What `flight.fly` found, and the last state."""
+    """The result of `flight.fly`, and the last state."""
     instants = np.array(instants, dtype=float)
     b, found = np.zeros((ROWS, len(system.start))), np.zeros(6)
     asked = np.zeros(len(instants) - 1, dtype=bool) if asks is None else np.array(asks)
@@ -63,7 +63,7 @@ def flown(system: System, instants: Any, asks: Any = None, before: float = 0.0) 
 
 
 def rational(t: float, x: Floats, p: Floats) -> tuple[Any, Any]:
-    """x = 1 / (1 + t^2), and an oscillator beside it; a channel that rises, so that next to no step is read inside."""
+    """x = 1 / (1 + t^2), and an oscillator; a monotonic channel, so that almost no step needs dense output."""
     return (-2.0 * t * x[0] ** 2, x[2], -x[1]), t
 
 
@@ -140,7 +140,7 @@ class TestFlight:
     @pytest.fixture
     def few_looks(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Calls are counted: next to none to read the channels."""
-        monkeypatch.setattr(flight, "LOOKS", 1)
+        monkeypatch.setattr(flight, "READINGS", 1)
 
     def test_it_calls_no_more_than_scipy(self, few_looks: None) -> None:
         system = System(rational, exactly(0.0))

@@ -1,4 +1,4 @@
-"""The published case studies: every row that the reconstruction states a tolerance for keeps it.
+"""The published case studies: every row with a stated tolerance meets it.
 
 What is not held is shown by `clearance reproduce` with its reason. Start reading at `test_rows_that_must_agree_do`.
 """

@@ -1,4 +1,4 @@
-"""Avoiders and obstacles in space, flown by a point mass: lockstep against plain Python, and the clearance kept."""
+"""Avoiders and obstacles in space, with a point mass: lockstep against plain Python, and the achieved clearance."""
 
 from __future__ import annotations
 
@@ -122,6 +122,7 @@ GIVEN = {
 }
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("avoider", GIVEN)
 def test_lockstep_equals_plain_python(avoider: str) -> None:
     fast, slow = loop(avoider, *OBSTACLES, compiled=True), loop(avoider, *OBSTACLES)

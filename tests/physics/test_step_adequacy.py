@@ -1,4 +1,4 @@
-"""Every campaign of the library, most of them by night, flies 200 random points at its step and at half of it.
+"""Step halving of 200 random points for every library campaign; most of them only in the nightly tests.
 
 Passes when none differs beyond the campaign's tolerance, or no more than its notes say ("Step adequacy: up to ...", see
 `worker.reproduce.steps`).

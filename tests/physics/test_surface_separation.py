@@ -1,4 +1,4 @@
-"""The distance to surfaces: closed forms along straight flights, its sign, and how far a surface is from its centre."""
+"""The distance to surfaces: closed forms along straight paths, sign, and extents of obstacles."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ BOX = {"position.x": 5.0, "position.y": 0.0, "position.z": 3.0, "length": 2.0, "
 
 
 def nearest(*obstacles: tuple[str, dict[str, float]], step: float = 0.01, body: float = 0.0, **given: float) -> float:
-    """c_min of a straight flight along the x axis from 0 to 10 m, at 1 m/s unless `given` says otherwise."""
+    """c_min of a straight path along the x axis from 0 to 10 m, at 1 m/s unless `given` says otherwise."""
     known: Any = components()
     bodies = tuple(known["obstacle", name] for name, _ in obstacles)
     parts = Parts(VEHICLE, CONTROLLER, AVOIDER, bodies, known["criterion", "surface_separation"])
@@ -57,7 +57,7 @@ def nearest(*obstacles: tuple[str, dict[str, float]], step: float = 0.01, body: 
     ],
 )
 def test_straight_past_it_is_the_distance_to_the_nearest_surface(name: str, own: Any, expected: float) -> None:
-    # Inside a box the distance has ridges, where the parabola goes below it by up to an eighth of a step's way.
+    # Inside a box the distance has ridges, where the parabola is lower by up to an eighth of the distance per step.
     assert nearest((name, own)) == pytest.approx(expected, abs=2e-5 if expected > 0 else 0.01 / 8 + 2e-5)
 
 
@@ -127,7 +127,7 @@ def test_it_is_the_same_from_every_side_that_looks_the_same(obstacle: Obstacle) 
 
 
 def wall(criterion: dict[str, Any]) -> Problem:
-    """A robot without avoidance whose straight way leads through a long thin wall."""
+    """A robot without avoidance whose straight path crosses a long thin wall."""
     document = load_file(library()["unicycle_static"]).document()
     document["scenario"]["avoider"]["parameters"] |= {"k_rep": 0.0}
     document["scenario"] |= {"start": {"x": 2.6, "y": 3.0, "theta": 0.8, "v": 0.4}, "horizon": 2.5}

@@ -200,7 +200,7 @@ class TestFormulations:
         plainly = slow.system.loop.fly(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
         fast = problem(name).system.loop.fly(vector, slow.system.step, *slow.system.counts(slow.system.step), traced=1)
         assert plainly.costs == pytest.approx(fast.costs, abs=1e-12)
-        # after the encounter a flight may turn round at its goal, where rounding grows
+        # after the encounter a vehicle may circle its goal, where rounding errors grow
         assert plainly.trace[0, :400] == pytest.approx(fast.trace[0, :400], abs=1e-11)
 
     @pytest.mark.parametrize("name", ["uav_static", "uav_moving", "uav_aca", "uav_aca_linear", "uav_aca_bank"])
@@ -248,7 +248,7 @@ class TestSymmetry:
 
     @pytest.mark.parametrize("name", CORNERS)
     def test_mirrored(self, name: str) -> None:
-        # all that tells left from right is the propeller's momentum
+        # only the propeller's momentum breaks the symmetry
         still = {"vehicle.omega_p": 0.0}
         scene = self.scene(name, mirror=-1.0)
         assert cost(problem(name), scene | still) == pytest.approx(cost(problem(name), still), abs=1e-8)

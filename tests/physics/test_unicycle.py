@@ -242,7 +242,7 @@ class TestFailures:
     def test_a_limit_of_the_envelope_is_named(self) -> None:
         batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector({"start.v": 2000.0})[None])
         assert batch.status[0] == FAILED
-        assert reasons[0] == "the flight left the model's envelope at t = 0 s: the speed exceeds 1000 m/s"
+        assert reasons[0] == "the vehicle left the model's envelope at t = 0 s: the speed exceeds 1000 m/s"
 
     def test_a_start_inside_the_threshold_is_excluded(self) -> None:
         batch, reasons = PROBLEM.system.fly_vectors(PROBLEM.vector({"start.x": 4.0, "start.y": 4.3})[None])

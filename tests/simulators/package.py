@@ -1,4 +1,4 @@
-"""Installs the simulator in a folder of its own, and the campaigns that ask for it. Start reading at `install`."""
+"""Installs the simulator in its own folder, and the campaigns that use it. Start reading at `install`."""
 
 from __future__ import annotations
 

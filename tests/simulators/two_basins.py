@@ -1,4 +1,4 @@
-"""Two basins: an analytic separation over two offsets, lowest in two places, of which one is lower.
+"""Two basins: an analytic separation over two offsets, with two minima, of which one is lower.
 
 No equations of motion: separation = 8 - 5 exp(-|p - a|^2 / 0.02) - 3.5 exp(-|p - b|^2 / 0.02) - 0.2 x, with
 a = (0.2, 0.7), b = (0.75, 0.25). Beyond y = 0.98 it has no value.

@@ -1,4 +1,4 @@
-"""Loops of a few components, and what holds for the text of every loop."""
+"""Loops of a few components, and invariants of the generated text."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from worker.systems.closed_loop.assemble import Loop
 
 
 def check(text: str) -> None:
-    """It parses, its lines fit, every function says what it is, no variable hides a module, and no import is unused."""
+    """It parses, lines fit, functions have docstrings, no variable shadows a module, and no import is unused."""
     tree = ast.parse(text)
     assert max(map(len, text.splitlines())) <= WIDTH
     modules = {

@@ -1,4 +1,4 @@
-"""Case 1 with changes, for tests that need a campaign or a problem of their own. Start reading at `document`."""
+"""Case 1 with changes, for tests that need their own campaign or problem. Start reading at `document`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CASE1 = load_file(library()["unicycle_static"]).document()
 
 
 def document(**changes: Any) -> dict[str, Any]:
-    """Case 1 as a document; `scenario__step=0.01` changes what stands there, None for a last key removes it."""
+    """Case 1 as a document; `scenario__step=0.01` changes that value, None for a last key removes it."""
     made: dict[str, Any] = copy.deepcopy(CASE1)
     for place, value in changes.items():
         *above, last = place.split("__")
@@ -41,5 +41,5 @@ def searching(*searches: dict[str, Any], **changes: Any) -> Campaign:
 
 @cache
 def case1() -> Problem:
-    """Case 1, ready to fly."""
+    """Case 1 as a problem."""
     return Problem(campaign())

@@ -1,4 +1,4 @@
-"""Evidence for a verdict written out by hand, by which everything is cleared. Start reading at `evidence`."""
+"""Hand-written evidence for a verdict of cleared. Start reading at `evidence`."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def finding(cost: float = WORST, confirmed: bool = True, **changes: Any) -> Find
 
 
 def encountered(**changes: Any) -> Encounter:
-    """What shows that the encounter took place, with changes."""
+    """Evidence that the encounter took place, with changes."""
     made = Encounter(
         closest=INSIDE,
         moved=9.2,
@@ -162,7 +162,7 @@ def spot_checks(**changes: Any) -> SpotChecks:
 
 
 def evidence(basins: dict[str, str | None] | None = None, **changes: Any) -> Evidence:
-    """Evidence by which everything is cleared, with changes; basins: where a method's best lies, if not in F1's."""
+    """Evidence for cleared, with changes; basins: the finding whose basin contains a method's best, if not F1."""
     given = Evidence(
         nominal=nominal(),
         searches=[search("direct"), search("sqp"), search("monte_carlo", 0.85, sample=sample())],

@@ -19,10 +19,10 @@ from worker.search.base import Floats
 
 @dataclass(frozen=True)
 class TestFunction:
-    """A function of a box; it is defined beyond the box too, where it is no lower.
+    """A function on a box; also defined outside the box, where it is not lower.
 
-    minimisers (k, n): every point of the box and its surroundings where it takes its minimum. Where it has no value
-    it is NaN: those points are excluded.
+    minimisers (k, n): all minimisers in the box and its surroundings. It is NaN at
+    excluded points.
     """
 
     __test__ = False
@@ -36,7 +36,7 @@ class TestFunction:
     minimisers: Floats
 
     def gap(self, value: float) -> float:
-        """How far a value is above the minimum, as a share of it; the difference itself where the minimum is 0."""
+        """Relative difference of a value from the minimum; the absolute difference if the minimum is 0."""
         return (value - self.minimum) / (abs(self.minimum) or 1.0)
 
 
@@ -185,7 +185,7 @@ HOLE, VALLEY = np.array([0.7, 0.6, 0.5]), np.array([0.2, 0.25, 0.7])
 
 
 def excluded(x: Floats) -> Floats:
-    """Falls towards a ball without values, to -0.7 at its edge; the lowest value, -1, lies in a valley elsewhere."""
+    """Decreases towards a ball of excluded points, to -0.7 at its edge; the minimum, -1, is in another valley."""
     outside = np.sqrt(((x - HOLE) ** 2).sum(axis=1)) - 0.25
     valley = -1 + 40 * ((x - VALLEY) ** 2).sum(axis=1)
     return np.where(outside < 0, np.nan, np.minimum(-0.7 + outside, valley))

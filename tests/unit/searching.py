@@ -12,12 +12,12 @@ from campaigns.results.base import OK
 from worker.search.base import Batch, Floats, Method, Minimum, Search, Space
 
 Function = Callable[[Floats], Floats]
-"""Points (m, n) to values (m,), NaN where there is none."""
+"""Maps points (m, n) to values (m,), NaN if excluded."""
 
 
 @dataclass
 class Searched:
-    """All that a method asked for, batch by batch, and what it said."""
+    """All batches that a method requested, and its messages."""
 
     batches: list[Floats] = field(default_factory=list)
     values: list[Floats] = field(default_factory=list)
@@ -63,7 +63,7 @@ def run(
     until: Callable[[Searched], bool] = lambda found: False,
     options: dict[str, Any] | None = None,
 ) -> Searched:
-    """Let a method search until it ends, its budget is reached or `until` says so; NaN values have `status`."""
+    """Run a method until it ends, its budget is reached or `until` is true; NaN values have `status`."""
     found = Searched()
     search: Search = method.search(
         space(dimension, budget, found.minima, starts, seed), method.options(**options or {})

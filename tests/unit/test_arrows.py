@@ -1,4 +1,4 @@
-"""The arrows between the rooms, outer and inner, read from the imports of every module; every module has a docstring.
+"""The dependency rules between packages, checked on the imports of all modules; every module has a docstring.
 
 worker -> backend.db -> campaigns; backend -> backend.db, campaigns. Start reading at `test_the_arrows`.
 """
@@ -21,7 +21,7 @@ OURS = ("backend", "campaigns", "worker")
 SHARED = ("backend.db", "backend.http", "backend.access", "campaigns")
 """What every feature of the service may import; other features only by name."""
 
-# What a module may import of ours beside its own room: the entry of the longest prefix of its name counts.
+# The project modules that a module may import besides its own package; the longest matching prefix applies.
 MAY: dict[str, tuple[str, ...]] = {
     "campaigns": (),
     # Only `app`, `__main__` and `openapi` are loose, and they put the features together.
@@ -56,7 +56,7 @@ MAY: dict[str, tuple[str, ...]] = {
     # How an evaluation ended has one home.
     "worker.search": ("campaigns.results.base",),
     "worker.catalogue": ("worker.kernels", "worker.search", "campaigns"),
-    # The seam: what is above it asks nothing of the closed loop, or of any other system.
+    # The interface: modules above it do not depend on the closed loop or any other system.
     "worker.systems": ("worker.search.base", "backend.db.records", "campaigns"),
     "worker.systems.closed_loop": (
         *("worker.systems.base", "worker.systems.threads", "worker.kernels", "worker.search", "worker.catalogue"),
@@ -140,7 +140,7 @@ def within(name: str, prefixes: tuple[str, ...]) -> bool:
 
 
 def rule(name: str) -> str:
-    """The entry of `MAY` that holds for a module."""
+    """The entry of `MAY` that applies to a module."""
     return max((prefix for prefix in MAY if within(name, (prefix,))), key=len, default="")
 
 
@@ -186,7 +186,7 @@ def test_the_arrows() -> None:
 
 
 def test_every_room_has_a_rule() -> None:
-    """A new room falls under no other room's rule; and no module is loose beside the rooms of the worker."""
+    """A new package is not covered by another's rule; the worker has no modules outside its packages."""
     loose = [path.name for path in (REPOSITORY / "worker").glob("*.py") if path.name != "__init__.py"]
     loose += [path.name for path in (REPOSITORY / "worker" / "components").glob("*.py") if path.name != "__init__.py"]
     rooms = {name_of(path) for part in ("backend", "worker") for path in (REPOSITORY / part).glob("*/__init__.py")} - {
@@ -198,7 +198,7 @@ def test_every_room_has_a_rule() -> None:
 
 
 def siblings(name: str, other: str) -> tuple[str, str]:
-    """The rooms beside each other that two modules are in: `backend.runs` and `backend.db`, `worker` and `backend`."""
+    """The sibling packages that contain two modules: `backend.runs` and `backend.db`, `worker` and `backend`."""
     a, b = name.split("."), other.split(".")
     same = next((at for at, (one, two) in enumerate(zip(a, b, strict=False)) if one != two), min(len(a), len(b)))
     return ".".join(a[: same + 1]), ".".join(b[: same + 1])
@@ -286,14 +286,14 @@ def test_every_module_says_what_it_is() -> None:
     ],
 )
 def test_what_a_process_loads(command: str, absent: set[str]) -> None:
-    """Seen in a process of its own, since what one module imports another imports too."""
+    """Checked in a separate process, because imports are cached."""
     program = f"import sys\n{command}\nsys.exit(str(set({sorted(absent)!r}) & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], cwd=REPOSITORY, capture_output=True, text=True, check=False)
     assert done.stderr.splitlines()[-1] == "set()", done.stderr
 
 
 def test_no_module_of_tests_imports_another() -> None:
-    # What two of them need stands in a module without tests.
+    # Shared helpers belong in modules without tests.
     found = [
         f"{path.name}: {line}"
         for path in (REPOSITORY / "tests").rglob("*.py")

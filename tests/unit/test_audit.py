@@ -1,4 +1,4 @@
-"""`clearance audit`: it agrees with real runs in every form, and disagrees with every corrupted record."""
+"""`clearance audit`: it accepts real runs in every form, and detects every corrupted record."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ VERDICTS = {"noisy": "cleared", "excluded": "inconclusive"}
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fewer simulations by the reference integrator, which the audit is told."""
+    """Fewer simulations with the reference integrator, as configured in the audit."""
     monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
     monkeypatch.setattr(offered, "AT_MOST", 3)
     monkeypatch.setattr(judge.audit, "__defaults__", (offered.AT_MOST, offered.SPOT_CHECKS))
@@ -100,7 +100,7 @@ def written(folder: Path, name: str) -> Path:
 
 @pytest.fixture
 def database(tmp_path: Path) -> Iterator[sa.Engine]:
-    """A database that holds the cleared run as a worker writes it, its searches in two chunks."""
+    """A database with the cleared run as written by a worker, with searches in two chunks."""
     url = default_url(tmp_path)
     migrate(url)
     engine = connect(url)
@@ -431,10 +431,10 @@ def test_the_command_tells_given_and_recomputed(tmp_path: Path, capsys: pytest.C
     ("name", "spoil", "why"),
     [
         ("result.json", lambda p: p.unlink(), "No such file"),
-        ("result.json", lambda p: p.write_text("{"), "can be read"),
-        ("result.json", lambda p: p.write_text("[]"), "can be read"),
-        ("result.json", lambda p: p.write_text('{"digest": "x"}'), "has not the shape"),
-        ("evaluations.npz", lambda p: p.write_bytes(b"PK"), "can be read"),
+        ("result.json", lambda p: p.write_text("{"), "is not a readable folder"),
+        ("result.json", lambda p: p.write_text("[]"), "is not a readable folder"),
+        ("result.json", lambda p: p.write_text('{"digest": "x"}'), "is not that of a run"),
+        ("evaluations.npz", lambda p: p.write_bytes(b"PK"), "is not a readable folder"),
         ("campaign.json", lambda p: p.write_text("{}"), "cannot be used"),
     ],
 )

@@ -1,10 +1,12 @@
-"""Compiled loops on disk: found again by the next process, compiled anew after any edit, however far away."""
+"""Compiled loops on disk: reused by the next process, recompiled after any edit of a dependency."""
 
 from __future__ import annotations
 
+import fcntl
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 import types
@@ -17,7 +19,7 @@ from numba import config
 from numba.core.caching import FunctionCache
 
 from worker.kernels.bind import digest, filled, plain
-from worker.kernels.cache import cache_folder, kept
+from worker.kernels.cache import cache_folder, cached
 from worker.kernels.maths import kernel
 
 FILES = {
@@ -51,6 +53,7 @@ FILES = {
                 y[i] = slot(x[i])
 
         loop = compile_loop(filled(template, {"slot": helped}), "test")
+        print(f"{loop.py_func.__module__}.{loop.py_func.__qualname__}", flush=True)
         y = np.empty(3)
         loop(np.array([1.0, 2.0, np.nan]), y)
         stats = loop.stats
@@ -84,16 +87,19 @@ class Package:
 
     def run(self) -> Any:
         """What a new process answers: the kernel's values, and whether it found the compiled code on disk."""
+        _, answer = self.start().communicate(timeout=120)[0].split("\n", 1)
+        return json.loads(answer)
+
+    def start(self) -> subprocess.Popen[str]:
+        """A new process; its first line is the name of the loop, which it compiles next."""
         place = {
             "CLEARANCE_KERNEL_CACHE": str(self.folder / "cache"),
             "PYTHONPATH": os.pathsep.join([str(self.folder), os.getcwd()]),
             "PYTHONDONTWRITEBYTECODE": "1",  # edits come faster than the clock of a file system
         }
         environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"} | place
-        done = subprocess.run(
-            [sys.executable, "-m", "component_far.main"], env=environment, capture_output=True, check=True, timeout=120
-        )
-        return json.loads(done.stdout)
+        command = [sys.executable, "-m", "component_far.main"]
+        return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
 
 
 def test_the_next_process_finds_the_code_and_sees_every_edit(tmp_path: Path) -> None:
@@ -114,6 +120,25 @@ def test_the_next_process_finds_the_code_and_sees_every_edit(tmp_path: Path) -> 
     edited = package.run()
     assert (edited["answer"], edited["misses"]) == (["1.5", "2.0", "nan"], 1)
     assert edited["name"] != first["name"]
+
+
+def test_of_processes_that_need_the_same_code_one_compiles_it(tmp_path: Path) -> None:
+    package = Package(tmp_path)
+    with package.start() as first:
+        assert first.stdout is not None
+        name = first.stdout.readline().strip()
+        first.stdout.read()
+    shutil.rmtree(tmp_path / "cache")
+    (tmp_path / "cache" / "locks").mkdir(parents=True)
+    with (tmp_path / "cache" / "locks" / name).open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        one, other = package.start(), package.start()
+        assert one.stdout is not None
+        assert other.stdout is not None
+        assert one.stdout.readline().strip() == other.stdout.readline().strip() == name
+    answers = [json.loads(process.communicate(timeout=120)[0]) for process in (one, other)]
+    assert sorted(answer["misses"] for answer in answers) == [0, 1]
+    assert [answer["answer"] for answer in answers] == [["3.0", "5.0", "nan"]] * 2
 
 
 @pytest.mark.parametrize(("old", "new"), [("OFFSET = 0.0", "OFFSET = 10.0"), ("by=2.0", "by=12.0")])
@@ -265,7 +290,7 @@ def test_filling_leaves_the_template_alone() -> None:
 
 
 def test_a_slot_that_there_is_not() -> None:
-    with pytest.raises(ValueError, match="template has no slots named slat, slut"):
+    with pytest.raises(ValueError, match="template has no slot named slat, slut"):
         filled(template, {"slot": math.sqrt, "slat": 1, "slut": 2})
 
 
@@ -335,5 +360,5 @@ def test_what_was_kept_and_cannot_be_loaded_is_compiled_again(
 
     monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(FunctionCache, "_load_overload", refuse)
-    assert kept(doubled)(1.5) == 3.0
+    assert cached(doubled)(1.5) == 3.0
     assert asked

@@ -1,4 +1,4 @@
-"""Slices through a worst case, and the distance to the boundary of a violation, on a formula that is known."""
+"""Slices through a worst case, and the distance to the boundary of a violation, on a known formula."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ WORST = np.array([0.0, 0.0])
 
 
 def driven(asking: Asking[Told], flown: Any = None) -> tuple[Told, int]:
-    """What a request says under the driver, and how many evaluations it took."""
+    """The result of a request with the driver, and its number of evaluations."""
     told: list[Told] = []
 
     def search() -> Asking[str]:
@@ -106,10 +106,10 @@ def test_a_nominal_flight_that_violates_has_no_distance() -> None:
     told, evaluations = driven(boundary.boundary(case1(), WORST), flown(lambda u: np.zeros(len(u))))
     assert (told.rays, told.line) == ([], None)
     assert told.text == "the nominal case itself violates the criterion or fails"
-    assert evaluations == 1 + 5 * boundary.LOOKS
+    assert evaluations == 1 + 5 * boundary.SAMPLES
 
 
-def test_what_is_told_of_a_finding() -> None:
+def test_fields_of_a_finding() -> None:
     (_, violation), most = driven(boundary.after(case1(), WORST, THRESHOLD - 0.2))
     assert violation is not None
     assert violation.line is not None

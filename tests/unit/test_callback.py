@@ -1,4 +1,4 @@
-"""Libraries that call back as generators, and several searches side by side; no thread outlives its search."""
+"""Callback libraries as generators, and concurrent searches; no thread outlives its search."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def no_thread_stays() -> Iterator[None]:
 
 
 def doubling(ask: Ask) -> float:
-    """A library that asks for ever larger points, and returns the last answer."""
+    """A library that requests ever larger points, and returns the last result."""
     x, answer = 0.01, 0.0
     while x < 1:
         answer = float(ask(np.array([[x]])).costs[0, 0])
@@ -182,5 +182,5 @@ def test_when_one_cannot_begin_the_others_are_closed() -> None:
     both = side_by_side([called_back(lambda ask: str(doubling(ask))), called_back(broken)])
     with pytest.raises(MemoryError) as caught:
         next(both)
-    assert caught.traceback  # it holds the frames, and so every generator that was not closed
+    assert caught.traceback  # the traceback references the frames, and thus every open generator
     assert threading.active_count() == before

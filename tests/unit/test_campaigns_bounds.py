@@ -1,4 +1,4 @@
-"""What a campaign may ask of the machine in all: steps of simulation, numbers of a trace, numbers of the results."""
+"""Overall limits of a campaign: simulation steps, size of traces and of results."""
 
 from __future__ import annotations
 

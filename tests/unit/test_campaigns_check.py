@@ -183,7 +183,7 @@ def test_every_problem_is_told() -> None:
     }
 
 
-def test_a_missing_value_is_told_once_although_it_is_uncertain() -> None:
+def test_a_missing_uncertain_value_is_reported_once() -> None:
     for bounds in ({"plus_minus": 1}, {"low": 5, "high": 8}):
         (problem,) = found(scenario__goal={"x": 6}, uncertain={"goal.y": bounds}, **one_search())
         assert problem[0] == "scenario.goal.y"

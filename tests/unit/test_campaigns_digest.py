@@ -1,4 +1,4 @@
-"""A campaign is known by its digest: the same however it is written, another for every value; and its JSON Schema."""
+"""The digest of a campaign: independent of formatting, different for every value; and the JSON Schema."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_the_spelling_of_a_number_means_nothing(one: Any, other: Any) -> None:
 
 
 def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Every plain value of a document with its place, joined by `__`."""
+    """Every plain value of a document with its path, joined by `__`."""
     pairs = value.items() if isinstance(value, dict) else enumerate(value)
     for key, inner in pairs:
         place = f"{path}__{key}" if path else str(key)
@@ -91,7 +91,7 @@ def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def another(place: str, value: Any) -> Any:
-    """A value that is valid in the same place."""
+    """Another value that is valid at the same path."""
     others = {"uniform": "uniform", "worst": "mean", "20%": "21%", "kg": "g", "kg m2": "g m2", 15.0: 14.0}
     if place == "scenario__guidance__period":
         return CASE1["scenario"]["step"]

@@ -129,7 +129,7 @@ WORDS += ["|\n", ">\n", "%", "@", "---\n", "\\", "\u00e9", "~", "\u2028", "\u008
 @settings(max_examples=400, deadline=None, derandomize=True)
 @given(st.lists(st.sampled_from(WORDS), max_size=12).map("".join))
 def test_both_readers_read_the_same(text: str) -> None:
-    """What libyaml reads is what PyYAML reads; where it refuses, the sentence is PyYAML's."""
+    """libyaml and PyYAML read the same values; errors have PyYAML's text."""
     try:
         found = yaml.load(text, Loader=_Fast)
     except yaml.YAMLError:

@@ -1,4 +1,4 @@
-"""Values that no campaign has are refused with field, given value and what is allowed."""
+"""Invalid values in a campaign are refused with field, given value and what is allowed."""
 
 from __future__ import annotations
 
@@ -153,7 +153,7 @@ def test_absurd_sizes(name: str) -> None:
     assert message in said
 
 
-def test_a_thousand_problems_are_told_in_fifty_lines() -> None:
+def test_a_thousand_problems_are_reported_in_fifty_lines() -> None:
     problems = refused(**{f"key{i}": i for i in range(1000)})
     assert len(problems) == 51
     assert str(problems[-1]) == "campaign: and 950 more problems"

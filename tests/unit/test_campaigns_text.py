@@ -15,6 +15,7 @@ from campaigns import CampaignError, library, load_file, load_text
 from campaigns.asked.load import LARGEST_FILE, load_document
 from campaigns.asked.reading import parse
 from campaigns.asked.text import to_yaml
+from tests.simulators import package
 from tests.unit.cases import campaign, document
 
 TEXTS = {
@@ -136,3 +137,23 @@ def test_the_library_reads_the_same_as_yaml_and_json(name: str) -> None:
     again = load_text(json.dumps(yaml.safe_load(path.read_text(encoding="utf-8"))))
     assert again == found
     assert again.digest == found.digest
+
+
+@pytest.mark.parametrize("asked", [document(), package.campaign()], ids=["scenario", "simulator"])
+def test_the_text_has_only_fields_of_the_canonical_form(asked: dict[str, Any]) -> None:
+    found = load_document(asked)
+    assert _strays(yaml.safe_load(to_yaml(found)), found.document()) == []
+
+
+def _strays(written: Any, canonical: Any, place: str = "") -> list[str]:
+    """Where the text has a field that the canonical form omits."""
+    if isinstance(written, dict):
+        return [
+            stray
+            for key, value in written.items()
+            for stray in (_strays(value, canonical[key], f"{place}.{key}") if key in canonical else [f"{place}.{key}"])
+        ]
+    if isinstance(written, list):
+        pairs = zip(written, canonical, strict=True)
+        return [stray for i, (value, told) in enumerate(pairs) for stray in _strays(value, told, f"{place}.{i}")]
+    return []

@@ -89,7 +89,7 @@ def test_two_of_one_name_are_an_error(tmp_path: Path) -> None:
     done = in_a_new_process(EVERY, tmp_path)
     assert done.returncode == 1
     assert (
-        "some_car declares ('vehicle', 'unicycle'), which worker.components.vehicles.unicycle declares too"
+        "some_car declares ('vehicle', 'unicycle'), which worker.components.vehicles.unicycle already declares"
         in done.stderr
     )
 

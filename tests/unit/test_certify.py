@@ -1,4 +1,4 @@
-"""The certify stage on a problem whose probabilities are known; how often its bounds hold; the grid."""
+"""The certify stage on a problem with known probabilities: coverage of its bounds; the grid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every check of a verdict has a title for people, and none is said to hold for evaluations that have no value."""
+"""Every check of a verdict has a title, and no check claims to hold for evaluations without a value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Claims as data: spans give the words back, codes are listed, others' codes are taken as they come.
+"""Claims as data: spans reproduce the text, codes are listed, unknown codes are accepted.
 
 Start at `test_a_sentence_is_its_spans`.
 """

@@ -23,7 +23,7 @@ from worker.cli import INTERNAL, INTERRUPTED, WRONG_INPUT, build, invoke
         (["serve", "--port", "70000"], "--port"),
         (["token"], ""),
         (["token", "create"], "Missing argument"),
-        (["token", "list", "--database", "mysql://x"], "sqlite:///FILE and postgresql://..."),
+        (["token", "list", "--database", "mysql://x"], "sqlite:///FILE or postgresql://..."),
         (["worker", "--database", "nonsense"], "database"),
         (["worker", "--database", "sqlite://"], "sqlite:///path/to/file"),
     ],
@@ -102,6 +102,6 @@ def test_a_login_link_for_the_service_of_that_folder(tmp_path: Path, capsys: pyt
         assert hashed(link.partition("=")[2]) in known
 
 
-def test_nobody_is_alive_where_no_worker_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_worker_is_alive_without_heartbeats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     invoke(["token", "create", "ci", "--data", str(tmp_path)])
     assert invoke(["worker", "--check", "--data", str(tmp_path)]) == 1

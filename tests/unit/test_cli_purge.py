@@ -1,4 +1,4 @@
-"""`clearance purge`: says what would go, asks, deletes, and makes the file smaller."""
+"""`clearance purge`: lists what would be deleted, asks, deletes, and compacts the file."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_a_dry_run_and_a_no_delete_nothing(
     assert left(data) == [1, 2, 3]
 
 
-def test_where_nobody_answers_nothing_is_deleted(
+def test_without_confirmation_nothing_is_deleted(
     data: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.stdin", open("/dev/null"))  # noqa: SIM115

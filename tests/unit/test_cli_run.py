@@ -25,7 +25,7 @@ from worker.opening import opened
 from worker.problem.problem import Problem
 
 PATIENCE = 120.0
-"""[s]; a process of its own may have to compile."""
+"""[s]; a separate process may have to compile."""
 
 DIRECT = {"method": "direct", "evaluations": 200}
 SQP = {"method": "sqp", "evaluations": 200, "starts": [{"vehicle.m": 4.5, "vehicle.J": 0.05}]}
@@ -68,7 +68,7 @@ def test_cleared_is_0(file: Write, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def violating() -> Campaign:
-    """Between the worst case of 0.9417 m and the nominal 0.9436 m lies the threshold."""
+    """The threshold is between the worst case of 0.9417 m and the nominal 0.9436 m."""
     return searching(DIRECT, SQP, criterion__threshold=0.943, **SHORT)
 
 
@@ -221,9 +221,7 @@ def test_what_is_written(file: Write, capsys: pytest.CaptureFixture[str], tmp_pa
     problem = opened.problem(asked)
     vectors = np.array([problem.vector({p: float(r[p]) for p in ("vehicle.m", "vehicle.J")}) for r in rows])
     again = problem.system.fly_vectors(vectors)[0].costs[:, 0]
-    assert [
-        float(r["cost"]) for r in rows
-    ] == again.tolist()  # every digit is there: a flight is flown again to the bit
+    assert [float(r["cost"]) for r in rows] == again.tolist()  # full precision: a repeated simulation is bit-identical
 
 
 def test_a_written_trace(file: Write, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -289,7 +287,7 @@ def test_interrupted_is_130(file: Write, tmp_path: Path) -> None:
             command("run", file(asked), "--threads", "1"),
             stdout=subprocess.PIPE, stderr=sink, env={**os.environ, "FORCE_COLOR": "1", "TTY_INTERACTIVE": "1"},
         )  # fmt: skip
-    # The bars appear once the campaign is being flown.
+    # The bars appear once the campaign is running.
     until = time.monotonic() + PATIENCE
     while b"Monte Carlo" not in errors.read_bytes():
         assert process.poll() is None, errors.read_text()

@@ -1,4 +1,4 @@
-"""A run's parameter space: where evaluations stand, which one a click meets, what is said of one flown again."""
+"""A run's parameter space: positions of evaluations, picking by a click, texts on a repeated evaluation."""
 
 from __future__ import annotations
 
@@ -60,15 +60,15 @@ def test_a_click_meets_the_point_nearest_on_the_screen() -> None:
 @pytest.mark.parametrize(
     ("stored", "answer", "said"),
     [
-        (one(5.0, 0.75), {"cost": 0.75, "status": "ok", "reason": ""}, "Identical, bit by bit."),
+        (one(5.0, 0.75), {"cost": 0.75, "status": "ok", "reason": ""}, "Bit-identical."),
         (one(5.0, 0.75), {"cost": 0.7500000000000001, "status": "ok", "reason": ""}, "differ by 1.11e-16"),
-        (one(5.0, 0.75), {"cost": None, "status": "failed", "reason": "it fell"}, "Not the same. it fell"),
+        (one(5.0, 0.75), {"cost": None, "status": "failed", "reason": "it fell"}, "Not identical. it fell"),
         (
             one(5.0, None, "failed"),
             {"cost": None, "status": "failed", "reason": "it fell"},
-            "The same: failed. it fell",
+            "Identical: failed. it fell",
         ),
-        (one(5.0, None, "failed"), {"cost": 0.7, "status": "ok", "reason": ""}, "Not the same."),
+        (one(5.0, None, "failed"), {"cost": 0.7, "status": "ok", "reason": ""}, "Not identical."),
     ],
 )
 def test_what_was_stored_and_what_was_flown_again_stand_side_by_side(

@@ -1,4 +1,4 @@
-"""Help in place: every component's equations, symbols, units and source, as the catalogue (and so the API) tells them.
+"""Help in place: every component's equations, symbols, units and source, as in the catalogue and thus the API.
 
 The text is the docstring of the component's one file. Start reading at `test_text`.
 """

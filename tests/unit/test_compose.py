@@ -1,4 +1,4 @@
-"""The compose file and the image: who can reach what, as whom, and that everything has its health check."""
+"""The compose file and the image: network access, users, and health checks."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_every_service_has_a_health_check_the_volume_and_no_rights(services: dic
     assert "container_name" not in services["worker"], "a fixed name cannot be scaled"
 
 
-def test_the_image_runs_as_nobody_in_particular() -> None:
+def test_the_image_runs_as_an_unprivileged_user() -> None:
     lines = (REPOSITORY / "Dockerfile").read_text().splitlines()
     assert re.fullmatch(r"USER [1-9]\d+:[1-9]\d+", next(line for line in lines if line.startswith("USER")))
     steps = [line.removeprefix("RUN tools/image.sh ") for line in lines if line.startswith("RUN tools/")]

@@ -43,7 +43,7 @@ SEARCHES = (
 
 @pytest.fixture
 def flown(monkeypatch: pytest.MonkeyPatch) -> list[bytes]:
-    """Every point that is really flown, by its bits."""
+    """Every point that is actually simulated, by its bits."""
     points: list[bytes] = []
     fly = InProcess.__call__
 
@@ -281,4 +281,4 @@ def test_evaluations_that_are_not_what_the_search_asks_for_are_refused(
     arrays["points_2"][5] += 0.01
     np.savez(folder / "evaluations.npz", **arrays)
     assert invoke(["run", "--continue", str(folder), "--budget", "+10"]) == WRONG_INPUT
-    assert "no longer asks for the point stored as evaluation" in capsys.readouterr().err
+    assert "no longer requests the point stored as evaluation" in capsys.readouterr().err

@@ -34,7 +34,7 @@ def descend(kind: int, function: Function, dimension: int, evaluations: int) -> 
     pool.begin(start, float(function(start[None, :])[0]), start, kind, 0.1, 0.03, rung=0)
     rows, sizes = np.array([0]), []
     while pool.state.evaluations[0] < evaluations:
-        points = pool.wanted(rows)
+        points = pool.requested(rows)
         assert points.min() >= 0.0
         assert points.max() <= 1.0
         sizes.append(len(points))
@@ -122,13 +122,13 @@ def test_the_best_third_goes_up_in_its_order_but_who_follows_a_better_one() -> N
     for t, (place, cost) in enumerate(zip(places, [5.0, 1.0, 2.0, 3.0, 4.0, 6.0], strict=True)):
         pool.begin(np.array(place), cost, np.array(place), COMPASS, 0.1, 0.03, rung=0)
         assert rung.next(3, pool) is None
-        rung.reach(t, cost)
+        rung.add(t, cost)
         if t == 2:
             assert rung.next(3, pool) == 1
             pool.rung[1] = 1
     assert rung.next(3, pool) is None  # the second of six follows the first
     for cost in (7.0, 8.0, 9.0):
-        rung.reach(pool.begin(np.array([0.0, cost / 10]), cost, np.zeros(2), COMPASS, 0.1, 0.03, rung=0), cost)
+        rung.add(pool.begin(np.array([0.0, cost / 10]), cost, np.zeros(2), COMPASS, 0.1, 0.03, rung=0), cost)
     assert rung.next(3, pool) == 3
 
 
@@ -166,7 +166,7 @@ def test_it_goes_on_when_asked_for_more_than_its_budget() -> None:
         asked += len(points)
         points = search.send(batch(two_basins(points)))
     search.close()
-    assert method.extend is None  # but with another budget it would have gone another way
+    assert method.extend is None  # with another budget the search would differ
 
 
 def test_requests_are_blocks() -> None:

@@ -140,7 +140,7 @@ def test_rules_by_which_it_stops() -> None:
 @pytest.mark.parametrize("end", [{"iterations": 12}, {"smallest": 0.01}, {}])
 @pytest.mark.parametrize("variant", [method, direct_l.method], ids=lambda m: m.name)
 def test_a_finished_search_goes_on_without_repeating_an_evaluation(variant: Method, end: dict[str, Any]) -> None:
-    """What it stored is answered from the store; what it flies beyond is what one long search would fly."""
+    """Stored evaluations are reused; further ones equal those of one long search."""
     options = direct.Options(**end)
     assert variant.extend is not None
     flown: list[Floats] = []

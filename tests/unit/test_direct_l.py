@@ -1,4 +1,4 @@
-"""DIRECT-L against Gablonsky's own program in NLopt, and what sets it apart from DIRECT."""
+"""DIRECT-L against Gablonsky's own program in NLopt, and its differences from DIRECT."""
 
 from __future__ import annotations
 

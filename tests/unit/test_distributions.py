@@ -95,7 +95,7 @@ def test_points_inside_are_those_of_the_unbounded_normal_distribution() -> None:
     points = LOW + distributions.quantile(uniform) * (HIGH - LOW)
     assert points[inside] == pytest.approx(unbounded[inside], abs=1e-9)
     assert ((points >= LOW) & (points <= HIGH)).all()
-    # What lies beyond is bounded by the sum, whatever the correlation.
+    # The tails are bounded by the sum, for any correlation.
     assert (~inside).mean() <= distributions.outside == pytest.approx(0.2113 + 0.2085, abs=1e-3)
     # A value that fell beyond is drawn again within: the marginal stays the one within the bounds.
     expected = stats.truncnorm(-1.25, 1.25, 5.0, 0.8)
@@ -103,7 +103,7 @@ def test_points_inside_are_those_of_the_unbounded_normal_distribution() -> None:
 
 
 def test_the_probability_beyond_the_bounds() -> None:
-    one = Normal(mean=5.0, deviation=0.5)  # two deviations either way
+    one = Normal(mean=5.0, deviation=0.5)  # two standard deviations on each side
     tails = 2 * stats.norm.sf(2)
     assert made(one).outside == pytest.approx(tails)
     assert made(one, one).outside == pytest.approx(1 - (1 - tails) ** 2)

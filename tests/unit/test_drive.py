@@ -20,7 +20,7 @@ from worker.stages.parts.store import Columns, StagePlan
 
 
 class Counting:
-    """Flies nothing: the cost is the sum of the coordinates; counts what it was asked for."""
+    """No simulation: the cost is the sum of the coordinates; counts requests."""
 
     def __init__(self, status: Callable[[Floats], Any] | None = None) -> None:
         self.points: list[Floats] = []
@@ -201,7 +201,7 @@ def test_long_requests_are_flown_in_pieces_so_that_they_are_stored_and_cancelled
 
 
 def stored(count: int, position: int = 0) -> MemoryStore:
-    """A store that holds the first evaluations of `in_batches`, one of which failed."""
+    """A store with the first evaluations of `in_batches`, one of which failed."""
     store = MemoryStore()
     store.plan([StagePlan("search", "some", 100)])
     points = grid(0, count)

@@ -1,4 +1,4 @@
-"""`clearance explain`: the text that is simulated, and where its file is."""
+"""`clearance explain`: the simulated code, and its file."""
 
 from __future__ import annotations
 

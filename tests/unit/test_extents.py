@@ -53,7 +53,7 @@ def test_a_threshold_below_the_reach_is_refused(obstacles: list[Any], threshold:
 def test_the_sentence_says_what_to_use_and_what_it_names_is_accepted() -> None:
     (problem,) = check(campaign(scenario__obstacles=[circle(0.5), WALL]), catalogue())
     assert "obstacles.1 and 1 more" not in problem.message
-    assert "obstacles.1 reaches 8.00063 m" in problem.message
+    assert "the surface of obstacles.1 extends to 8.00063 m" in problem.message
     assert "surface_separation" in problem.message
     assert "from_centre: true" in problem.message
     assert refused(scenario__obstacles=[WALL], criterion__threshold=8.00063) == []
@@ -150,7 +150,7 @@ def test_a_verdict_can_state_which_point_distances_end_at() -> None:
     assert words(overlooked(of().system)) == ""
     wall = of(scenario__obstacles=[WALL])
     assert words(clause(wall.system)).endswith("; a vehicle inside obstacles.0 may count as clear")
-    assert "obstacles.0, which reaches 8.00062 m" in words(overlooked(wall.system))
+    assert "obstacles.0, whose surface extends to 8.00062 m" in words(overlooked(wall.system))
     assert words(overlooked(of(scenario__obstacles=[WALL], criterion__from_centre=True).system)) == ""
     surface = {"criterion__component": "surface_separation"}
     assert words(clause(of(**surface).system)) == "distances measured to the obstacles' surfaces"

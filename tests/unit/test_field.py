@@ -1,4 +1,4 @@
-"""What an avoider asks for elsewhere: closed form, what the loop itself asked, every avoider of the library."""
+"""An avoider's demand at other positions: closed form, the loop's own demand, every avoider of the library."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from worker.catalogue.installed import components
 from worker.kernels.component import Avoider
 from worker.systems.base import Floats
 from worker.systems.closed_loop.field import UNITS, Field, field
-from worker.systems.closed_loop.trace import Flown, fly
+from worker.systems.closed_loop.trace import SimulatedCase, simulate
 
 AVOIDERS = sorted(c.name for c in components().values() if isinstance(c, Avoider))
 SHIPPED = {name: load_file(path) for name, path in library().items()}
@@ -37,7 +37,7 @@ def case1() -> Problem:
 
 def test_the_potential_field_of_case_1_is_its_closed_form(case1: Problem) -> None:
     places = around(np.array([4.0, 4.0]), 3.7, 12)
-    found = field(case1.system, fly(case1.system, {}), 2.5, places)
+    found = field(case1.system, simulate(case1.system, {}), 2.5, places)
     assert (found.kind, UNITS[found.kind], found.time) == ("force", "N", 2.5)
     values = {path: float(case1.system.nominal[k]) for path, k in case1.paths.items()}
     goal = np.array([values["goal.x"], values["goal.y"]])
@@ -58,33 +58,37 @@ def test_the_potential_field_of_case_1_is_its_closed_form(case1: Problem) -> Non
 @pytest.mark.parametrize("name", ["unicycle_static", "uav_aca"])
 def test_where_the_vehicle_is_it_is_what_the_loop_asked(name: str) -> None:
     flown_by = Problem(SHIPPED[name])
-    loop, flown, every = flown_by.system.loop, fly(flown_by.system, {}), flown_by.system.counts(flown_by.system.step)[1]
+    loop, flown, every = (
+        flown_by.system.loop,
+        simulate(flown_by.system, {}),
+        flown_by.system.counts(flown_by.system.step)[1],
+    )
     dimension = flown_by.system.parts.vehicle.dimension
-    # Guidance that is asked at every stage is kept in the trace as it was at the start only.
+    # For continuous guidance the trace contains only the value at the start of a step.
     rows = [0, every, len(flown.states) // 2 // every * every] if flown_by.system.parts.sampled else [0]
     p = loop.extend(flown.vector)
     for row in rows:
         time = row * flown_by.system.step
         found = field(flown_by.system, flown, time, np.zeros((1, 2)))
         state = tuple(float(v) for v in flown.states[row, : loop.n_state])
-        believed = loop.part("aware")(time, state, p)[0]
-        held = loop.part("on_sample")(believed, tuple(found.own[:dimension].tolist()), p)
+        believed = loop.part("measurements")(time, state, p)[0]
+        held = loop.part("held_demand")(believed, tuple(found.own[:dimension].tolist()), p)
         assert held == pytest.approx(flown.states[row, loop.n_state : loop.n_state + dimension], rel=1e-9, abs=1e-9)
         same = field(flown_by.system, flown, time, found.place[None, :2])
         assert same.demand[0] == pytest.approx(found.own, rel=1e-9, abs=1e-9)
 
 
-def standing(made: Problem) -> Flown:
+def standing(made: Problem) -> SimulatedCase:
     """A flight of no duration, which nothing has to be compiled for."""
     vector = made.realisations.flights(made.vector({})[None, :])[0]
     with np.errstate(all="ignore"):
         p = made.system.loop.extend(vector)
-        state = (*made.system.loop.part("initial")(p), *made.system.loop.part("blank")(p))
-    return Flown(vector, np.array([state]), 0, "", np.full((1, 1), np.nan), 0, np.nan)
+        state = (*made.system.loop.part("initial")(p), *made.system.loop.part("initial_guidance")(p))
+    return SimulatedCase(vector, np.array([state]), 0, "", np.full((1, 1), np.nan), 0, np.nan)
 
 
 def check(made: Problem) -> None:
-    """The avoider answers wherever it is asked, each place by itself, with a demand of its kind and dimension."""
+    """The avoider returns a demand of its kind and dimension at every position independently."""
     flown = standing(made)
     here = field(made.system, flown, 0.0, np.zeros((1, 2)))
     places = around(here.place, 30.0, 7)
@@ -112,7 +116,7 @@ def test_every_campaign_of_the_library_has_a_field(name: str) -> None:
 
 @pytest.mark.parametrize(("time", "shown"), [(-1.0, 0.0), (0.0, 0.0), (7.4 * 0.005, 0.035), (1e9, 15.0)])
 def test_the_time_is_that_of_the_nearest_step_of_the_flight(case1: Problem, time: float, shown: float) -> None:
-    flown = fly(case1.system, {})
+    flown = simulate(case1.system, {})
     found = field(case1.system, flown, time, np.zeros((1, 2)))
     assert found.time == pytest.approx(shown)
     assert found.place[:2] == pytest.approx(flown.states[round(shown / case1.system.step), :2])
@@ -121,17 +125,17 @@ def test_the_time_is_that_of_the_nearest_step_of_the_flight(case1: Problem, time
 def test_values_change_the_field_and_unknown_ones_are_refused(case1: Problem) -> None:
     place = np.array([[3.0, 3.0]])
     weak, strong = (
-        field(case1.system, fly(case1.system, {"avoider.k_rep": k}), 1.0, place).demand[0] for k in (0.0, 8.0)
+        field(case1.system, simulate(case1.system, {"avoider.k_rep": k}), 1.0, place).demand[0] for k in (0.0, 8.0)
     )
     assert np.linalg.norm(strong - weak) > 1.0
     with pytest.raises(KeyError):
-        fly(case1.system, {"avoider.nothing": 1.0})
+        simulate(case1.system, {"avoider.nothing": 1.0})
 
 
 def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
     places = [[1.0, 2.0], [4.5, 4.5]]
     answer = live.ask(id=1, kind="field", campaign=CASE1, parameters={"vehicle.m": 6.0}, time=3.0, places=places)
-    found: Field = field(case1.system, fly(case1.system, {"vehicle.m": 6.0}), 3.0, np.array(places))
+    found: Field = field(case1.system, simulate(case1.system, {"vehicle.m": 6.0}), 3.0, np.array(places))
     assert answer["id"] == 1
     assert {k: answer[k] for k in ("time", "kind", "unit")} == {"time": 3.0, "kind": "force", "unit": "N"}
     assert answer["demand"] == found.demand.tolist()
@@ -148,7 +152,7 @@ def test_it_is_answered_live_beside_flights(live: Live, case1: Problem) -> None:
         ({"places": [[1.0]]}, "places must be 1 to 10000 pairs of finite numbers"),
         ({"places": [[1.0, float("nan")]]}, "places must be 1 to 10000 pairs of finite numbers"),
         ({"places": [[0.0, 0.0]] * 10_001}, "places must be 1 to 10000 pairs of finite numbers"),
-        ({"places": "many"}, "not a request"),
+        ({"places": "many"}, "invalid request"),
         ({"time": "late"}, "time must be a number of seconds, given 'late'"),
         ({"time": float("inf")}, "time must be a number of seconds, given inf"),
         ({"parameters": {"vehicle.n": 1.0}}, "the scenario has no parameter 'vehicle.n'"),

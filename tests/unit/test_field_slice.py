@@ -1,4 +1,4 @@
-"""The avoider's field as drawn: grid, axes, scale, words. The demands themselves are held in `test_field`."""
+"""The avoider's field as drawn: grid, axes, scale, legend. The demands are tested in `test_field`."""
 
 from __future__ import annotations
 
@@ -79,23 +79,23 @@ def test_a_pole_does_not_take_all_the_colours() -> None:
 
 def test_the_words_say_what_is_shown() -> None:
     words = legend(sliced([1.0, 10.0, 100.0, None, 0.0, 10.0]), "F2", Planar(), dark=True)  # type: ignore[arg-type]
-    assert "Velocity [m/s] that the avoider (potential field) asks for over the plane, at t = 2.50 s of F2" in words
-    assert "1 of 6 places have no answer" in words
-    assert "1 of 6 places ask for nothing" in words
-    assert "Where the vehicle is: 5 m/s" in words
-    assert "remembers" not in words
+    assert "Velocity [m/s] that the avoider (potential field) demands over the plane, at t = 2.50 s of F2" in words
+    assert "1 of 6 positions have no demand" in words
+    assert "1 of 6 positions have zero demand" in words
+    assert "At the vehicle: 5 m/s" in words
+    assert "memory" not in words
     aloft = Planar(False)
     told = legend(sliced([7.0] * 6, memory=2), "F1", aloft, dark=True)  # type: ignore[arg-type]
-    assert "The same everywhere: 7 m/s" in told
-    assert "what the avoider remembers then" in told
+    assert "Uniform: 7 m/s" in told
+    assert "the avoider's memory at that time" in told
     assert "at the height of \u221230 m" in told
     nothing = legend(sliced([0.0] * 6), "F1", aloft, dark=True)  # type: ignore[arg-type]
-    assert "Nothing is asked for anywhere" in nothing
+    assert "The demand is zero everywhere" in nothing
 
 
 @pytest.mark.parametrize("dark", [False, True])
 def test_the_scale_is_the_pages_own(dark: bool) -> None:
-    """`frontend/src/run/space/space.test.ts` holds the other side of it."""
+    """`frontend/src/run/space/space.test.ts` tests the pages' version."""
     ends = colours([-1.0, 0.0, 1.0, 2.0], dark)
     assert (ends[0] == ends[1]).all()
     assert (ends[2] == ends[3]).all()

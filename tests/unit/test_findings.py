@@ -1,4 +1,4 @@
-"""The findings of a run on functions whose worst cases are known: how many, by whom, after how many evaluations."""
+"""The findings of a run on functions with known worst cases: number, methods, evaluations until found."""
 
 from __future__ import annotations
 

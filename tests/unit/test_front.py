@@ -1,4 +1,4 @@
-"""The front of several criteria: what dominates what, equal rows, and what a stage's result and file tell of it."""
+"""The Pareto front of several criteria: dominance, equal rows, and its form in a stage's result and file."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_one_criterion_has_no_front() -> None:
     assert [c.name for c in criteria(several())] == ["separation"]
 
 
-def test_values_are_told_in_their_own_sign_and_failures_left_out() -> None:
+def test_values_have_their_own_sign_and_failures_are_omitted() -> None:
     problem = several("goal_miss")
     nan = float("nan")
     made = columns([[1.0, -3.0], [2.0, -4.0], [2.0, -3.0], [nan, nan], [0.5, 0.0]], [OK, OK, OK, FAILED, OK])

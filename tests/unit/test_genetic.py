@@ -1,4 +1,4 @@
-"""The genetic algorithm: published settings, its operators one by one, what it never flies twice, how it goes on."""
+"""The genetic algorithm: published settings, each operator, no repeated evaluations, resumption."""
 
 from __future__ import annotations
 
@@ -123,14 +123,14 @@ def test_a_generation_is_one_batch_and_copies_of_a_parent_are_not_flown_again() 
     assert len(found.batches) <= 101
     later = [len(b) for b in found.batches[1:]]
     assert max(later) <= 18
-    assert sum(later) < 0.9 * 18 * len(later)  # coins that all fall the same way, and parents paired with themselves
+    assert sum(later) < 0.9 * 18 * len(later)  # constant random bits, and parents paired with themselves
     lowest = [float(np.min(v)) for v in found.values]
     best = np.minimum.accumulate(lowest)
     assert best[-1] < 0.05 < best[0]
 
 
 def test_the_elite_lives_on() -> None:
-    """With nothing but elite and mutants drawn anew every time, the best is never lost and never flown again."""
+    """With only elite and new mutants, the best is never lost and never evaluated again."""
     found = run(method, bowl, 2, 3000, options={"crossover_fraction": 0.0, "mutation": "uniform", "rate": 1.0})
     assert {len(b) for b in found.batches[1:]} == {18}
     assert len(np.unique(found.points, axis=0)) == len(found.points)

@@ -1,4 +1,4 @@
-"""GLOBAL: its critical distance, clustering, stops, the minima it tells; UNIRANDI's lines and steps."""
+"""GLOBAL: critical distance, clustering, stopping rules, reported minima; UNIRANDI's lines and steps."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def descent(function: Function, start: list[float], seed: int = 1, most: int = 1
 
 
 def test_the_critical_distance_is_the_papers() -> None:
-    """1 - 0.01^(1/99) is 0.04545: a square of that share of the box of side 2 has half a side of 0.2132 of 1."""
+    """1 - 0.01^(1/99) is 0.04545: a square with that fraction of the box of side 2 has half a side of 0.2132."""
     assert critical_distance(100, 2) == pytest.approx(0.5 * 0.0454552**0.5, rel=1e-4)
     assert critical_distance(200, 1) == pytest.approx(0.5 * 0.0228762, rel=1e-4)
     assert critical_distance(1000, 3) < critical_distance(100, 3) < critical_distance(100, 6)
@@ -151,7 +151,7 @@ def test_its_local_searches_keep_to_their_evaluations() -> None:
         assert any(m.text == "used its 40 evaluations" for m in found.minima)
 
 
-def test_a_minimum_is_told_as_soon_as_it_is_found() -> None:
+def test_a_minimum_is_reported_as_soon_as_it_is_found() -> None:
     minima: list[Minimum] = []
     found = run(method, two_bowls, 2, 10**6, until=lambda f: bool(f.minima))
     minima += found.minima
@@ -215,7 +215,7 @@ def test_unirandi_doubles_a_line_that_succeeds() -> None:
     _, asked = descent(lambda x: x[:, 0], [0.5, 0.5], most=6)
     moves = np.diff(np.array([[0.5, 0.5], *(a[0] for a in asked)]), axis=0)
     lengths = np.linalg.norm(moves, axis=1)
-    first = 0 if asked[0][0, 0] < 0.5 else 1  # against the direction where the first trial fails
+    first = 0 if asked[0][0, 0] < 0.5 else 1  # in the opposite direction if the first trial fails
     lengths = lengths[first:]
     lengths[0] = STEP
     assert lengths == pytest.approx(STEP * 2.0 ** np.arange(len(lengths)))
@@ -251,7 +251,7 @@ def test_unirandi_never_accepts_what_failed() -> None:
     assert end.cost == pytest.approx(0.5, abs=0.01)
 
 
-def test_the_same_minimum_is_not_told_twice() -> None:
+def test_the_same_minimum_is_not_reported_twice() -> None:
     f = on_unit_cube("Hartman 3", 2)
     found = run(method, f, 3, 10_000, options={"local_evaluations": 5000})
     for i, one in enumerate(found.minima):

@@ -18,7 +18,7 @@ class Thing:
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_an_interrupt_within_a_finaliser_is_not_lost() -> None:
     before = signal.getsignal(signal.SIGINT)
-    with interrupt.kept(lambda: False) as asked:
+    with interrupt.deferred(lambda: False) as asked:
         assert asked() is False
         thing = Thing()
         kept = weakref.ref(thing, lambda _: signal.raise_signal(signal.SIGINT))
@@ -31,7 +31,7 @@ def test_an_interrupt_within_a_finaliser_is_not_lost() -> None:
 
 
 def test_an_interrupt_elsewhere_comes_at_once() -> None:
-    with interrupt.kept(lambda: True) as asked:
+    with interrupt.deferred(lambda: True) as asked:
         assert asked() is True
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)

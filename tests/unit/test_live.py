@@ -1,4 +1,4 @@
-"""Live flights: the protocol of `python -m worker.processes.live`, with a real process."""
+"""Live simulations: the protocol of `python -m worker.processes.live`, with a real process."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_answers_come_in_order_with_their_ids(live: Live) -> None:
 def test_a_failed_flight_has_a_reason(live: Live) -> None:
     answer = live.ask(id=1, campaign=CASE1, parameters={"vehicle.J": 0.001})
     assert (answer["status"], answer["cost"], answer["margin"]) == ("failed", None, None)
-    assert answer["reason"].startswith("the flight left the model's envelope at t = 0.005 s")
+    assert answer["reason"].startswith("the vehicle left the model's envelope at t = 0.005 s")
     assert answer["data"]["t"] == [0.0, 0.005]
 
 
@@ -71,7 +71,7 @@ def test_an_excluded_flight_has_a_reason(live: Live) -> None:
         ({"vehicle.m": "5"}, "vehicle.m must be a number, given '5'"),
         ({"vehicle.m": True}, "vehicle.m must be a number, given True"),
         ({"vehicle.m": None}, "vehicle.m must be a number, given None"),
-        ([5.0], "not a request for a flight"),
+        ([5.0], "invalid request"),
     ],
 )
 def test_parameters_that_cannot_be_flown(live: Live, parameters: Any, said: str) -> None:
@@ -84,14 +84,14 @@ def test_parameters_that_cannot_be_flown(live: Live, parameters: Any, said: str)
 @pytest.mark.parametrize(
     ("request_", "said"),
     [
-        (b"{", "not a request for a flight: JSONDecodeError"),
-        (b"[]", "not a request for a flight: TypeError"),
-        (b"null", "not a request for a flight: TypeError"),
-        (b"{}", "not a request for a flight: KeyError: 'id'"),
-        (b'{"id": "\xff"}', "not a request for a flight: UnicodeDecodeError"),
-        (b'{"id": NaN, "campaign": {}}', "not a request for a flight: TypeError: id must be a whole number or text"),
-        (b'{"id": [1], "campaign": {}}', "not a request for a flight: TypeError: id must be a whole number or text"),
-        (b'{"id": 1}', "not a request for a flight: KeyError: 'campaign'"),
+        (b"{", "invalid request: JSONDecodeError"),
+        (b"[]", "invalid request: TypeError"),
+        (b"null", "invalid request: TypeError"),
+        (b"{}", "invalid request: KeyError: 'id'"),
+        (b'{"id": "\xff"}', "invalid request: UnicodeDecodeError"),
+        (b'{"id": NaN, "campaign": {}}', "invalid request: TypeError: id must be a whole number or text"),
+        (b'{"id": [1], "campaign": {}}', "invalid request: TypeError: id must be a whole number or text"),
+        (b'{"id": 1}', "invalid request: KeyError: 'campaign'"),
         (b"[" * 100_000, "nested too deeply"),
         (b'{"id": 1, "campaign": [], "rows": 5}', "a campaign is a mapping"),
         (b'{"id": 1, "campaign": {}}', "scenario: this key is required"),
@@ -116,7 +116,7 @@ def test_a_campaign_that_this_installation_cannot_fly(live: Live) -> None:
 
 
 def test_many_campaigns_in_turn(live: Live) -> None:
-    # More than it keeps ready; and the first again afterwards.
+    # More than it caches; then the first again.
     thresholds = [0.4 + k / 100 for k in range(18)] + [0.4]
     margins = [
         live.ask(id=k, campaign=document(criterion__threshold=t), rows=2)["margin"] for k, t in enumerate(thresholds)
@@ -154,7 +154,7 @@ def test_a_memory_bound_that_is_no_number_ends_the_process_with_a_sentence() -> 
 
 
 def test_a_flight_has_its_own_noise(live: Live) -> None:
-    """A seed, or the number of a draw of the certify stage, stands in place of the realisations of the campaign."""
+    """A seed, or the number of a draw of the certify stage, replaces the realisations of the campaign."""
     campaign = load_file(library()["unicycle_noise"])
     noisy, problem = campaign.document(), Problem(campaign)
     drawn = int(of_draws(problem.campaign.seed, 3, 1)[0])

@@ -1,4 +1,4 @@
-"""Components and methods of other packages are drawn as they declare; every shipped one has a look of its own."""
+"""Components and methods of other packages are drawn as they declare; every shipped one has its own look."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def test_a_look_names_parameters_that_there_are(tmp_path: Path) -> None:
     package(tmp_path, "clearance.components", "some_pillar", PILLAR.replace("{height!r}", '"tallness"'))
     done = installed(tmp_path)
     assert done.returncode == 1
-    assert "the look of pillar names 'tallness', which it does not have" in done.stderr
+    assert "the look of pillar names 'tallness', which is not one of its parameters" in done.stderr
     with pytest.raises(ValidationError, match="colour"):
         MethodLook.model_validate({"colour": "mauve", "marker": "star"})
 

@@ -1,4 +1,4 @@
-"""MLSL: visits every valley, goes on for ever, lives with points without a value, one point at a time."""
+"""MLSL: visits every valley, does not stop by itself, handles points without a value, works with batches of one."""
 
 from __future__ import annotations
 

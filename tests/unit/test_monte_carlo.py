@@ -1,4 +1,4 @@
-"""Monte Carlo: one stream of numbers, shaped by the campaign's distributions; even points; samples that stop early."""
+"""Monte Carlo: one random stream, shaped by the campaign's distributions; quasi-random points; early stopping."""
 
 from __future__ import annotations
 
@@ -78,12 +78,12 @@ def test_the_looks_spend_the_error_and_no_more() -> None:
     spent = []
     for looks in range(1, 40):
         size = int(np.ceil(100 * 1.5 ** (looks - 1)))
-        assert monte_carlo.looked(size, 0.95)[0] == looks
-        assert monte_carlo.looked(size + 1, 0.95)[0] == looks + 1
-        spent.append(1 - monte_carlo.looked(size, 0.95)[1])
+        assert monte_carlo.interim_analyses(size, 0.95)[0] == looks
+        assert monte_carlo.interim_analyses(size + 1, 0.95)[0] == looks + 1
+        spent.append(1 - monte_carlo.interim_analyses(size, 0.95)[1])
     assert spent[0] == pytest.approx(0.025)
     assert sum(spent) == pytest.approx(0.05 * (1 - 1 / 40))
-    assert monte_carlo.looked(3, 0.95)[0] == 1
+    assert monte_carlo.interim_analyses(3, 0.95)[0] == 1
 
 
 def test_the_two_sided_interval() -> None:

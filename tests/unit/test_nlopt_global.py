@@ -1,4 +1,4 @@
-"""NLopt's global methods by name: each searches, repeats from its seed, and gets no number that is reported."""
+"""NLopt's global methods by name: each searches, and is reproducible from its seed."""
 
 from __future__ import annotations
 

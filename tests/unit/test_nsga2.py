@@ -1,4 +1,4 @@
-"""NSGA-II on fronts that are known, with failures, one criterion, and starts given twice."""
+"""NSGA-II on known Pareto fronts, with failures, one criterion, and starts given twice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Portfolio: shares the budget by promise, tells who asked, starves who does not get on, visits both of two basins."""
+"""Portfolio: shares the budget by progress, attributes evaluations, stops unproductive members, visits both basins."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def two_basins(x: Floats) -> Floats:
 
 
 def shared(function: Function, dimension: int, budget: int, seed: int = 1) -> list[tuple[str, Floats, Floats]]:
-    """Who asked for which points, what they cost, request by request."""
+    """The requested points and their costs, by member and request."""
     told: list[tuple[str, int]] = []
     given = replace(space(dimension, budget, seed=seed), attribute=lambda member, count: told.append((member, count)))
     search, parts, asked = method.search(given, Options()), [], 0
@@ -51,7 +51,7 @@ def counted(parts: list[tuple[str, Floats, Floats]]) -> Counter[str]:
     return count
 
 
-def test_every_point_is_told_apart_and_every_member_has_its_share() -> None:
+def test_points_are_attributed_and_every_member_has_its_share() -> None:
     count = counted(shared(on_unit_cube("Levy 8", 1), 8, 3000))
     assert set(count) == set(NAMES)
     assert min(count.values()) > 60
@@ -106,7 +106,7 @@ def test_a_member_that_ends_begins_anew_unless_it_would_do_the_same_again() -> N
     for part, anew in ((once, False), (replace(once, again=True), True)):
         member = Member(part, given)
         while member.ready(record) and member.used < 50:
-            values = ((member.wanted - 0.3) ** 2).sum(axis=1)
+            values = ((member.requested - 0.3) ** 2).sum(axis=1)
             member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)), record)
         assert (member.used >= 50) == anew
 
@@ -117,7 +117,7 @@ def test_turns_follow_the_shares() -> None:
     used = []
     for _ in range(60):
         for member in _turn(members, record, 10**9):
-            values = ((member.wanted - 0.3) ** 2).sum(axis=1)
+            values = ((member.requested - 0.3) ** 2).sum(axis=1)
             member.tell(Batch(values[:, None], np.zeros(len(values), np.uint8)), record)
         used.append([m.used for m in members])
     assert all(abs(a - b) <= 120 for a, b in used)

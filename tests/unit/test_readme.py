@@ -1,4 +1,4 @@
-"""What README and guides show works: the campaign runs, the component simulates, commands and links exist."""
+"""The examples of README and guides work: the campaign runs, the component simulates, commands and links exist."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def block(language: str) -> str:
 
 
 def lines() -> list[str]:
-    """The command lines that README and guides show, joined where they continue."""
+    """The command lines in README and guides, with continuation lines joined."""
     return [line for text in blocks("sh") for line in text.replace("\\\n", " ").splitlines()]
 
 

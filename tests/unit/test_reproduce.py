@@ -1,4 +1,4 @@
-"""`clearance reproduce` without the physics of all cases: rows complete, judged, rendered; what is missing says so."""
+"""`clearance reproduce`: complete, judged and rendered rows; missing values are reported."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def made() -> Reproduction:
 @pytest.mark.parametrize("table", PRINTED)
 def test_every_printed_number_has_its_row(table: str) -> None:
     rows = [r for r in RESULTS if r.table == table and r.published is not None]
-    own = [r for r in rows if not r.row.startswith(("value at", "H-DIRECT"))]  # the text's, and points flown again
+    own = [r for r in rows if not r.row.startswith(("value at", "H-DIRECT"))]  # values of the text, and repeated points
     assert len(own) == PRINTED[table]
 
 
@@ -56,7 +56,7 @@ def test_a_name_means_a_table_or_a_chapter() -> None:
     assert chosen(["3.8"]) == ["figure 3.8"]
     assert chosen(["4"]) == ["4.1", "4.2", "4.3", "4.4"]
     assert chosen([]) == tables()
-    with pytest.raises(ValueError, match=r"no table 9.9; there are .*5\.10"):
+    with pytest.raises(ValueError, match=r"unknown table .9\.9.; choose from .*5\.10"):
         chosen(["9.9"])
 
 
@@ -123,7 +123,7 @@ class TestMissing:
         assert "controller.k_p" in row.note
 
     def test_a_later_method_appears_by_itself(self) -> None:
-        # The first of the names that the installation knows is taken; options it does not know are left out.
+        # The first available method name is used; unknown options are omitted.
         asked = Search("Later", ("augury", "direct"), 50, (("iterations", 3), ("entrails", "fresh")))
         [row] = reproduce(published=[Result("5.1", "later", UNICYCLE, asked, 0.9)]).rows
         assert row.available
@@ -149,7 +149,7 @@ class TestHeld:
         [row] = reproduce(published=[Result("5.1", "nominal", UNICYCLE, asked, 0.9436, model=Model(0.9, 1e-3))]).rows
         assert (row.ours, row.agrees, row.available) == (None, False, True)
         assert row.broken, "it must give a value"
-        assert "nothing can be shown" in row.note
+        assert "avoidance cannot be tested" in row.note
 
 
 @pytest.mark.parametrize(
@@ -202,13 +202,13 @@ class TestCommand:
         expected = {"3.6", "3.7", "3.8", "5.2", "5.3", "5.4", "6.1"}  # of case 1 alone
         assert {p.stem for p in folder.glob("*.csv")} == {f"figure-{figure}" for figure in expected}
         lines = (folder / "figure-3.7.csv").read_text().splitlines()
-        assert lines[0] == "share of the range [-],m [kg],d_min over m [m]"
+        assert lines[0] == "fraction of the range [-],m [kg],d_min over m [m]"
         assert len(lines) == 1 + ours.SWEEP
         assert (folder / "figure-6.1.csv").read_text().count("\n") == 1001
 
     def test_no_such_table_is_wrong_input(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert invoke(["reproduce", "--table", "9.9"]) == WRONG_INPUT
-        assert "no table 9.9" in capsys.readouterr().err
+        assert "unknown table '9.9'" in capsys.readouterr().err
 
     def test_a_broken_row_is_the_exit_code(
         self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -1,4 +1,4 @@
-"""Whole runs: the same bits whatever the threads, the batch and the interruptions."""
+"""Whole runs: bit-identical for any number of threads, batch size and interruption."""
 
 from __future__ import annotations
 

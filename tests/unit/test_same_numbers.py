@@ -1,4 +1,4 @@
-"""One campaign with every kind of stage: the same bits with 1 or 8 threads, alone or after any interruption."""
+"""One campaign with every kind of stage: bit-identical with 1 or 8 threads, alone or after any interruption."""
 
 from __future__ import annotations
 

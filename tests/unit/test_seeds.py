@@ -1,4 +1,4 @@
-"""Noise realisations that are drawn with the flights of a sample: independent of each other, known by their index."""
+"""Noise realisations drawn with the evaluations of a sample: independent, determined by their index."""
 
 from __future__ import annotations
 

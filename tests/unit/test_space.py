@@ -1,4 +1,4 @@
-"""Vectors and attitudes of the kernels against the standard library and SciPy; no number stays no number."""
+"""Vectors and attitudes of the kernels against the standard library and SciPy; NaN is preserved."""
 
 from __future__ import annotations
 
@@ -50,10 +50,12 @@ class TestAttitude:
             found = plain(space.euler_rates)(plain(space.attitude)(roll, pitch, yaw), tuple(rates))
             assert found == pytest.approx(slopes / (2 * h), abs=1e-6)
 
-    def test_a_course_points_where_it_says(self) -> None:
+    def test_a_velocity_points_along_heading_and_climb(self) -> None:
         for heading, climb in self.ANGLES[:, :2]:
             turn = Rotation.from_euler("ZYX", [heading, climb, 0.0])
-            assert plain(space.course)(7.0, heading, climb) == pytest.approx(turn.apply([7.0, 0.0, 0.0]), abs=1e-13)
+            assert plain(space.velocity_vector)(7.0, heading, climb) == pytest.approx(
+                turn.apply([7.0, 0.0, 0.0]), abs=1e-13
+            )
 
 
 def test_a_ball_is_seen_at_its_surface() -> None:

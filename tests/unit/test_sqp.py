@@ -1,4 +1,4 @@
-"""SQP multistart: descends, ends on corners, survives walls, keeps its budget of threads."""
+"""SQP multistart: descends, ends at corners, handles failed regions, keeps its limit of threads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The stages on real flights: what each hands over, its numbers in the parameters' units, distributions, the sample."""
+"""The stages on real simulations: results of each, numbers in the parameters' units, distributions, the sample."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def test_a_run_in_which_every_flight_fails_has_no_verdict() -> None:
     assert (conclusion.verdict, conclusion.worst) == ("inconclusive", None)
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
     assert (
-        "the nominal case was not evaluated: the flight left the model's envelope at t = 0.005 s" in conclusion.reason
+        "the nominal case was not evaluated: the vehicle left the model's envelope at t = 0.005 s" in conclusion.reason
     )
     assert store.findings == []
     assert list(store.traces) == ["nominal"]

@@ -1,4 +1,4 @@
-"""The text between the components and the loop: every campaign of the library, what it calls, help for debuggers."""
+"""The generated text between components and loop: all library campaigns, called functions, debugging aids."""
 
 from __future__ import annotations
 
@@ -64,15 +64,15 @@ def campaign(name: str) -> Campaign:
 
 @pytest.mark.parametrize("avoider", ["potential_field", "gnron", "closest_approach"])
 def test_guidance_is_asked_once_for_what_a_trace_holds(avoider: str) -> None:
-    """Where guidance is continuous too: the held columns of a trace are the first demand, not zeros."""
+    """Also for continuous guidance: the held columns of a trace are the first demand, not zeros."""
     found: Any = components()["avoider", avoider]
     loop = Loop(parts(avoider=found), lanes=1, compiled=False)
     given = vector(loop)
     held = loop.fly(given[None], 0.005, 3, traced=1).trace[0, :, loop.n_state :]
     p = loop.extend(given)
     x = loop.part("initial")(p)
-    _, q, v, seen = loop.part("aware")(0.0, x, p)
-    first = loop.part("asked")(0.0, q, v, seen, loop.part("blank")(p)[2:], p)[0]
+    _, q, v, seen = loop.part("measurements")(0.0, x, p)
+    first = loop.part("avoider_demand")(0.0, q, v, seen, loop.part("initial_guidance")(p)[2:], p)[0]
     assert held[0, :2].tolist() == list(first)
     assert any(first)
     if not found.memory:
@@ -97,7 +97,7 @@ def test_the_reference_calls_the_platforms_functions(name: str, monkeypatch: pyt
     loop = problem.system.loop
     with np.errstate(over="ignore"):  # random bits are products of whole numbers that wrap
         p = loop.extend(problem.realisations.flights(problem.system.nominal[None])[0])
-        x, g = loop.part("initial")(p), loop.part("blank")(p)
+        x, g = loop.part("initial")(p), loop.part("initial_guidance")(p)
     codes = {kernel.py_func.__code__: kernel for kernel in calls}
     polynomials = dict.fromkeys(calls, 0)
 
@@ -156,7 +156,7 @@ def test_a_traceback_shows_the_line_of_the_text() -> None:
     with pytest.raises(TypeError) as caught:
         loop.part("closed_loop")(0.0, None, (), loop.extend(vector(loop)))
     shown = traceback.extract_tb(caught.value.__traceback__)
-    at = next(frame for frame in shown if frame.name == "aware")
+    at = next(frame for frame in shown if frame.name == "measurements")
     assert at.filename == loop.module.__file__
     assert at.line == "xm = unicycle.measured(x[0:5], views.NO_ERRORS, vehicle)"
     assert Path(at.filename).read_text(encoding="utf-8") == loop.text

@@ -1,4 +1,4 @@
-"""How the text names what components are made of, and components of other packages: no answer is stale."""
+"""Names in the generated text of components, and components of other packages: no stale results."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_a_component_made_by_a_function_is_refused(module: Any) -> None:
         Loop(parts(obstacles=(made.component,)))
 
 
-# Components of other packages: no answer is stale
+# Components of other packages: no stale results
 
 
 FAR = """

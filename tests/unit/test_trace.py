@@ -1,4 +1,4 @@
-"""A trace shows the very flight whose cost was counted."""
+"""A trace shows exactly the simulation whose cost was stored."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_thinned_it_keeps_the_ends_and_the_closest_approach(rows: int) -> None:
 def test_a_failed_flight_is_shown_up_to_its_failure() -> None:
     shown = trace(case1().system, "F1", {"vehicle.J": 0.001})
     assert (shown.meta.status, shown.meta.cost) == ("failed", None)
-    assert shown.meta.reason == "the flight left the model's envelope at t = 0.005 s: the turn rate exceeds 1000 rad/s"
+    assert shown.meta.reason == "the vehicle left the model's envelope at t = 0.005 s: the turn rate exceeds 1000 rad/s"
     assert column(shown, "t").tolist() == [0.0, 0.005]
     assert abs(column(shown, "omega")[-1]) > 1000
     assert np.isfinite(shown.data).all()

@@ -121,9 +121,9 @@ def test_nothing_that_bars_cleared_bars_a_validated_violation(changes: dict[str,
 
 
 def test_a_failed_nominal_flight() -> None:
-    conclusion = concluded(nominal=nominal(None, "the flight diverged at t = 3 s"))
+    conclusion = concluded(nominal=nominal(None, "the simulation diverged at t = 3 s"))
     assert conclusion.verdict == "inconclusive"
-    assert "the nominal case was not evaluated: the flight diverged at t = 3 s" in conclusion.reason
+    assert "the nominal case was not evaluated: the simulation diverged at t = 3 s" in conclusion.reason
     assert conclusion.nominal == NominalCost(cost=None, margin=None)
 
 

@@ -1,4 +1,4 @@
-"""What a verdict may not rest on: an attack each, on evidence written out by hand."""
+"""Attacks on a verdict with hand-written evidence: none may be cleared."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A second opinion on a verdict: does it follow from what the run stored? Start reading at `judge.audit`."""
+"""An independent check that a verdict follows from the stored data of a run. Start reading at `judge.audit`."""

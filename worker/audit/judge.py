@@ -1,6 +1,6 @@
-"""The audit: every claim of a record against what follows from its evaluations, and the verdict against the rules.
+"""The audit: compares every claim of a record with its evaluations, and the verdict with the rules.
 
-Start reading at `audit`; `closing` is the sentence at its end.
+Start reading at `audit`; `closing` is the final sentence.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from worker.audit.recompute import FLOOR, Run, Tree
 from worker.audit.record import MISSING, Record, UnreadableError
 
 AT_MOST, SPOT_CHECKS = 200, 200
-"""How many stored violations, and how many random evaluations, a run simulates again."""
+"""The numbers of stored violations and of random evaluations that a run simulates again."""
 OPENINGS = {"cleared": "stayed above", "violated": "falls to or below"}
-"""What the first sentence of a verdict says; of any other, that nothing may be claimed."""
+"""Words in the first sentence of these verdicts; any other says that nothing may be claimed."""
 SEARCHED = {"global": 25, "local": 3}
-"""By the kind of a method that can agree: evaluations per parameter below which it has not searched."""
+"""By the kind of methods that can agree: the fewest evaluations per parameter that count as a search."""
 BESIDE = ("outside", "lowest", "mean")
-"""What a sample states and the statistics of the verdict do not."""
+"""Fields of a sample that the statistics of the verdict do not have."""
 SAID: TypeAdapter[Said] = TypeAdapter(Said)
 
 
@@ -43,7 +43,7 @@ class Item(NamedTuple):
 
     @property
     def agrees(self) -> bool | None:
-        """None where one of the two is not known."""
+        """None if one of the two is unknown."""
         if MISSING in (self.given, self.recomputed):
             return None
         if isinstance(self.given, int | float) and isinstance(self.recomputed, int | float):
@@ -52,7 +52,7 @@ class Item(NamedTuple):
 
 
 def audit(record: Record, at_most: int = AT_MOST, spot_checks: int = SPOT_CHECKS) -> list[Item]:
-    """Every claim with what was recomputed of it; raises `UnreadableError` for a record that has another shape."""
+    """Every claim with its recomputed value; raises `UnreadableError` for a record with a different structure."""
     try:
         run = Run(record)
         given = run.claims | {"sound": True, "checks": {c["name"]: c["ok"] for c in run.claims["checks"]}}
@@ -64,12 +64,12 @@ def audit(record: Record, at_most: int = AT_MOST, spot_checks: int = SPOT_CHECKS
             unknown = dict.fromkeys(("results", "comparison", "statistics", "sentence"), MISSING)
             expected = _stored(run) | unknown | {"checks": dict.fromkeys(given["checks"], MISSING)}
     except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
-        raise UnreadableError(f"the record has not the shape of a run's: {type(error).__name__}: {error}") from None
+        raise UnreadableError(f"the record is not that of a run: {type(error).__name__}: {error}") from None
     return [*(Item(name, *pair) for name, pair in record.twice.items()), *_compared("", given, expected)]
 
 
 def closing(items: Sequence[Item]) -> tuple[bool, str]:
-    """Whether the verdict follows, and the sentence that says so."""
+    """Whether the verdict follows, and the sentence that states this."""
     wrong, unknown = ([item.name for item in items if item.agrees is flag] for flag in (False, None))
     left = f"; {len(unknown)} of {len(items)} items could not be audited" if unknown else ""
     if wrong:
@@ -92,7 +92,7 @@ def _compared(name: str, given: Any, expected: Any) -> Iterator[Item]:
 
 
 def _stored(run: Run) -> Tree:
-    """What the record must claim by its evaluations and findings alone."""
+    """The claims that follow from the evaluations and findings alone."""
     searched = [k for k in run.searches if not math.isnan(run.best[k])]
     method = run.plan[min(searched, key=run.best.__getitem__)].method if searched else None
     worst = {"cost": run.lowest, "margin": run.lowest - run.threshold, "method": method}
@@ -115,7 +115,7 @@ def _stored(run: Run) -> Tree:
 
 
 def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
-    """What the record must claim by the results of the stages and the catalogue besides."""
+    """The claims that follow if the results of the stages and the catalogue are also used."""
     nominal = {"name": "nominal", "cost": run.nominal} | run.case(run.claims["results"][-1]["nominal"])
     agreed = bool(nominal["ok"]) and all(f["validation"]["ok"] for f in run.findings)
     below = [{"position": k, "count": n} for k, n in enumerate(run.below) if n]
@@ -139,7 +139,7 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
 
 
 def _checks(run: Run, agreed: bool) -> dict[str, bool]:
-    """Every check that the rules ask for, by name."""
+    """Every check that the rules require, by name."""
     results, findings = run.claims["results"], run.claims["findings"]
     spot, system = results[-1]["spot_checks"], "validation" if run.campaign.simulator is None else "repetition"
     ended = all(stage.get("state", "done") == "done" for stage in run.claims["stages"])
@@ -155,12 +155,12 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
         "influence": run.varies,
     }
     checks |= _encounter(run) if run.campaign.simulator is None else {}
-    intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # the author's word
+    intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
     return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
 
 
 def _encounter(run: Run) -> dict[str, bool]:
-    """What must be shown of the encounter of a scenario, and that a distance to a centre shows nothing inside."""
+    """The checks of a scenario's encounter, and the one that distances to centres do not hide a vehicle inside."""
     campaign, components, encounter = run.campaign, run.claims["components"], run.claims["results"][-1]["encounter"]
     moved, unseen = (math.nan if c is None else c for c in (encounter["moved"], encounter["unseen"]["cost"]))
     shown = {
@@ -178,7 +178,7 @@ def _encounter(run: Run) -> dict[str, bool]:
 
 
 def _agreement(run: Run) -> bool:
-    """Two methods that searched came to the place and the cost of the worst case, every global one among them."""
+    """Whether at least two methods that searched, including all global ones, reached the worst case and its cost."""
     findings, came = run.claims["findings"], dict[int, bool]()
     stated = [f["cost"] for f in findings if f["validation"]["realisation"] is None]
     worst = min(stated or [f["cost"] for f in findings], default=math.nan)
@@ -195,7 +195,7 @@ def _agreement(run: Run) -> bool:
 
 
 def _probability(run: Run) -> dict[str, bool]:
-    """What must hold of the noise, of the evaluations that were excluded, and of the bound on P(violation)."""
+    """The checks of the noise, of excluded evaluations, and of the bound on P(violation)."""
     campaign, sample, checks = run.campaign, run.claimed, dict[str, bool]()
     noise, bound = (sample["noise"], sample["upper_bound"]) if sample else ("stated", 1.0)
     excluded = run.total["excluded"] / max(len(run.status), 1)
@@ -212,9 +212,9 @@ def _probability(run: Run) -> dict[str, bool]:
 
 
 def _sentence(run: Run) -> tuple[Tree, Tree]:
-    """What the sentence states, and what it must: its opening, its methods, its numbers by name; and all words.
+    """The stated and the required content of the sentence: its opening, methods, numbers by name, and all words.
 
-    Versions that stored words alone gave the numbers as many digits as the words have: they are compared as written.
+    Versions that stored only text rounded the numbers to the digits of the text: they are compared as written.
     """
     claims, exact, spent = run.claims, "said" in run.claims, dict[str, int]()
     said = SAID.validate_python(claims["said"]) if exact else earlier.verdict(claims["reason"])
@@ -243,7 +243,7 @@ def _sentence(run: Run) -> tuple[Tree, Tree]:
 
 
 def _numbers(run: Run) -> Tree:
-    """The numbers that the sentence must state, by name; null for one that it must not."""
+    """The numbers that the sentence must state, by name; None for one that it must not state."""
     verdict, sample = run.claims["verdict"], run.claimed
     numbers: Tree = {
         "threshold": None if verdict == "inconclusive" else run.threshold,

@@ -1,4 +1,4 @@
-"""What follows from a run's stored evaluations: costs, counts, findings, and what a random sample allows to claim.
+"""Recomputes costs, counts, findings and the statistical bounds of random samples from a run's stored evaluations.
 
 Clopper and Pearson (Biometrika 26, 1934); Wilks (Annals of Mathematical Statistics 12, 1941). Start at `Run`.
 """
@@ -19,7 +19,7 @@ from worker.audit.record import MISSING, Record
 
 Tree = JsonObject
 FLOOR = 1e-6
-"""Fraction of the scale of what is compared below which a difference is rounding."""
+"""Fraction of the scale of compared values below which a difference counts as rounding."""
 
 
 def cumulative(most: int, samples: int, p: float) -> Any:
@@ -52,13 +52,13 @@ def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) 
 
 
 def counts(status: Any) -> Tree:
-    """How many evaluations there are, and how they ended."""
+    """The numbers of evaluations by status."""
     ok, excluded = (int(np.count_nonzero(status == code)) for code in (OK, EXCLUDED))
     return {"evaluations": len(status), "failed": len(status) - ok - excluded, "excluded": excluded}
 
 
 class Run:
-    """What follows from a run's evaluations. A cost that does not exist is NaN; a `KeyError` is what was not stored."""
+    """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
     def __init__(self, record: Record) -> None:
         self.campaign, self.claims, _, self.stage, self.points, costs, self.status = record
@@ -88,9 +88,9 @@ class Run:
         return found | {"validation": {"name": name, "cost": cost} | self.case(given["validation"])}
 
     def case(self, given: Tree) -> Tree:
-        """What follows from the costs of a case: the one that the campaign asks for and those by other means."""
+        """The validation of a case, from its cost as in the campaign and those by independent means."""
         stated = (given["cost"], *(given[k]["cost"] for k in self.others))
-        costs = np.array(stated, dtype=np.float64)  # None becomes NaN, of which no comparison holds
+        costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
         floor = min(FLOOR, tolerance) * max(abs(self.threshold), abs(self.nominal), 1e-9)
         allowed = max(min(tolerance * abs(cost), 0.1 * abs(cost - self.threshold)), floor)
@@ -100,7 +100,7 @@ class Run:
         return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
 
     def describe(self) -> None:
-        """Look up what the catalogue says of the run's parameters and methods, and take the sample of a probability."""
+        """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""
         components = self.claims["components"]
         known = parameters(self.campaign, components)
         self.bounds = {path: u.interval(known[path][1]) for path, u in self.campaign.uncertain.items()}

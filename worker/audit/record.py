@@ -1,6 +1,6 @@
-"""A run as it was stored, in a folder or in a database: its campaign, every evaluation, and what its record claims.
+"""A stored run, from a folder or a database: its campaign, all evaluations, and the claims of its record.
 
-What the version that made it did not store is absent from the claims. Start reading at `Record`.
+Data that the version of the run did not store are absent from the claims. Start reading at `Record`.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ MISSING: Any = "not stored by the version that made this run"
 
 
 class UnreadableError(Exception):
-    """There is no such run, or nothing that could be audited; the message is a sentence."""
+    """There is no such run, or it cannot be audited; the message states why."""
 
 
 class Record(NamedTuple):
-    """One run. `twice`: what is stored twice, as stated and as it must be; of every evaluation the stage (m,), the
-    point on the unit cube (m, n), the costs (m, k), and the status (m,): 0 ok, 3 excluded."""
+    """One run. twice: data stored twice, as stated and as required; for every evaluation the stage (m,), the point of
+    the unit cube (m, n), the costs (m, k), and the status (m,): 0 ok, 3 excluded."""
 
     campaign: Campaign
     claims: JsonObject
@@ -46,7 +46,7 @@ def of_folder(folder: Path) -> Record:
         claims, file = json.loads((folder / "result.json").read_text(encoding="utf-8")), folder / "evidence.json"
         stated, evidence = claims["digest"], json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
         claims |= {k: Catalogue.model_validate(v) if k == "components" else v for k, v in evidence.items()}
-        if {"stages", "findings"} <= claims.keys():  # without them it is no record, which the audit says
+        if {"stages", "findings"} <= claims.keys():  # without them it is not a record, which the audit reports
             kinds = [stage["kind"] for stage in claims["stages"]]
             results = earlier.brought_up(kinds, claims.get("results", []), claims["findings"])
             claims["results"], claims["findings"] = results
@@ -55,7 +55,7 @@ def of_folder(folder: Path) -> Record:
             stage = np.repeat(held, [len(arrays[f"status_{k}"]) for k in held])
             rows = [np.concatenate([arrays[f"{name}_{k}"] for k in held]) for name in ("points", "costs", "status")]
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
-        raise UnreadableError(f"{folder} is no folder of a `clearance run --out` that can be read: {error}") from None
+        raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
     return Record(campaign, claims, {"digests.result": (stated, campaign.digest)}, stage, *rows)
 

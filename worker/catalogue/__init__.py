@@ -1,1 +1,1 @@
-"""What this installation has: components, search methods and simulators. Start reading at `installed`."""
+"""Discovery of installed components, search methods and simulators. Start reading at `installed`."""

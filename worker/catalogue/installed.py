@@ -1,8 +1,8 @@
-"""Which components, methods and simulators there are: by presence, one file each, or by other packages' entry points.
+"""Discovers installed components, methods and simulators: one file each, or entry points of other packages.
 
-A module in a folder of `worker.components` that has an attribute `component`, or a module of `worker.search.methods`
-with `method`, is one. Simulators come from entry points alone (`simulator`). `catalogue` renders them as data, which is
-all that the service ever sees. Start reading there.
+A module in a folder of `worker.components` declares a component by its attribute `component`, a module of
+`worker.search.methods` a method by `method`. Simulators (`simulator`) come only from entry points. `catalogue` returns
+all of them as data for the service. Start reading there.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ FOLDERS = ("vehicles", "controllers", "avoiders", "obstacles", "environment", "f
 
 @cache
 def components() -> dict[tuple[Role, str], Component]:
-    """Every component of this installation by role and name; two of one name are an error."""
+    """Every component of this installation by role and name; a duplicate name is an error."""
     found: dict[tuple[Role, str], Component] = {}
     for module in _modules(*(f"worker.components.{folder}" for folder in FOLDERS), group="clearance.components"):
         component = getattr(module, "component", None)
@@ -52,7 +52,7 @@ def components() -> dict[tuple[Role, str], Component]:
 
 @cache
 def methods() -> dict[str, Method]:
-    """Every search method of this installation by name."""
+    """Every search method of this installation by name; a duplicate name is an error."""
     found: dict[str, Method] = {}
     for module in _modules("worker.search.methods", group="clearance.methods"):
         method = getattr(module, "method", None)
@@ -63,7 +63,7 @@ def methods() -> dict[str, Method]:
 
 @cache
 def simulators() -> dict[str, Simulator]:
-    """Every simulator of this installation by name; two of one name are an error."""
+    """Every simulator of this installation by name; a duplicate name is an error."""
     found: dict[str, Simulator] = {}
     for module in _modules(group="clearance.simulators"):
         simulator = getattr(module, "simulator", None)
@@ -74,7 +74,7 @@ def simulators() -> dict[str, Simulator]:
 
 @cache
 def catalogue() -> Catalogue:
-    """Components, methods and simulators as data: units, limits, defaults, text from their own files."""
+    """Components, methods and simulators as data: units, limits, defaults, and text from their files."""
     return Catalogue(
         version=version("clearance"),
         components=[_component_entry(c) for c in components().values()],
@@ -97,7 +97,7 @@ def _function(thing: Component | Method) -> Any:
 
 def _add(found: dict[Any, Any], key: Any, thing: Any, module: ModuleType) -> None:
     if key in found:
-        raise ValueError(f"{module.__name__} declares {key!r}, which {source_of(found[key]).__name__} declares too")
+        raise ValueError(f"{module.__name__} declares {key!r}, which {source_of(found[key]).__name__} already declares")
     found[key] = thing
 
 
@@ -127,7 +127,7 @@ def _a_kernel(component: Component) -> Any:
 def _component_entry(component: Component) -> ComponentEntry:
     parameters = declared(component.parameters)
     if isinstance(component, Criterion) and component.worse == "low":
-        parameters = parameters[1:]  # the threshold is the campaign's own field
+        parameters = parameters[1:]  # the threshold is a field of the campaign
     return ComponentEntry(
         role=component.role,
         name=component.name,
@@ -156,7 +156,7 @@ def _component_entry(component: Component) -> ComponentEntry:
 
 
 def _dimension(component: Component) -> int | None:
-    """2 or 3, None where it fits both."""
+    """2 or 3; None if it supports both."""
     if isinstance(component, Criterion):
         return next(iter(component.sample)) if len(component.sample) == 1 else None
     return component.dimension if isinstance(component, (Vehicle, Avoider, Obstacle)) else None
@@ -180,7 +180,7 @@ def _look(component: Component) -> ObstacleLook | VehicleLook | None:
     look: ObstacleLook | VehicleLook = entry.model_validate(asdict(component.look))
     unknown = [name for name in look.named if name not in known]
     if unknown:
-        raise ValueError(f"the look of {component.name} names {unknown[0]!r}, which it does not have")
+        raise ValueError(f"the look of {component.name} names {unknown[0]!r}, which is not one of its parameters")
     return look
 
 

@@ -1,6 +1,6 @@
-"""The looks of the shipped methods for the pages; `python -m worker.catalogue.looks FILE` writes them.
+"""Writes the looks of the shipped methods for the pages: `python -m worker.catalogue.looks FILE`.
 
-The pages draw with them before they have read a catalogue, which has those of other packages too. Start at `shipped`.
+The pages use them until they have loaded the catalogue, which includes other packages. Start reading at `shipped`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How a package declares a simulator: its entry in the catalogue, and what opens it. Start reading at `Simulator`."""
+"""The declaration of a simulator: its catalogue entry and the function that opens it. Start reading at `Simulator`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from campaigns.catalogue import SimulatorEntry
 
 @dataclass(frozen=True)
 class Opening:
-    """What a campaign asks of a simulator: nominal values by path (simulator.x), and the result that decides."""
+    """What a campaign requests from a simulator: nominal values by path (simulator.x), and the deciding result."""
 
     nominal: Mapping[str, float]
     result: str
@@ -19,10 +19,10 @@ class Opening:
 
 @dataclass(frozen=True)
 class Simulator:
-    """A simulator of an installed package: `simulator` in a module that an entry point of `clearance.simulators` names.
+    """A simulator of an installed package: the attribute `simulator` of an entry point in group `clearance.simulators`.
 
-    `open` returns a `worker.systems.base.System` whose paths are `simulator.` and the names of the parameters, and
-    whose first result is the one asked for.
+    `open` returns a `worker.systems.base.System`. Its parameter paths are `simulator.` plus the parameter names; its
+    first result is the requested one.
     """
 
     entry: SimulatorEntry

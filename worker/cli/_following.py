@@ -66,58 +66,58 @@ def token_of(file: str) -> str:
 def follow_to_the_end(service: Remote, run: str, out: Path | None, as_json: bool) -> int:
     """Show a run until it has ended, save its files; returns the exit code."""
     try:
-        told = _shown(service, run, quiet=as_json)
+        document = _shown(service, run, quiet=as_json)
     except (KeyboardInterrupt, UnreachableError):
         typer.echo(f"{run} continues in the background; `clearance follow {run}` follows it again", err=True)
         raise
     # Before the files, which the service may be unable to deliver.
-    typer.echo(json.dumps(told, indent=2) if as_json else "\n".join(_ended(service, told)))
+    typer.echo(json.dumps(document, indent=2) if as_json else "\n".join(_ended(service, document)))
     if out is not None:
         for name, path in FILES.items():
             service.save(path.format(run=run), out / name)
         typer.echo(f"Files in {out}", err=True)
-    if told["state"] == "done":
-        return CODES[told["verdict"]]
-    return INTERRUPTED if told["state"] == "cancelled" else INTERNAL
+    if document["state"] == "done":
+        return CODES[document["verdict"]]
+    return INTERRUPTED if document["state"] == "cancelled" else INTERNAL
 
 
 def _shown(service: Remote, run: str, quiet: bool) -> JsonObject:
     """The run once it has ended; until then a line for every stage, in place where that is a terminal."""
-    live, before, told = not quiet and sys.stderr.isatty(), "", {}
-    for told in service.followed(run):
-        line = _line(told, figures=live)
+    live, before, document = not quiet and sys.stderr.isatty(), "", {}
+    for document in service.followed(run):
+        line = _line(document, figures=live)
         if quiet or line == before:
             continue
         typer.echo(f"\r\033[K{line}" if live else line, err=True, nl=not live)
         before = line
     if live and before:
         typer.echo("\r\033[K", err=True, nl=False)
-    return told
+    return document
 
 
-def _line(told: JsonObject, figures: bool) -> str:
-    stage = told["stage"]
-    if told["state"] != "running" or stage is None:
-        return f"{told['id']} {told['state']}"
+def _line(document: JsonObject, figures: bool) -> str:
+    stage = document["stage"]
+    if document["state"] != "running" or stage is None:
+        return f"{document['id']} {document['state']}"
     name = stage["kind"] if stage["method"] is None else f"{stage['kind']}: {stage['method']}"
     if not figures:
-        return f"{told['id']} {name}"
-    best = "" if stage["best"] is None else f", best {stage['best']:.6g} {told['unit']}"
-    return f"{told['id']} {name}, {stage['evaluations']:,} of at most {stage['planned']:,} evaluations{best}"
+        return f"{document['id']} {name}"
+    best = "" if stage["best"] is None else f", best {stage['best']:.6g} {document['unit']}"
+    return f"{document['id']} {name}, {stage['evaluations']:,} of at most {stage['planned']:,} evaluations{best}"
 
 
-def _counts(told: JsonObject) -> str:
+def _counts(document: JsonObject) -> str:
     """How many evaluations there are; a service of an earlier version does not report the excluded ones."""
-    excluded = told.get("excluded_evaluations")
+    excluded = document.get("excluded_evaluations")
     left_out = "" if excluded is None else f", {excluded:,} excluded"
-    return f"Evaluations: {told['evaluations']:,}, {told['failed_evaluations']:,} failed{left_out}"
+    return f"Evaluations: {document['evaluations']:,}, {document['failed_evaluations']:,} failed{left_out}"
 
 
-def _ended(service: Remote, told: JsonObject) -> list[str]:
-    if told["state"] == "done":
-        lines = [told["verdict"].capitalize(), told["reason"], _counts(told)]
-    elif told["state"] == "cancelled":
+def _ended(service: Remote, document: JsonObject) -> list[str]:
+    if document["state"] == "done":
+        lines = [document["verdict"].capitalize(), document["reason"], _counts(document)]
+    elif document["state"] == "cancelled":
         lines = ["Cancelled: no verdict"]
     else:
-        lines = ["Failed: no verdict", told["error"] or "no reason is recorded"]
-    return [*lines, f"{service.address}/runs/{told['id']}"]
+        lines = ["Failed: no verdict", document["error"] or "no reason is recorded"]
+    return [*lines, f"{service.address}/runs/{document['id']}"]

@@ -12,8 +12,8 @@ from types import FrameType
 
 
 @contextmanager
-def kept(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
-    """Yields `cancelled` as it was, but raising `KeyboardInterrupt` once SIGINT has come; for the main thread."""
+def deferred(cancelled: Callable[[], bool]) -> Iterator[Callable[[], bool]]:
+    """Yields `cancelled`, which now raises `KeyboardInterrupt` after SIGINT; for the main thread."""
     came = False
 
     def interrupt(number: int, frame: FrameType | None) -> None:

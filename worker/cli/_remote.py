@@ -60,10 +60,10 @@ class Remote:
 
     def followed(self, run: str) -> Iterator[JsonObject]:
         """The state of the run, repeatedly until it has ended."""
-        while (told := self.run(run))["state"] in ACTIVE:
-            yield told
+        while (document := self.run(run))["state"] in ACTIVE:
+            yield document
             time.sleep(PAUSE)
-        yield told
+        yield document
 
     def save(self, path: str, file: Path) -> None:
         """Download a path of the API into a file; an incomplete download leaves no file."""
@@ -78,7 +78,7 @@ class Remote:
                     out.write(chunk)
             part.replace(file)
         except httpx.TransportError as error:
-            raise UnreachableError(f"{path} could not be read from {self.address}: {_said(error)}") from None
+            raise UnreachableError(f"{path} could not be read from {self.address}: {_message(error)}") from None
         except OSError as error:
             raise WrongInputError(f"{file} cannot be written: {error.strerror}") from None
         finally:
@@ -94,27 +94,27 @@ class Remote:
                 if answer.status_code not in _BUSY:
                     return answer
                 answer.read()
-                said = _problem(answer).get("detail") or f"it answered {answer.status_code}"
+                detail = _problem(answer).get("detail") or f"it responded with {answer.status_code}"
             except httpx.TransportError as error:
-                said = _said(error)
+                detail = _message(error)
             if time.monotonic() > until:
-                raise UnreachableError(f"{self.address} did not answer for {self.patience:g} s: {said}")
+                raise UnreachableError(f"{self.address} did not respond for {self.patience:g} s: {detail}")
             time.sleep(PAUSE)
 
     def _read(self, answer: httpx.Response) -> JsonObject:
         if answer.is_error:
             raise self._refused(answer)
         try:
-            told = answer.json()
+            document = answer.json()
         except ValueError:
-            told = None
-        if not isinstance(told, dict) or "id" not in told:
-            raise WrongInputError(f"{self.address} is not a Clearance service: unexpected answer")
-        return told
+            document = None
+        if not isinstance(document, dict) or "id" not in document:
+            raise WrongInputError(f"{self.address} is not a Clearance service: unexpected response")
+        return document
 
     def _refused(self, answer: httpx.Response) -> WrongInputError:
-        said = _problem(answer).get("detail") or f"it answered {answer.status_code} {answer.reason_phrase}"
-        return WrongInputError(f"{self.address}: {said}")
+        detail = _problem(answer).get("detail") or f"it responded with {answer.status_code} {answer.reason_phrase}"
+        return WrongInputError(f"{self.address}: {detail}")
 
 
 def _problem(answer: httpx.Response) -> JsonObject:
@@ -122,13 +122,13 @@ def _problem(answer: httpx.Response) -> JsonObject:
     if not answer.headers.get("content-type", "").startswith("application/problem+json"):
         return {}
     try:
-        told = answer.json()
+        document = answer.json()
     except ValueError:
         return {}
-    return told if isinstance(told, dict) else {}
+    return document if isinstance(document, dict) else {}
 
 
-def _said(error: Exception) -> str:
+def _message(error: Exception) -> str:
     return str(error) or type(error).__name__
 
 

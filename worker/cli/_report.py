@@ -52,9 +52,9 @@ class Progress:
         self._bars.stop()
 
     def show(self, position: int, tally: Tally) -> None:
-        """Bring a stage's bar up to date."""
+        """Update a stage's bar."""
         stage = self._planned[position]
-        self._bars.start()  # only once something is simulated: a campaign may turn out to be unusable
+        self._bars.start()  # not before the first evaluation: a campaign may turn out to be unusable
         if position not in self._tasks:
             name = _named(stage.kind, stage.method)
             self._tasks[position] = self._bars.add_task(name, total=stage.planned, best="")
@@ -69,7 +69,7 @@ def print_report(
     out: Path | None,
     cites: JsonObject | None = None,
 ) -> None:
-    """The stages, the methods side by side, the findings, the verdict."""
+    """Print the stages, the comparison of methods, the findings and the verdict."""
     console = Console(width=None if sys.stdout.isatty() else 120)
     if cites is not None:
         named = f"{cites['as']} extends" if "as" in cites else "Continues"
@@ -136,7 +136,7 @@ def _validated(store: MemoryStore) -> ValidateResult | None:
 
 
 def _comparison(store: MemoryStore, verdict: Verdict) -> Table:
-    """The methods side by side, as `worker.stages.parts.comparison` counted."""
+    """The comparison of the methods, from `worker.stages.parts.comparison`."""
     table = Table("Method")
     for heading in (f"Best [{verdict.unit}]", "Evaluations", "Failed", "Excluded", "Time [s]", "Within 1 % of best"):
         table.add_column(escape(heading), justify="right")
@@ -211,7 +211,7 @@ def _checks(verdict: Verdict) -> Table:
 
 
 def _again(store: MemoryStore) -> list[str]:
-    """What the validate stage simulated again besides the findings."""
+    """Sentences on what the validate stage simulated again besides the findings."""
     validated = _validated(store)
     parts = () if validated is None else (validated.violations, validated.spot_checks)
     return [f"{part.text[:1].upper()}{part.text[1:]}." for part in parts if part is not None]

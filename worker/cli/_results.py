@@ -115,8 +115,8 @@ def _write_evaluations(path: Path, problem: Problem, store: MemoryStore) -> None
                 continue
             plan = record.plan
             values = problem.values(columns.points)
-            told = criterion_values(problem, columns.costs)
-            for i, (status, value) in enumerate(zip(columns.status.tolist(), told.tolist(), strict=True)):
+            results = criterion_values(problem, columns.costs)
+            for i, (status, value) in enumerate(zip(columns.status.tolist(), results.tolist(), strict=True)):
                 costs = [repr(v) if status == OK else "" for v in value]
                 row = [position, plan.kind, plan.method or "", i, STATUS[status], *costs]
                 writer.writerow([*row, *map(repr, values[i].tolist())])

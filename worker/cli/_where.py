@@ -40,7 +40,7 @@ def url_of(data: Path, database: str) -> str:
 
 
 def existing_url_of(data: Path, database: str) -> str:
-    """The same of a database that is there already; a file that is missing is `WrongInputError`, and is not made."""
+    """The URL of an existing database; a missing file raises `WrongInputError` and is not created."""
     file = data / "clearance.sqlite3"
     if not (database or file.exists()):
         raise WrongInputError(f"there is no database at {file}; --data names the folder that `clearance serve` uses")

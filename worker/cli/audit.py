@@ -1,4 +1,4 @@
-"""`clearance audit RUN`: does a run's verdict follow from what it stored, by a second program that shares no code?
+"""`clearance audit RUN`: checks with an independent program whether a run's verdict follows from its stored data.
 
 The exit code is 0 if it follows, 1 if it does not, 3 if there is nothing to audit. The program is `worker.audit`.
 """

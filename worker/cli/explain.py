@@ -1,4 +1,4 @@
-"""`clearance explain FILE`: prints what a campaign evaluates as plain Python: the closed loop as it is simulated."""
+"""`clearance explain FILE`: prints the simulated closed loop of a campaign as plain Python."""
 
 from __future__ import annotations
 
@@ -24,6 +24,6 @@ def explain(
     except (CampaignUnusable, UnnamedError) as error:
         raise WrongInputError(str(error)) from None
     if system.source is None:
-        raise WrongInputError(f"{file}: {words(system.scope.what)} has no text to print; only a closed loop does")
+        raise WrongInputError(f"{file}: {words(system.scope.what)} has no Python code to print; only a closed loop has")
     typer.echo(system.source.read_text(encoding="utf-8"), nl=False)
     typer.echo(f"The file to set breakpoints in: {system.source}", err=True)

@@ -1,4 +1,4 @@
-"""`clearance reproduce`: the published tables and figures computed again, next to the published values.
+"""`clearance reproduce`: reproduces the published tables and figures, next to the published values.
 
 The exit code is 0, or 1 if a row is outside the tolerance stated for the reconstruction. The comparison is in
 `worker.reproduce`.

@@ -156,7 +156,7 @@ def _stage(store: MemoryStore, position: int) -> JsonObject:
 
 
 def _flying(threads: int | None, quiet: bool) -> Fly:
-    """What runs a campaign into a store, with progress on the terminal unless quiet."""
+    """A function that runs a campaign into a store, with progress on the terminal unless quiet."""
     from worker.processes import memory
     from worker.runs.runner import execute
 
@@ -173,7 +173,7 @@ def _flying(threads: int | None, quiet: bool) -> Fly:
             raise WrongInputError(memory.sentence()) from None
 
     def simulated(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
-        with interrupt.kept(cancelled) as asked:
+        with interrupt.deferred(cancelled) as asked:
             if quiet:
                 return execute(campaign, store, asked, threads=threads)
             from worker.cli._report import Progress

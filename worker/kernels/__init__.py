@@ -1,4 +1,4 @@
-"""The compiler: decorator, lane maths, the one loop, and the text that is written between it and the components.
+"""The kernel compiler: decorator, vectorisable maths, the simulation loop and the code generated for a scenario.
 
-Imports nothing of ours. Start reading at `loop.fly`, then `text.written`, then `bind.compile_loop`.
+Imports no other package of this project. Start reading at `loop.fly`, then `text.written`, then `bind.compile_loop`.
 """

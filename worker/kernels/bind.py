@@ -1,8 +1,8 @@
-"""Fills the slots of a template and compiles it, cached on disk across processes; or fills them in plain Python.
+"""Fills the slots of a template and compiles it with numba's disk cache, or returns it as plain Python.
 
-A slot is a global name of the template: filling rebinds the function's globals, no closure is made, so numba's disk
-cache is hit by every later process. The digest in the bound function's name covers every function and constant
-reachable from it, by value: an edit to a helper three imports away recompiles. Start reading at `compile_loop`.
+A slot is a global name of the template. Filling rebinds the function's globals instead of making a closure, because
+numba cannot cache closures across processes. The digest in the bound function's name covers every function and constant
+reachable from it, by value: an edit to an indirectly imported helper recompiles. Start reading at `compile_loop`.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
-from worker.kernels.cache import kept
+from worker.kernels.cache import cached
 from worker.kernels.maths import FLAGS
 
 Function = Callable[..., Any]
 
 
 def compile_loop(bound: Function, name: str, flags: Mapping[str, Any] = FLAGS) -> Any:
-    """A filled template as a compiled function, kept on disk under its digest; it releases the GIL."""
+    """Compile a filled template; it is cached on disk under its digest and releases the GIL."""
     bound.__qualname__ = f"{name}_{digest(bound, flags)}"
-    return kept(bound, nogil=True, **flags)
+    return cached(bound, nogil=True, **flags)
 
 
 def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:
@@ -35,7 +35,7 @@ def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:
     source = _python(template)
     unknown = [name for name in slots if name not in source.__globals__]
     if unknown:
-        raise ValueError(f"{source.__qualname__} has no slots named {', '.join(unknown)}")
+        raise ValueError(f"{source.__qualname__} has no slot named {', '.join(unknown)}")
     copy = types.FunctionType(source.__code__, {**source.__globals__, **slots}, source.__name__, source.__defaults__)
     copy.__qualname__ = source.__qualname__
     copy.__module__ = source.__module__
@@ -43,23 +43,23 @@ def filled(template: Function, slots: dict[str, Any]) -> types.FunctionType:
 
 
 def plain(function: Function, instead: Mapping[Any, Any] | None = None) -> Any:
-    """The same function in plain Python, and every kernel it reaches too: for debuggers, coverage and DOP853.
+    """The function and every kernel that it reaches in plain Python: for debuggers, coverage and DOP853.
 
-    `instead` names functions to call in place of kernels.
+    `instead` maps kernels to the functions to call in their place.
     """
     return _plain(function, {identity(kernel): other for kernel, other in (instead or {}).items()})
 
 
 def rebuilt(function: Function, done: dict[int, Any], make: Callable[[Function], Any]) -> Any:
-    """The same function as `make` makes it of plain Python, and every kernel it reaches too.
+    """The function and every kernel that it reaches, each converted by `make` from its plain Python form.
 
-    `done` holds what was made already, by `identity` of the kernel; one that is given there is called in its place.
+    `done` maps the `identity` of a kernel to its converted form; entries given at the start replace those kernels.
     """
     return _plain(function, done, make)
 
 
 def identity(function: Any) -> int:
-    """What tells kernels apart in `rebuilt`, for as long as they live."""
+    """The key of a kernel in `rebuilt`; valid for as long as the kernel exists."""
     return id(_python(function))
 
 
@@ -100,7 +100,7 @@ def _plain_global(
     done: dict[int, Any],
     make: Callable[[Function], Any],
 ) -> Any:
-    """What a plain function has in place of a global; of a module of ours a copy, with what its code may name in it."""
+    """The plain form of a global; for a module of this project, a copy with the attributes that the code may use."""
     if isinstance(value, (Dispatcher, types.FunctionType)):
         return _plain(value, done, make)
     if not isinstance(value, types.ModuleType) or _foreign(value.__name__):
@@ -113,12 +113,12 @@ def _plain_global(
 
 
 def _foreign(module: str) -> bool:
-    """Numpy's and the standard library's functions are known by their versions and stay as they are."""
+    """Whether a module belongs to numpy, numba or the standard library: versions identify these functions."""
     return module.partition(".")[0] in ("numpy", "math", "numba", "builtins")
 
 
 def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[Any, int]) -> None:
-    """Feed everything a compiled function depends on; `seen` gives a repeated object the number of its first visit."""
+    """Feed everything that a compiled function depends on; `seen` numbers objects by their first visit."""
     if isinstance(value, _Intrinsic):
         value = value._defn
     value = _python(value)
@@ -163,10 +163,10 @@ def _walk(value: Any, feed: Callable[[bytes], None], seen: dict[Any, int]) -> No
 
 
 def _walk_global(value: Any, names: set[str], feed: Callable[[bytes], None], seen: dict[Any, int]) -> None:
-    """A global; of a module of ours, whatever the function's code may name in it and in the modules it holds."""
+    """Feed a global; for a module of this project, every attribute that the function's code may use, recursively."""
     if isinstance(value, types.ModuleType):
         feed(f"module:{value.__name__};".encode())
-        # Other code may name other things in the same module: it has been visited only if the names are the same.
+        # Different code may use different attributes of the same module, so the names are part of the visit's key.
         visit = id(value), frozenset(names)
         if _foreign(value.__name__) or visit in seen:
             return

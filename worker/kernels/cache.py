@@ -1,14 +1,16 @@
-"""Compiled functions kept on disk across processes, by numba's own cache; what cannot be read counts as missing.
+"""A disk cache of compiled functions across processes, on top of numba's; unreadable entries count as missing.
 
-A kept function names the modules that it was made of. After an update that moved one of them it cannot be loaded: it
-is compiled again and replaced, as if it had not been there. Start reading at `kept`.
+A cached function refers to its modules by name. After an update that moved one of them, the entry cannot be loaded; it
+is compiled again and replaced. Start reading at `cached`.
 """
 
 from __future__ import annotations
 
+import fcntl
 import os
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +19,11 @@ from numba import config
 from numba.core import sigutils
 from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
+from numba.core.registry import CPUDispatcher
 
 
 def cache_folder() -> Path:
-    """Where compiled loops are kept: CLEARANCE_KERNEL_CACHE, else the user's cache folder."""
+    """The folder of compiled loops: CLEARANCE_KERNEL_CACHE, else the user's cache folder."""
     given = os.environ.get("CLEARANCE_KERNEL_CACHE")
     base = os.environ.get("XDG_CACHE_HOME")
     return Path(given) if given else (Path(base) if base else Path.home() / ".cache") / "clearance" / "kernels"
@@ -34,29 +37,60 @@ class KernelCache(FunctionCache):
     """Numba's cache of one function."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The kept function for a signature; None where there is none, or none that this version can load."""
+        """The cached function for a signature; None if there is no entry, or none that this version can load."""
         try:
             return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         except (ImportError, AttributeError, EOFError, pickle.UnpicklingError):
             return None
 
 
-class _KeptCallback(CFunc):
+@contextmanager
+def _alone(function: Any) -> Iterator[None]:
+    """Of several processes that need the same function, one compiles it; the others wait, and load it.
+
+    The lock ends with its process. Where the folder cannot be written, everybody compiles.
+    """
+    folder = cache_folder() / "locks"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file = (folder / f"{function.__module__}.{function.__qualname__}").open("w")
+    except OSError:
+        yield
+        return
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+class _Cached(CPUDispatcher):
+    """A dispatcher that compiles one signature in one process at a time."""
+
+    def compile(self, sig: Any) -> Any:
+        with _alone(self.py_func):
+            return super().compile(sig)
+
+
+class _CachedCallback(CFunc):
     def enable_caching(self) -> None:
         self._cache = KernelCache(self.__wrapped__)  # type: ignore[no-untyped-call]
 
+    def compile(self) -> None:
+        with _alone(self.__wrapped__):
+            super().compile()
 
-def kept(function: Callable[..., Any], **flags: Any) -> Any:
-    """A function compiled when it is first called, kept on disk."""
-    made = numba.njit(**flags)(function)
+
+def cached(function: Callable[..., Any], **flags: Any) -> Any:
+    """A function that is compiled at its first call and cached on disk."""
+    made: Any = numba.njit(**flags)(function)
+    made.__class__ = _Cached
     made._cache = KernelCache(function)  # type: ignore[no-untyped-call]
     return made
 
 
-def kept_callback(function: Callable[..., Any], signature: Any, **flags: Any) -> Any:
-    """A function of C, compiled at once, kept on disk; its `address` is good for as long as it is kept."""
+def cached_callback(function: Callable[..., Any], signature: Any, **flags: Any) -> Any:
+    """A C callback, compiled now and cached on disk; its `address` is valid for as long as the object exists."""
     known = sigutils.normalize_signature(signature)  # type: ignore[no-untyped-call]
-    made = _KeptCallback(function, known, locals={}, options=flags)
+    made = _CachedCallback(function, known, locals={}, options=flags)
     made.enable_caching()
     made.compile()
     return made

@@ -1,8 +1,8 @@
-"""What a component is: typed parameters with unit, limits and text, and the kernels that fill the loop's slots.
+"""Declarations of components: typed parameters with unit, limits and text, and the kernels that fill the loop's slots.
 
 One file declares one component as its module attribute `component`; the file's docstring is its documentation.
-Start reading at `Vehicle`; parameters are in `parameters`, the kernels' types with their units in `signatures`;
-docs/your-own-component.md shows a whole file.
+Start reading at `Vehicle`. `parameters` declares parameters, `signatures` the types and units of the kernels;
+docs/your-own-component.md shows a complete file.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ __all__ = [
 ]
 
 Switches = Callable[[Any, float], list[float]]
-"""switches(parameters or derived constants, horizon [s]) -> instants [s] at which it jumps, in plain Python."""
+"""switches(parameters or derived constants, horizon [s]) -> instants of its discontinuities [s], in plain Python."""
 
 
 @dataclass(frozen=True)
 class Signal:
-    """A column of a trace: what it shows, its symbol and unit."""
+    """A column of a trace: name, symbol and unit."""
 
     name: str
     symbol: str
@@ -54,21 +54,21 @@ class Signal:
 
 @dataclass(frozen=True)
 class Limit:
-    """An edge of a vehicle's envelope; `text` completes "the flight left the model's envelope: ..."."""
+    """A limit of a vehicle's envelope; `text` completes "the vehicle left the model's envelope: ..."."""
 
     text: str
 
 
 Frame = Literal["enu", "ned"]
-"""Axes of the world: x east, y north, z up; or x north, y east, z down as flight mechanics has it."""
+"""World axes: x east, y north, z up; or x north, y east, z down, as usual in flight mechanics."""
 
 
 @dataclass(frozen=True)
 class Trim:
-    """What is solved once per campaign, in plain Python, at the nominal values: an equilibrium, gains at it.
+    """The equilibrium at the nominal values and gains there, solved once per campaign in plain Python.
 
-    solve(nominal values by path, such as "vehicle.m" and "start.speed") -> fields; raises `NoTrim` with a sentence.
-    The same for every flight: an autopilot is set up for the nominal aircraft, not for the one that flies.
+    solve(nominal values by path, such as "vehicle.m" and "start.speed") -> fields; raises `NoTrim` with a message.
+    Every simulation uses the same trim: an autopilot is tuned for the nominal aircraft, not for the actual one.
     """
 
     fields: type
@@ -76,15 +76,15 @@ class Trim:
 
 
 class NoTrim(ValueError):
-    """The equilibrium cannot be found; the message says at which values and what to change."""
+    """No equilibrium was found; the message gives the values and what to change."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """What a component computes once per flight: constants(*derive(parameters, trim)), trim being () without one.
+    """Constants that a component computes once per simulation: constants(*derive(parameters, trim)); trim may be ().
 
-    Where a component has it, its kernels receive the NamedTuple `constants` in place of its parameters: a division or
-    a gain that stays the same all flight is not worth four times every step.
+    The kernels of such a component receive the NamedTuple `constants` in place of its parameters. This keeps divisions
+    and gains that do not change during a simulation out of the four stages of every step.
     """
 
     constants: type
@@ -115,18 +115,18 @@ class Vehicle:
     derived: Derived | None = None
     trim: Trim | None = None
     frame: Frame = "enu"
-    """The axes that it flies in: the scenario's, which every other component has to share."""
+    """The scenario's world axes, which every other component must share."""
     look: VehicleLook | None = None
     role: Literal["vehicle"] = "vehicle"
 
 
 @dataclass(frozen=True)
 class Controller:
-    """A controller of the vehicles it fits.
+    """A controller of the vehicles named in `fits`.
 
-    It has one kernel per kind of demand it accepts: it owns the mapping from the demand to its references. Where it has
-    `translate`, the others receive its result in place of the demand: with sampled guidance it is computed once a
-    sample and held, as an autopilot holds its references.
+    It has one kernel per kind of demand, which maps the demand to the controller's references. If it has `translate`,
+    its other kernels receive the result in place of the demand; with sampled guidance, `translate` runs once per sample
+    and its result is held, as an autopilot holds its references.
     """
 
     name: str
@@ -147,10 +147,9 @@ class Controller:
 class Avoider:
     """An avoidance algorithm.
 
-    `frame`: the axes that it takes for granted, where it has a sense of up, right or heading of its own; None where it
-    is the same in all. Where it has `weigh`, every obstacle goes through it in turn, from what `first` returns on, and
-    `steer` receives the last result in place of the bodies: a loop over bodies with much to do in it would not
-    vectorise.
+    `frame`: the axes that it assumes, if it depends on the directions of up, right or heading; None if it works in any.
+    `weigh` folds over the obstacles one by one, starting with the result of `first`; `steer` then receives the last
+    result in place of the bodies. This unrolls the loop over bodies: a long loop body would not vectorise.
     """
 
     name: str
@@ -171,10 +170,10 @@ class Avoider:
 
 @dataclass(frozen=True)
 class Reach:
-    """How far an obstacle's surface is from its centre at most: `times` the root of the sum of squares of parameters.
+    """The largest distance of an obstacle's surface from its centre: `times` the root sum of squares of parameters.
 
-    As data, because the checks of a campaign need it without the physics. Of a circle Reach(("radius",)), of a box
-    Reach(("length", "width"), 0.5).
+    It is data, because the checks of a campaign need it without the physics: Reach(("radius",)) for a circle,
+    Reach(("length", "width"), 0.5) for a box.
     """
 
     of: tuple[str, ...]
@@ -183,10 +182,10 @@ class Reach:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """An obstacle or intruder; with states of its own it has `wake` and `move`.
+    """An obstacle or intruder; one with states has `wake` and `move`.
 
     `reach`: the largest distance of a point inside it from the centre that `body` reports. `frame` as in `Avoider`.
-    `look`: how it is drawn; without one it is a ball of its parameter `radius`.
+    `look`: how it is drawn; by default a ball of its parameter `radius`.
     """
 
     name: str
@@ -209,9 +208,9 @@ class Obstacle:
 class Environment:
     """A part of the environment.
 
-    One with noise may have a `draw` of so many `draws`, which change at its `switches` alone; blow takes them before p.
-    With the defaults of all its parameters it changes nothing; `switches` and a parameter `seed` as in `Fault`, `frame`
-    as in `Avoider`.
+    A random one may have `draw`, which returns `draws` samples that change only at its `switches`; `blow` takes them
+    before p. With default parameters it has no effect. `switches` and a parameter `seed` as in `Fault`, `frame` as in
+    `Avoider`.
     """
 
     name: str
@@ -230,11 +229,11 @@ class Environment:
 
 @dataclass(frozen=True)
 class Fault:
-    """An error or failure in one of the loop's paths, which decides which kernel it has.
+    """An error or failure in one path of the loop; the path determines the type of its kernel.
 
-    With the defaults of all its parameters it changes nothing: they are its zero magnitude. A parameter named `seed`
-    selects a realisation: the campaign gives it, apart for every component and realisation. `switches` tells the
-    instants at which it jumps, so that the other integrator can start anew there.
+    With default parameters it has no effect: the defaults are zero magnitude. A parameter named `seed` selects a
+    realisation; the campaign sets it, differently for every component and realisation. `switches` returns the instants
+    of its discontinuities, so that the reference integrator can restart there.
     """
 
     name: str
@@ -252,15 +251,16 @@ class Fault:
 
 @dataclass(frozen=True)
 class Criterion:
-    """What a flight is judged by; `sample` has one kernel per dimension it has a meaning in.
+    """A criterion of a simulation; `sample` has one kernel per dimension that it supports.
 
-    `of`: each obstacle, a channel for each; the goal; or the flight. `over`: what becomes of a channel: the lowest over
-    the flight, refined between steps by a parabola (a smooth channel) or at the steps (one that may jump), or the
-    first instant [s] at which it is not above 0, the horizon where there is none.
+    `of`: what a channel is sampled for: each obstacle (one channel each), the goal, or the whole flight.
+    `over`: how a channel is reduced over time: its minimum, refined between steps by a parabola (smooth channels) or at
+    the steps (channels that may jump), or the first instant [s] at which it is not above 0 (the horizon if there is
+    none).
 
-    `worse`: which end is sought. One that is worse when low may decide: its first parameter is `threshold`, its value
-    must stay above it, and it has `excluded`.
-    `measured_to`: the point of an obstacle that its distances end at; "" where it reads no distances to obstacles.
+    `worse`: the end of the range that searches look for. A criterion that is worse when low may decide the verdict: its
+    first parameter is `threshold`, its value must stay above it, and it has `excluded`.
+    `measured_to`: the point of an obstacle that distances are measured to; "" if the criterion uses no such distances.
     """
 
     name: str

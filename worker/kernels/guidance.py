@@ -1,4 +1,4 @@
-"""Sampled guidance that comes late: the demand of earlier samples, interpolated between two of them.
+"""Delayed sampled guidance: earlier demands, interpolated linearly between samples.
 
 Start reading at `blended2`.
 """
@@ -10,20 +10,20 @@ from typing import Any
 from worker.kernels.maths import clip, kernel
 
 KEPT = 4
-"""How many earlier demands are kept for guidance that comes late: the most periods by which it can."""
+"""Earlier demands stored for delayed guidance: the largest delay in guidance periods."""
 
 
 @kernel
-def share(late: float, samples: float) -> float:
-    """The weight of the demand of so many samples ago: linear interpolation in time."""
-    weight = 1.0 - abs(clip(late, 0.0, float(KEPT)) - samples)
-    return 0.0 if weight < 0.0 else weight
+def weight(late: float, samples: float) -> float:
+    """The weight of the demand of `samples` samples ago at a delay of `late` samples: linear interpolation in time."""
+    w = 1.0 - abs(clip(late, 0.0, float(KEPT)) - samples)
+    return 0.0 if w < 0.0 else w
 
 
 @kernel
 def blended2(late: float, new: Any, old: Any) -> tuple[float, float]:
-    """The demand in the plane as of `late` samples ago; old holds the four before the newest, latest first."""
-    a, b, c, d, e = share(late, 0.0), share(late, 1.0), share(late, 2.0), share(late, 3.0), share(late, 4.0)
+    """The demand in the plane `late` samples ago; old holds the four demands before `new`, latest first."""
+    a, b, c, d, e = weight(late, 0.0), weight(late, 1.0), weight(late, 2.0), weight(late, 3.0), weight(late, 4.0)
     return (
         a * new[0] + b * old[0] + c * old[2] + d * old[4] + e * old[6],
         a * new[1] + b * old[1] + c * old[3] + d * old[5] + e * old[7],
@@ -32,8 +32,8 @@ def blended2(late: float, new: Any, old: Any) -> tuple[float, float]:
 
 @kernel
 def blended3(late: float, new: Any, old: Any) -> tuple[float, float, float]:
-    """The demand in space as of `late` samples ago; old holds the four before the newest, latest first."""
-    a, b, c, d, e = share(late, 0.0), share(late, 1.0), share(late, 2.0), share(late, 3.0), share(late, 4.0)
+    """The demand in space `late` samples ago; old holds the four demands before `new`, latest first."""
+    a, b, c, d, e = weight(late, 0.0), weight(late, 1.0), weight(late, 2.0), weight(late, 3.0), weight(late, 4.0)
     return (
         a * new[0] + b * old[0] + c * old[3] + d * old[6] + e * old[9],
         a * new[1] + b * old[1] + c * old[4] + d * old[7] + e * old[10],

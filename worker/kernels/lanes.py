@@ -1,7 +1,7 @@
-"""Loads and stores one lane of a (rows, LANES) block that lies in one flat buffer, as a tuple of floats.
+"""Loads and stores one lane of a (rows, LANES) block of a flat buffer as a tuple of floats.
 
-Offsets are constants at compile time and there is one buffer only, so LLVM proves that lanes do not alias and
-vectorises the lane loop. `plain_ops` is the same in Python, for flights without a compiler.
+Offsets are compile-time constants and there is only one buffer, so LLVM can prove that lanes do not alias and
+vectorises the lane loop. `plain_ops` has the same operations in Python, for simulations without the compiler.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numba.extending import intrinsic
 
 class LaneOps(NamedTuple):
     """load(buffer, base, lane) -> tuple; store(buffer, base, lane, tuple); advance(x, h, dx) -> x + h dx;
-    combine(x, q, a, b, c, d) -> x + q (a + 2 b + 2 c + d); magnitude(x) -> the sum of magnitudes."""
+    combine(x, q, a, b, c, d) -> x + q (a + 2 b + 2 c + d); magnitude(x) -> the sum of absolute values."""
 
     load: Any
     store: Any

@@ -1,8 +1,8 @@
-"""Where everything stands: the flat vector of parameters, and the state of the whole loop.
+"""The layout of the flat parameter vector and of the loop's state.
 
 Parameters: vehicle, controller, avoider, start, goal, criterion, then obstacles, environment, faults and further
-criteria as the campaign lists them; then the vehicle's trim; constants that components derive stand behind. State:
-vehicle, controller, actuators, environment, obstacles. Start reading at `Parts`.
+criteria as the campaign lists them; then the vehicle's trim; then the constants that components derive. State: vehicle,
+controller, actuators, environment, obstacles. Start reading at `Parts`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from worker.kernels.component import (
 
 @dataclass(frozen=True)
 class Placed:
-    """A fault and, for an actuator's, the number of the input it is on."""
+    """A fault and, for an actuator fault, the index of the input that it acts on."""
 
     fault: Fault
     on: int = 0
@@ -46,22 +46,22 @@ class Parts:
     faults: tuple[Placed, ...] = ()
     sampled: bool = False
     objectives: tuple[Criterion, ...] = ()
-    """Further criteria, beside the one that decides."""
+    """Further criteria besides the deciding one."""
 
     @property
     def criteria(self) -> dict[str, Criterion]:
-        """All criteria by the prefix of their parameters, the one that decides first."""
+        """All criteria by the prefix of their parameters, the deciding one first."""
         return {"criterion": self.criterion} | {f"objectives.{i}": c for i, c in enumerate(self.objectives)}
 
     @property
     def late(self) -> bool:
-        """Whether a fault makes sampled guidance late, so that its earlier demands are kept."""
+        """Whether a fault delays sampled guidance, so that earlier demands must be stored."""
         return self.sampled and any(f.fault.path == "guidance" for f in self.faults)
 
 
 @dataclass(frozen=True)
 class Section:
-    """Where a component's parameters stand in the flat vector, and under which prefix a campaign names them."""
+    """The position of a component's parameters in the flat vector, and their prefix in a campaign."""
 
     prefix: str
     fields: type
@@ -74,8 +74,8 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where a component's kernels find their parameters or derived constants in the extended vector."""
+class Span:
+    """The position of a component's parameters or derived constants in the extended vector."""
 
     fields: type
     first: int
@@ -119,24 +119,24 @@ def derivations(parts: Parts, flat: Sequence[Section]) -> Iterator[tuple[Section
             yield section, part.derived
 
 
-def places(parts: Parts, flat: Sequence[Section]) -> dict[str, Place]:
-    """What each component is given; trim and derived constants stand behind all parameters."""
+def spans(parts: Parts, flat: Sequence[Section]) -> dict[str, Span]:
+    """The span that each component receives; trim and derived constants follow all parameters."""
     end = flat[-1].last
-    found = {s.prefix: Place(s.fields, s.first, s.last) for s in flat}
+    found = {s.prefix: Span(s.fields, s.first, s.last) for s in flat}
     if parts.vehicle.trim is not None:
         fields: Any = parts.vehicle.trim.fields
-        found["trim"] = Place(fields, end, end + len(fields._fields))
+        found["trim"] = Span(fields, end, end + len(fields._fields))
         end = found["trim"].last
     for section, derived in derivations(parts, flat):
         constants: Any = derived.constants
-        found[section.prefix] = Place(constants, end, end + len(constants._fields))
+        found[section.prefix] = Span(constants, end, end + len(constants._fields))
         end = found[section.prefix].last
     return found
 
 
 @dataclass(frozen=True)
 class States:
-    """Lengths of the parts of the state, in their order."""
+    """The number of states of each part, in the order of the state vector."""
 
     vehicle: int
     controller: int
@@ -162,13 +162,13 @@ def states(parts: Parts) -> States:
 
 @dataclass(frozen=True)
 class Channels:
-    """The channels of all criteria, those read alike side by side: how many of each, and which are whose."""
+    """The channels of all criteria, grouped by reduction: the size of each group, the range of each criterion."""
 
     refined: int
     steps: int
     crossing: int
     of: dict[str, tuple[int, int]]
-    """First and last of each criterion, by its prefix, in the order in which they stand."""
+    """First and last channel of each criterion by prefix, in channel order."""
 
     @property
     def total(self) -> int:
@@ -176,7 +176,7 @@ class Channels:
 
 
 def channels(parts: Parts) -> Channels:
-    """Which channels each criterion has: one, or one for each obstacle."""
+    """The channels of each criterion: one, or one per obstacle."""
     of: dict[str, tuple[int, int]] = {}
     ends = [0]
     for over in ("refined", "steps", "crossing"):

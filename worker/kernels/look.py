@@ -1,4 +1,4 @@
-"""How an obstacle or a vehicle is drawn, as it declares it: `campaigns.looks` lists what there is and checks it.
+"""Declarations of how an obstacle or a vehicle is drawn; `campaigns.looks` defines and checks the allowed values.
 
 Start reading at `ObstacleLook`.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ObstacleLook:
-    """Its shape, the parameters that give its sizes, and the kind of its way: see `campaigns.looks.ObstacleLook`."""
+    """Shape, the parameters that give the sizes, and the kind of path: see `campaigns.looks.ObstacleLook`."""
 
     shape: str
     radius: str = ""
@@ -22,7 +22,7 @@ class ObstacleLook:
 
 @dataclass(frozen=True)
 class VehicleLook:
-    """Its mesh, and the start state that is its heading."""
+    """The mesh, and the start state that gives the heading."""
 
     mesh: str
     heading: str = ""

@@ -1,7 +1,7 @@
-"""The one closed loop: classical Runge-Kutta of order 4 over LANES simulations in lockstep. A template with slots.
+"""The simulation loop: the classical Runge-Kutta method of order 4 over LANES simulations in lockstep, with slots.
 
-Butcher, Numerical Methods for ODEs (2016), section 322; every lane does the same arithmetic whatever the others hold,
-so an evaluation's bits never depend on its batch. Start reading at `fly`; `assemble` fills the slots.
+Butcher, Numerical Methods for ODEs (2016), section 322. Every lane does the same arithmetic whatever the others hold,
+so the bits of an evaluation never depend on its batch. Start reading at `fly`; `assemble` fills the slots.
 """
 
 from __future__ import annotations
@@ -15,36 +15,37 @@ X = A = B = C = P = G = Y0 = Y1 = Y2 = LOW = K = STATUS = WHEN = SIZE = 0
 SETTLES = False
 
 BEFORE = 1.0 - 1e-8
-"""The last stage of a step belongs to it: what jumps at its end, such as a sample of noise, has not jumped yet."""
+"""The last stage is evaluated just before the end of the step, so that a jump at the end belongs to the next step."""
 
 OK = 0.0
 NOT_FINITE = 1.0
 EXCLUDED = 2.0
 OUTSIDE = 3.0
-"""Status OUTSIDE + k: the limit k of the vehicle's envelope, counted from 0."""
+"""Status OUTSIDE + k: limit k of the vehicle's envelope is exceeded, counted from 0."""
 
 LARGEST = 1e12
-"""The sum of magnitudes of the states beyond which a flight has diverged."""
+"""A simulation has diverged when the sum of the absolute values of its states exceeds this."""
 
 FARTHEST = 1e300
-"""The channels are only held to be numbers: squared distances may be large."""
+"""The same for the channels: they only have to be finite, because squared distances may be large."""
 
 
 def _slot(*_: Any) -> Any:
-    raise NotImplementedError("a slot that bind did not fill")
+    raise NotImplementedError("unfilled slot: call bind.filled first")
 
 
 load_x = load_p = store_p = load_raw = load_g = load_y = store_x = store_g = store_y = advance = combine = _slot
 magnitude_x = magnitude_y = _slot
-extend = initial = blank = guide = closed_loop = settled = envelope = costs_of = barred = observation = store_k = _slot
+extend = initial = initial_guidance = guide = closed_loop = settled = envelope = costs_of = _slot
+excluded = observation = store_k = _slot
 
 
 def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[no-untyped-def]
-    """Fly n simulations.
+    """Run n simulations.
 
     params (n, N_P); dt [s]; steps; every: steps per guidance sample (sampled guidance only).
-    Out: costs (n, N_K), NaN unless ok; status (n,) as OK, NOT_FINITE, EXCLUDED, OUTSIDE + k; when (n,) the time a
-    flight ended [s]; trace (m, steps + 1, N_X + N_G): the states and held guidance of the first m flights.
+    Out: costs (n, N_K), NaN unless ok; status (n,) as OK, NOT_FINITE, EXCLUDED, OUTSIDE + k; when (n,): end times
+    of the simulations [s]; trace (m, steps + 1, N_X + N_G): states and held guidance of the first m simulations.
     """
     n = params.shape[0]
     b = np.empty(SIZE)
@@ -60,7 +61,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
             store_p(b, P, l, extend(load_raw(b, P, l)))
         for l in range(LANES):
             p = load_p(b, P, l)
-            store_g(b, G, l, blank(p))
+            store_g(b, G, l, initial_guidance(p))
             store_x(b, X, l, initial(p))
             b[STATUS + l] = OK
             b[WHEN + l] = 0.0
@@ -90,8 +91,8 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 so_far = b[STATUS + l]
                 b[WHEN + l] = t if so_far == OK else b[WHEN + l]
                 b[STATUS + l] = code if so_far == OK else so_far
-                # The first instant at which a channel is no longer above 0, on the line through two samples. Here,
-                # because a short loop over the lanes by itself is unrolled into scalars.
+                # The first instant at which a channel is no longer above 0, on the line through two samples. It is
+                # inside this loop because LLVM would unroll a short separate loop over the lanes into scalar code.
                 for k in range(N_R + N_S, N_Y):
                     at = k * LANES + l
                     mid = b[Y1 + at]
@@ -102,9 +103,9 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                     b[Y1 + at] = right
             if i == 0:
                 for l in range(LANES):
-                    bar = barred(load_y(b, Y0, l), load_p(b, P, l))
+                    bar = excluded(load_y(b, Y0, l), load_p(b, P, l))
                     b[STATUS + l] = EXCLUDED if (b[STATUS + l] == OK) & bar else b[STATUS + l]
-            # The minimum between steps: the vertex of the parabola through three samples.
+            # Minimum between steps: the vertex of the parabola through three samples.
             for k in range(N_R * LANES):
                 left = b[Y2 + k]
                 mid = b[Y1 + k]
@@ -117,7 +118,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                 b[LOW + k] = low if low < b[LOW + k] else b[LOW + k]
                 b[Y2 + k] = mid
                 b[Y1 + k] = right
-            # The minimum at the steps.
+            # Minimum at the steps.
             for k in range(N_R * LANES, (N_R + N_S) * LANES):
                 right = b[Y0 + k]
                 b[LOW + k] = right if right < b[LOW + k] else b[LOW + k]
@@ -128,10 +129,10 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
                     for k in range(N_G):
                         trace[first + l, i, N_X + k] = b[G + k * LANES + l]
             if i % 64 == 63:
-                flying = 0
+                running = 0
                 for l in range(LANES):
-                    flying += b[STATUS + l] == OK
-                if flying == 0:
+                    running += b[STATUS + l] == OK
+                if running == 0:
                     break
             for l in range(LANES):
                 x = advance(load_x(b, X, l), h, load_x(b, A, l))
@@ -158,7 +159,7 @@ def fly(params, dt, steps, every, costs, status, when, trace):  # type: ignore[n
 
 
 def observe(states, params, dt, seen):  # type: ignore[no-untyped-def]
-    """What a trace shows besides the states. states (rows, N_X + N_G), params (N_P,); out: seen (rows, N_W)."""
+    """The columns of a trace besides the states: states (rows, N_X + N_G), params (N_P,); out: seen (rows, N_W)."""
     b = np.zeros((N_X + N_G + N_E) * LANES)
     for k in range(N_P):
         b[(N_X + N_G + k) * LANES] = params[k]

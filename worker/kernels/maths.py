@@ -1,8 +1,8 @@
-"""The `kernel` decorator, and elementary functions without branches or libm, so that the lane loop vectorises.
+"""The `kernel` decorator, and elementary functions without branches or libm calls, so that the lane loop vectorises.
 
-Minimax polynomials of the Cephes library (S. L. Moshier) for sin and cos on [-pi/4, pi/4] after Cody-Waite reduction in
-two parts; a polynomial in x^2 through Chebyshev's nodes for atan on [-tan(pi/8), tan(pi/8)]: the quotient of Cephes has
-fewer terms, but divisions are what limits a wide loop. Every function keeps NaN. Errors are measured in
+sin and cos: minimax polynomials of the Cephes library (S. L. Moshier) on [-pi/4, pi/4] after Cody-Waite reduction in
+two parts. atan: a polynomial in x^2 through Chebyshev nodes on [-tan(pi/8), tan(pi/8)]; the rational function of Cephes
+has fewer terms, but division throughput limits a wide loop. Every function propagates NaN. Errors are measured in
 tests/unit/test_maths.py.
 """
 
@@ -19,7 +19,7 @@ from numba.core.registry import CPUDispatcher
 F = TypeVar("F", bound=Callable[..., Any])
 
 FLAGS: dict[str, Any] = {"fastmath": {"contract", "reassoc", "arcp", "nsz"}, "error_model": "numpy"}
-"""Reordering and fused operations are allowed, assuming away NaN or infinity is not: a lost NaN is a lost failure."""
+"""Reordering and fused operations are allowed. nnan and ninf are not: a NaN marks a failed simulation."""
 
 PI = 3.141592653589793
 TWO_PI = 6.283185307179586
@@ -27,10 +27,10 @@ HALF_PI = 1.5707963267948966
 
 
 def kernel(function: F) -> F:
-    """Mark plain scalar Python on floats and tuples as a part of a compiled loop; it is always inlined.
+    """Mark scalar Python code on floats and tuples as part of a compiled loop; it is always inlined.
 
-    Called from Python it is its plain form: a wrapper that unpacks dozens of parameters into every single kernel would
-    be half of the time to compile a loop.
+    A call from Python runs the plain form: compiling a wrapper that unpacks dozens of parameters for every kernel would
+    take half of the compile time of a loop.
     """
     inlined: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     compiled: Any = njit(**inlined, **FLAGS)(function)
@@ -39,7 +39,7 @@ def kernel(function: F) -> F:
 
 
 class _Kernel(CPUDispatcher):
-    """A kernel that compiled code may call; without its wrapper a call from Python would crash the process."""
+    """A kernel for compiled code; it has no Python wrapper, so calling it directly would crash the process."""
 
     def __call__(self, *arguments: Any) -> Any:
         from worker.kernels.bind import plain
@@ -115,12 +115,12 @@ def atan2(y: float, x: float) -> float:
     angle = HALF_PI - angle if ay > ax else angle
     angle = PI - angle if x < 0.0 else angle
     angle = -angle if y < 0.0 else angle
-    return angle + 0.0 * (x + y)  # a comparison with NaN is False: without this a NaN would end as an angle
+    return angle + 0.0 * (x + y)  # propagates NaN, which the comparisons above lose
 
 
 @kernel
 def clip(x: float, low: float, high: float) -> float:
-    """x held within [low, high]; NaN stays NaN."""
+    """x limited to [low, high]; NaN stays NaN."""
     x = low if x < low else x
     return high if x > high else x
 
@@ -144,12 +144,12 @@ BITS_11, BITS_27, BITS_30 = np.uint64(11), np.uint64(27), np.uint64(30)
 BITS_31, BITS_32, LOW_32 = np.uint64(31), np.uint64(32), np.uint64(0xFFFFFFFF)
 MANTISSA, ONE = 0x000FFFFFFFFFFFFF, 0x3FF0000000000000
 INSTANT = 1e-12
-"""By how much an instant may be missed by rounding and still count as reached [s]."""
+"""Tolerance for rounding when an instant is compared with the time [s]."""
 
 
 @kernel
 def scramble(z: Any) -> Any:
-    """The finaliser of SplitMix64: a bijection on 64 bits in which each bit of the input moves half of the output's."""
+    """The finaliser of SplitMix64: a bijection on 64 bits; each input bit flips half of the output bits on average."""
     z = (z ^ (z >> BITS_30)) * FIRST
     z = (z ^ (z >> BITS_27)) * SECOND
     return z ^ (z >> BITS_31)
@@ -157,7 +157,7 @@ def scramble(z: Any) -> Any:
 
 @kernel
 def random_bits(seed: float, stream: float, count: float) -> Any:
-    """64 random bits that depend on three whole numbers alone (magnitudes below 2^52): no state, no order of calls.
+    """64 random bits that depend only on three integers (magnitudes below 2^52): no state, any order of calls.
 
     SplitMix64 (Steele, Lea, Flood 2014) used as a counter-based generator: a key from seed and stream, then the count.
     """
@@ -168,14 +168,14 @@ def random_bits(seed: float, stream: float, count: float) -> Any:
 
 @kernel
 def uniform(seed: float, stream: float, count: float) -> float:
-    """One number uniform on [0, 1), in steps of 2^-53."""
+    """A uniform sample on [0, 1), in steps of 2^-53."""
     bits = random_bits(seed, stream, count)
     return np.float64(np.int64(bits >> BITS_11)) * 1.1102230246251565e-16
 
 
 @kernel
 def normals(seed: float, stream: float, count: float) -> tuple[float, float]:
-    """Two independent standard normal numbers (Box and Muller 1958); none is beyond 6.8 in magnitude."""
+    """Two independent standard normal samples (Box and Muller 1958), at most 6.8 in magnitude."""
     bits = random_bits(seed, stream, count)
     above = (np.float64(np.int64(bits >> BITS_32)) + 0.5) * 2.3283064365386963e-10
     turn = np.float64(np.int64(bits & LOW_32)) * 2.3283064365386963e-10
@@ -211,11 +211,11 @@ def log(x: float) -> float:
 
 @kernel
 def sample_number(t: float, period: float) -> float:
-    """How many periods have ended by t: the number of the sample that holds at this instant."""
+    """The number of periods that have ended by t, which is the index of the current sample."""
     return np.floor((t + INSTANT) / period)  # type: ignore[no-any-return]
 
 
 @kernel
 def onset(t: float, at: float, over: float) -> float:
-    """0 before `at`, growing linearly to 1 within `over`, 1 from then on [s]; a step where `over` is 0."""
+    """0 before `at`, then a linear ramp to 1 over `over` [s]; a step if `over` is 0."""
     return clip((t + INSTANT - at) / (over + 1e-15), 0.0, 1.0)

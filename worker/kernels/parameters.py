@@ -1,6 +1,6 @@
-"""Typed parameters of a component: unit, limits, text, declared as the fields of a NamedTuple.
+"""Typed parameters of a component, declared as the fields of a NamedTuple: unit, limits and text.
 
-Start reading at `Parameter`; `declared` reads them back.
+Start reading at `Parameter`; `declared` returns them as data.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of a component: unit, one line of text, the limits within which it has a meaning.
+    """One number of a component: unit, one line of text, and the limits of meaningful values.
 
-    `name` is how a campaign names it where that is not the field's own name, as `position.x` for `position_x`.
+    `name` is its name in a campaign if that differs from the field's, such as `position.x` for `position_x`.
     """
 
     unit: str
@@ -28,7 +28,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Declared:
-    """A parameter as its component declares it: field of the NamedTuple, name in a campaign; default None: required."""
+    """A declared parameter: field of the NamedTuple, name in a campaign, ...; it is required if `default` is None."""
 
     field: str
     name: str
@@ -48,10 +48,13 @@ def declared(fields: type) -> tuple[Declared, ...]:
     for field, hint in hints.items():
         meta = next((m for m in getattr(hint, "__metadata__", ()) if isinstance(m, Parameter)), None)
         if meta is None:
-            raise TypeError(f"{fields.__name__}.{field} is declared without Parameter(unit, text, ...)")
+            raise TypeError(f"{fields.__name__}.{field} needs Annotated[float, Parameter(unit, text, ...)]")
         default = defaults.get(field)
         if not meta.low < meta.high or (default is not None and not meta.low <= default <= meta.high):
-            raise TypeError(f"{fields.__name__}.{field}: limits {meta.low} to {meta.high}, default {default}")
+            raise TypeError(
+                f"{fields.__name__}.{field}: low {meta.low} must be below high {meta.high}, "
+                f"and the default ({default}) within them"
+            )
         found.append(
             Declared(
                 field, meta.name or field, meta.symbol or field, meta.unit, meta.text, meta.low, meta.high, default
@@ -61,7 +64,7 @@ def declared(fields: type) -> tuple[Declared, ...]:
 
 
 def extended(name: str, *parts: type) -> Any:
-    """A NamedTuple of the fields of several, in order, with their declarations; defaults where every field has one."""
+    """A NamedTuple with the fields and declarations of several, in order; with defaults if every field has one."""
     fields = [field for part in parts for field in part._fields]  # type: ignore[attr-defined]
     defaults = [v for part in parts for v in part._field_defaults.values()]  # type: ignore[attr-defined]
     made: Any = namedtuple(name, fields, defaults=defaults if len(defaults) == len(fields) else ())  # type: ignore[misc]

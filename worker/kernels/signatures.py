@@ -1,6 +1,6 @@
-"""The kernels that components have, as types: what each receives and returns, with units. See `component` for whose.
+"""Types of the kernels of components: what each receives and returns, with units. `component` lists who has which.
 
-Kernels are plain scalar Python on floats and tuples; how long a tuple is depends on the component, which states it.
+Kernels are scalar Python code on floats and tuples; the component declares the length of each tuple.
 Start reading at `Derivative`.
 """
 
@@ -12,26 +12,26 @@ from typing import Annotated, Any
 from worker.kernels.views import Body, Body3, Errors, Seen, Sight, Surroundings
 
 Time = Annotated[float, "s"]
-Place = Annotated[Any, "m", "in the world frame, as many numbers as the loop has dimensions"]
+Place = Annotated[Any, "m", "position in the world frame, as many numbers as the loop has dimensions"]
 Velocity = Annotated[Any, "m/s", "in the world frame"]
-Place3 = Annotated[tuple[float, float, float], "m", "in space, z = 0 in the plane"]
+Place3 = Annotated[tuple[float, float, float], "m", "position in space, z = 0 in the plane"]
 Velocity3 = Annotated[tuple[float, float, float], "m/s", "in space"]
 Pose = Annotated[tuple[float, float, float, float, float, float], "m, rad", "x, y, z, roll, pitch, yaw"]
 State = Annotated[Any, "of the vehicle, in the order and units of its states"]
 Inputs = Annotated[Any, "in the order and units of the vehicle's inputs"]
 Demand = Annotated[Any, "N or m/s", "a force or a velocity in the world frame, or the controller's own references"]
 Numbers = tuple[float, ...]
-Inner = Annotated[Any, "the component's own state or memory; a derivative of it is per second; () without one"]
-Own = Annotated[Any, "the component's parameters, or the constants that it derives from them"]
+Inner = Annotated[Any, "the component's own state or memory, or its derivative (per second); () without one"]
+Own = Annotated[Any, "the component's parameters, or the constants derived from them"]
 Goal = Annotated[Any, "the parameters of the avoider's goal"]
-Bodies = Annotated[Any, "views.Body or Body3 of every obstacle as perceived, or what `weigh` made of them"]
+Bodies = Annotated[Any, "views.Body or Body3 of every obstacle as perceived, or the result of `weigh`"]
 
 Derive = Callable[[Own, Any], Numbers]
 """(parameters, trim) -> the constants in order; trim is () where the vehicle has none."""
 Wake = Callable[[Own], Inner]
 """The component's own state at the start; an avoider's memory."""
 
-# Vehicles: with the true state.
+# Vehicles receive the true state.
 
 Begin = Callable[[Any, Own], State]
 """(start, p) -> the state at the start."""
@@ -40,66 +40,67 @@ Located = Callable[[State, Own], Place]
 Moving = Callable[[State, Own], Velocity]
 Posed = Callable[[State, Own], Pose]
 Outside = Callable[[State, Own], float]
-"""0.0 inside the envelope, else the number of the limit that is exceeded, from 1.0."""
+"""0.0 inside the envelope, else the number of the exceeded limit, counted from 1.0."""
 Measured = Callable[[State, Errors, Own], State]
-"""The state as navigation reports it; without errors too."""
+"""The state as navigation reports it; it is called without errors too."""
 Settle = Callable[[State, Own], State]
-"""The state after each step, where the vehicle has stops of its own."""
+"""The state after each step, for a vehicle with mechanical stops."""
 Felt = Callable[[State, Surroundings, Own], State]
-"""The state as measured, to the controller of a vehicle that feels the air and not the ground."""
+"""The measured state with air data, for the controller of a vehicle that flies relative to the air."""
 
-# Controllers: with the vehicle's state as measured.
+# Controllers receive the vehicle's measured state.
 
 Prepare = Callable[[State, Demand, Own], Inner]
 """The controller's state at the start."""
 Command = Callable[[Time, State, Inner, Demand, Own], tuple[Inputs, Inner]]
 """The inputs, and the derivative of the controller's state."""
 References = Callable[[State, Demand, Own], Numbers]
-"""What it aims at, in the order and units of its signals."""
+"""The controller's references, in the order and units of its signals."""
 Translate = Callable[[State, Demand, Own], Numbers]
-"""The demand as its own references, as many numbers as a demand has."""
+"""The demand as the controller's own references; as many numbers as the demand has."""
 
-# Avoiders: with position and velocity as the vehicle believes them.
+# Avoiders receive the measured position and velocity.
 
 Steer = Callable[[Time, Place, Velocity, Goal, Bodies, Inner, Own], tuple[Demand, Inner]]
-"""The demand, and the memory from then on."""
+"""The demand, and the new memory."""
 First = Callable[[Time, Place, Velocity, Goal, Inner, Own], Any]
-"""What `weigh` begins with."""
+"""The initial value of the fold by `weigh`."""
 Weigh = Callable[[Any, float, Any, Time, Place, Velocity, Goal, Inner, Own], Any]
-"""(so far, number of the obstacle, its body, ...) -> what has been made of the obstacles so far and of this one."""
+"""(result so far, index of the obstacle, its body, ...) -> the result including this obstacle."""
 
-# Obstacles and environment: with the true position and velocity of the vehicle.
+# Obstacles and the environment receive the true position and velocity of the vehicle.
 
 Shown = Callable[[Time, Inner, Place, Own], Body | Body3]
-"""The obstacle as seen from there."""
+"""The obstacle as seen from that position."""
 Move = Callable[[Time, Inner, Place, Velocity, Own], Inner]
 """The derivative of the obstacle's state."""
 Blow = Callable[..., tuple[Surroundings, Inner]]
-"""(t, q, v, e, p), or (t, q, v, e, n, p) with the noise n of its `draw`: what it does to the vehicle, and the
-derivative of its own state."""
+"""(t, q, v, e, p), or (t, q, v, e, n, p) with the noise n of its `draw`: its effect on the vehicle, and the derivative
+of its own state."""
 Draw = Callable[[Time, Own], tuple[float, ...]]
 """The noise at this instant."""
 
 # Faults, by path.
 
 See = Callable[[Time, float, Pose, Velocity3, Body3, Own], Sight]
-"""perception: (t, number of the obstacle, pose and velocity as the vehicle believes them, obstacle, p)."""
+"""perception: (t, index of the obstacle, measured pose and velocity of the vehicle, obstacle, p)."""
 Delay = Callable[[Time, Own], Seen]
-"""timing: the instant at which obstacles are seen."""
+"""timing: the instant for which obstacles are observed."""
 Mistake = Callable[[Time, Own], Errors]
 """navigation"""
 Wait = Callable[[Own], float]
-"""guidance: by how many guidance periods the demand is late, guidance.KEPT at most."""
+"""guidance: the delay of the demand in guidance periods, at most guidance.KEPT."""
 Act = Callable[[Time, float, Inner, Own], tuple[float, Inner]]
-"""actuator: the one input it is on as it arrives, and the derivative of the fault's state."""
+"""actuator: the input as it reaches the vehicle, and the derivative of the fault's state."""
 Rest = Callable[[float, Own], Inner]
 """actuator: the fault's state at the start, given the first command."""
 
 # Criteria.
 
 Sample = Callable[[Time, Place, Velocity, State, Inputs, Any, Own], tuple[float]]
-"""A channel at one instant, of what is true and arrives; last: a body, the goal's place [m] or the vehicle's pose."""
+"""A channel at one instant, from true states and actual inputs; the last but one argument is a body, the goal's
+position [m] or the vehicle's pose."""
 Value = Callable[[Numbers, Own], float]
-"""The value in the criterion's own sign and unit, from what became of its channels."""
+"""The value in the criterion's own sign and unit, from its reduced channels."""
 Excluded = Callable[[Numbers, Own], bool]
-"""Whether the first reading bars the simulation."""
+"""Whether the channels at the start exclude the simulation."""

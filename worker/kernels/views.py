@@ -1,6 +1,6 @@
-"""What components see of each other: obstacles, what perception and navigation make of them, the surroundings.
+"""Data that components exchange: obstacles, errors of perception and navigation, effects of the environment.
 
-Obstacles of the plane and of space, and the same operations on both. Start reading at `Body`.
+Obstacles in the plane and in space have the same operations. Start reading at `Body`.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from worker.kernels.maths import kernel
 
 
 class Body(NamedTuple):
-    """An obstacle in the plane as an avoider and a criterion see it from where they are.
+    """An obstacle in the plane, relative to the position that it was evaluated for.
 
-    Centre [m], velocity [m/s], radius [m]; distance to its surface [m], negative inside, and the unit normal there,
-    pointing away from it.
+    Centre [m], velocity [m/s], radius [m]; distance to the surface [m], negative inside, and the outward unit normal
+    there.
     """
 
     x: float
@@ -44,7 +44,7 @@ class Body3(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """What perception adds to an obstacle: displacement [m], change of velocity [m/s]; visible is 1, or 0."""
+    """Errors of perception: displacement [m] and velocity error [m/s] of an obstacle; visible is 1 or 0."""
 
     x: float
     y: float
@@ -56,16 +56,16 @@ class Sight(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """When obstacles are seen: the instant [s], and for how long the tracker has carried them on from there [s]."""
+    """Timing of perception: the instant of the observation [s], and the extrapolation time of the tracker [s]."""
 
     at: float
     ahead: float
 
 
 class Surroundings(NamedTuple):
-    """What the environment does to a vehicle: wind in the world frame [m/s], slope of the ground (rise per metre).
+    """Effects of the environment: wind in the world frame [m/s], slope of the ground (rise per metre).
 
-    rolling: resistance of the ground, as a share of the weight.
+    rolling: rolling resistance as a fraction of the weight.
     """
 
     wind_x: float
@@ -77,7 +77,7 @@ class Surroundings(NamedTuple):
 
 
 class Errors(NamedTuple):
-    """What navigation adds to the truth: position [m], heading [rad], speed [m/s]."""
+    """Errors of navigation: position [m], heading [rad], speed [m/s]."""
 
     x: float
     y: float
@@ -89,12 +89,12 @@ class Errors(NamedTuple):
 CLEAR_SIGHT = Sight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 NO_ERRORS = Errors(0.0, 0.0, 0.0, 0.0, 0.0)
 STILL = Surroundings(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-"""No wind, level ground; without a fault of perception or navigation, the two above."""
+"""The neutral values: no wind and level ground; above, no faults of perception or navigation."""
 
 
 @kernel
 def moved_by(error: Sight, time: float, vx: float, vy: float, vz: float) -> Sight:
-    """A displacement, and more along a velocity for a time."""
+    """A sight displaced further, along a velocity for a time."""
     return Sight(
         error.x + time * vx, error.y + time * vy, error.z + time * vz, error.vx, error.vy, error.vz, error.visible
     )
@@ -102,19 +102,19 @@ def moved_by(error: Sight, time: float, vx: float, vy: float, vz: float) -> Sigh
 
 @kernel
 def both_sights(a: Sight, b: Sight) -> Sight:
-    """What two faults of perception add together."""
+    """The combined effect of two perception faults."""
     return Sight(a.x + b.x, a.y + b.y, a.z + b.z, a.vx + b.vx, a.vy + b.vy, a.vz + b.vz, a.visible * b.visible)
 
 
 @kernel
 def both_errors(a: Errors, b: Errors) -> Errors:
-    """What two faults of navigation add together."""
+    """The combined effect of two navigation faults."""
     return Errors(a.x + b.x, a.y + b.y, a.z + b.z, a.heading + b.heading, a.speed + b.speed)
 
 
 @kernel
 def both_surroundings(a: Surroundings, b: Surroundings) -> Surroundings:
-    """What two parts of the environment do together."""
+    """The combined effect of two parts of the environment."""
     return Surroundings(
         a.wind_x + b.wind_x,
         a.wind_y + b.wind_y,
@@ -132,24 +132,24 @@ def solid2(b: Body) -> Body3:
 
 
 FAR = 1e7
-"""Where an obstacle that is not seen is shown: beyond the reach of any avoider [m]."""
+"""Distance at which an unseen obstacle is shown, beyond the range of any avoider [m]."""
 
 
 @kernel
 def shifted2(q: Any, error: Sight) -> Any:
-    """From where a displaced obstacle in the plane looks as it does."""
+    """The position that has the same relative view of the true obstacle in the plane as q has of the displaced one."""
     return q[0] - error.x, q[1] - error.y
 
 
 @kernel
 def shifted3(q: Any, error: Sight) -> Any:
-    """From where a displaced obstacle in space looks as it does."""
+    """The position that has the same relative view of the true obstacle in space as q has of the displaced one."""
     return q[0] - error.x, q[1] - error.y, q[2] - error.z
 
 
 @kernel
 def shown2(b: Any, error: Sight, q: Any) -> Body:
-    """An obstacle in the plane as perceived: displaced, or far away when it is not seen."""
+    """An obstacle in the plane as perceived: displaced, or far away if unseen."""
     seen = error.visible > 0.5
     return Body(
         b.x + error.x if seen else q[0] + FAR,
@@ -165,7 +165,7 @@ def shown2(b: Any, error: Sight, q: Any) -> Body:
 
 @kernel
 def shown3(b: Any, error: Sight, q: Any) -> Body3:
-    """An obstacle in space as perceived: displaced, or far away when it is not seen."""
+    """An obstacle in space as perceived: displaced, or far away if unseen."""
     seen = error.visible > 0.5
     return Body3(
         b.x + error.x if seen else q[0] + FAR,

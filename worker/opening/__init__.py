@@ -1,1 +1,1 @@
-"""From a campaign to the system that it names and to its problem. Start reading at `opened`."""
+"""Creates the system that a campaign names, and its problem. Start reading at `opened`."""

@@ -1,4 +1,4 @@
-"""From a campaign to the system that it names, and to its problem; raises `CampaignUnusable` where there is none.
+"""Creates the system that a campaign names, and its problem; raises `CampaignUnusable` if that is not possible.
 
 Start reading at `problem`.
 """
@@ -21,7 +21,7 @@ from worker.systems.closed_loop.system import ClosedLoop
 
 
 def problem(campaign: Campaign) -> Problem:
-    """The problem of a campaign, with the system that it names."""
+    """The problem of a campaign, on the system that it names."""
     return Problem(campaign, system(campaign))
 
 
@@ -36,7 +36,7 @@ def closed_loop(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -
 
 
 def _simulator(campaign: Campaign, asked: Simulator) -> System:
-    """A simulator of this installation, opened; what it returns must be what it declares."""
+    """Open a simulator of this installation and check it against its declaration."""
     problems = flyable(campaign, catalogue())
     if problems:
         raise CampaignUnusable(problems)
@@ -51,13 +51,13 @@ def _simulator(campaign: Campaign, asked: Simulator) -> System:
 
 
 def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> str:
-    """What of an opened simulator is not as its package declares it; empty where all is."""
+    """The first difference between an opened simulator and its declaration; empty if there is none."""
     if not isinstance(opened, System):
-        return f"its package opens {type(opened).__name__}, which is not a worker.systems.base.System"
+        return f"its `open` must return a worker.systems.base.System, not {type(opened).__name__}"
     if {p.path: p.nominal for p in opened.parameters} != nominal:
-        return "its parameters are not those that its package declares, at the values asked for"
+        return "its parameters differ from those that its package declares, or from the requested nominal values"
     if opened.results[0].name != result or opened.results[0].worse != "low":
-        return f"its first result is {opened.results[0].name}, not {result}"
+        return f"its first result must be {result}, worse when low, not {opened.results[0].name}"
     if not opened.repeatable:
-        return "it does not repeat bit by bit, which searches and replays rely on here"
+        return "its results are not repeatable to the bit, which searches and replays require"
     return ""

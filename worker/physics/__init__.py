@@ -1,1 +1,1 @@
-"""Plain kernels that components share: aerodynamics, autopilot, fields, conflict resolution, shapes, paths."""
+"""Kernels that components share: aerodynamics, autopilot, fields, conflict resolution, shapes, paths."""

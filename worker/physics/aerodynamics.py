@@ -1,7 +1,7 @@
 """A fixed-wing airframe: its coefficients, forces and moments, rigid-body motion, trim and linear derivatives.
 
 Srikanthakumar, equations 3.38 to 3.44; coefficients of the Ultra Stick 25e as published by the University of Minnesota.
-Shared by the vehicles that fly it. Start reading at `accelerations`.
+Start reading at `accelerations`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Controls = tuple[float, float, float, float]
 
 
 class Airframe(NamedTuple):
-    """Ultra Stick 25e; where a coefficient has a subscript e, a, r it is per radian of elevator, aileron, rudder."""
+    """Ultra Stick 25e; the subscripts e, a, r of a coefficient mean per radian of elevator, aileron, rudder."""
 
     m: Annotated[float, Parameter("kg", "Mass", 0.1, 100.0)] = 1.9
     I_xx: Annotated[float, Parameter("kg m2", "Moment of inertia, roll", 1e-4, 1e3)] = 0.0894
@@ -68,7 +68,7 @@ class Airframe(NamedTuple):
 
 
 class More(NamedTuple):
-    """What follows from an airframe and stays the same all flight."""
+    """Constants that follow from an airframe."""
 
     per_m: float
     pressure: float
@@ -130,13 +130,13 @@ def constants(p: Airframe) -> tuple[float, ...]:
 
 @kernel
 def stopped(u: Controls, stop: float) -> Controls:
-    """Elevator, aileron, rudder, throttle as far as their stops let them go."""
+    """Elevator, aileron, rudder and throttle, limited by their stops."""
     return clip(u[0], -stop, stop), clip(u[1], -stop, stop), clip(u[2], -stop, stop), clip(u[3], 0.0, 1.0)
 
 
 @kernel
 def loads(air: Vector, rates: Vector, u: Controls, p: Any) -> tuple[Vector, Vector]:
-    """Force of air and propeller per mass [m/s2], and moment [N m], in body axes.
+    """Aerodynamic and propulsive force per mass [m/s2] and moment [N m], in body axes.
 
     air: velocity through the air in body axes [m/s]; rates: turn rates about them [rad/s]; p: `Constants`.
     """
@@ -179,7 +179,7 @@ def loads(air: Vector, rates: Vector, u: Controls, p: Any) -> tuple[Vector, Vect
 
 @kernel
 def turning(rates: Vector, moment: Vector, p: Any) -> Vector:
-    """Derivatives of the turn rates [rad/s2]: equation 3.43, solved for them."""
+    """Derivatives of the turn rates [rad/s2]: equation 3.43 solved for them."""
     roll, pitch, yaw = rates
     about_x = moment[0] * p.per_xx - p.across_x * pitch * yaw + p.couples_x * roll * pitch
     about_z = moment[2] * p.per_zz - p.across_z * roll * pitch - p.couples_z * pitch * yaw - p.spins_z * pitch

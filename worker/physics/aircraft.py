@@ -1,4 +1,4 @@
-"""What every aircraft with Euler angles shares: its 12 states, kinematics, start, envelope, navigation and air data.
+"""The common part of aircraft models with Euler angles: 12 states, kinematics, start, envelope, navigation, air data.
 
 Srikanthakumar, equations 3.38 and 3.39. World axes north, east, down; body axes forward, right, down. Start reading at
 `State`.
@@ -93,7 +93,7 @@ def kinematics(x: State, a: Attitude) -> tuple[Vector, Vector]:
 def through_air(x: State, a: Attitude, env: Surroundings) -> Vector:
     """Velocity through the air in body axes [m/s]."""
     wind = to_body(a, (env.wind_x, env.wind_y, env.wind_z))
-    # without an environment the wind is a constant 0: the compiler sees it, and drops what stands above
+    # without an environment the wind is a constant 0, so the compiler drops the transformation above
     calm = (env.wind_x == 0.0) & (env.wind_y == 0.0) & (env.wind_z == 0.0)
     return (
         x[6] - (0.0 if calm else wind[0]),
@@ -119,7 +119,7 @@ def pose(x: State, p: Any) -> tuple[float, float, float, float, float, float]:
 
 @kernel
 def outside(x: State, p: Any) -> float:
-    """The number of the limit in `LIMITS` that is exceeded; of several, the last."""
+    """The number of the exceeded limit in `LIMITS`; the last one if there are several."""
     code = 1.0 if abs(x[4]) > STEEPEST else 0.0
     code = 2.0 if abs(x[3]) > LARGEST_BANK else code
     code = 3.0 if x[6] < SLOWEST else code
@@ -138,6 +138,6 @@ def measured(x: State, e: Errors, p: Any) -> State:
 
 @kernel
 def felt(x: State, env: Surroundings, p: Any) -> State:
-    """The state with the velocity through the air in place of that over ground: what air data sensors give."""
+    """The state with airspeed components in place of ground speed components, as air data sensors measure them."""
     air = through_air(x, attitude(x[3], x[4], x[5]), env)
     return *x[0:6], air[0], air[1], air[2], *x[9:12]

@@ -1,7 +1,8 @@
-"""Loops that every autopilot of a fixed-wing aircraft shares: references from a demand, PID loops held by their stops.
+"""Control loops of fixed-wing autopilots: references from a demand, PID loops with saturated outputs.
 
-Srikanthakumar, equations 3.46 to 3.50; integration is conditional (Astrom and Hagglund, Advanced PID Control (2006),
-section 3.5): an integrator stands still while its actuator is at a stop and the error pushes on. Start at `referred`.
+Srikanthakumar, equations 3.46 to 3.50; conditional integration (Astrom and Hagglund, Advanced PID Control (2006),
+section 3.5): an integrator stops while its actuator is saturated in the direction of the error. Start reading at
+`referred`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from worker.physics.aircraft import State
 from worker.physics.space import Vector, norm3
 
 STILL = 1e-9
-"""A horizontal demand smaller than this asks for no heading [N] or [m/s]."""
+"""A horizontal demand smaller than this does not define a heading [N] or [m/s]."""
 
 SIGNALS = (
     Signal("u_demand", "u_d", "m/s"),
@@ -25,7 +26,7 @@ SIGNALS = (
 
 
 class Loops(NamedTuple):
-    """Elevator, aileron and throttle loops, and what the demand is held within."""
+    """Gains of the elevator, aileron and throttle loops, and limits of the demand."""
 
     K_p1: Annotated[float, Parameter("", "Pitch loop, proportional gain", 0.0, 1e3)] = 0.35
     K_i1: Annotated[float, Parameter("1/s", "Pitch loop, integral gain", 0.0, 1e3)] = 0.2
@@ -46,14 +47,14 @@ class Loops(NamedTuple):
 
 
 @kernel
-def doubt(p: Any) -> float:
-    """0, but no number where a limit is none: a comparison with such a one would let everything pass."""
+def nan_guard(p: Any) -> float:
+    """0, but NaN if a limit is NaN: every comparison with a NaN limit would pass."""
     return 0.0 * (p.u_min + p.u_max + p.gamma_max + p.e_max + p.stop)  # type: ignore[no-any-return]
 
 
 @kernel
 def referred(x: State, demand: Vector, per_demand: float, p: Any) -> Vector:
-    """What a demand asks for: speed [m/s] and path angle [rad] within their limits, heading [rad]."""
+    """References from a demand: speed [m/s] and flight path angle [rad] within their limits, heading [rad]."""
     level = norm2(demand[0], demand[1])
     speed = clip(per_demand * norm3(demand), p.u_min, p.u_max)
     climb = clip(atan2(-demand[2], level), -p.gamma_max, p.gamma_max)
@@ -62,25 +63,25 @@ def referred(x: State, demand: Vector, per_demand: float, p: Any) -> Vector:
 
 @kernel
 def from_force(x: State, demand: Vector, p: Any) -> Vector:
-    """References of a force [N]."""
+    """References from a force [N]."""
     return referred(x, demand, p.k_u, p)
 
 
 @kernel
 def from_velocity(x: State, demand: Vector, p: Any) -> Vector:
-    """References of a velocity [m/s]."""
+    """References from a velocity [m/s]."""
     return referred(x, demand, 1.0, p)
 
 
 @kernel
 def turn(x: State, heading: float, p: Any) -> float:
-    """The error of the heading that is acted on [rad]."""
+    """The heading error, limited to e_max [rad]."""
     return clip(wrap(heading - x[5]), -p.e_max, p.e_max)
 
 
 @kernel
 def held(wanted: float, low: float, high: float, rate: float, push: float) -> tuple[float, float]:
-    """A command within its stops, and what its integrator adds: nothing while `push` drives it farther out."""
+    """A saturated command and the derivative of its integrator: 0 while `push` drives it further into saturation."""
     given = clip(wanted, low, high)
     return given, (0.0 if (wanted - given) * push > 0.0 else rate)
 

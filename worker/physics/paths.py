@@ -1,6 +1,7 @@
-"""Prescribed paths of moving obstacles: straight legs one after another at one speed, and horizontal circles.
+"""Prescribed paths of moving obstacles: consecutive straight legs at constant speed.
 
-A path's numbers are derived once per flight; on the way only products and sums are left. Start reading at `leg`.
+The constants of a path are derived once per simulation, so that a step needs only products and sums. Start reading at
+`leg`.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ Leg = tuple[float, float, float, float, float]
 
 @kernel
 def leg(start: Point, end: Point, speed: float, begins: float, on: bool) -> Leg:
-    """Velocity along a straight leg (3) [m/s], when it begins and ends [s]; a leg that is not `on` takes no time."""
+    """Velocity along a straight leg (3) [m/s], its begin and end [s]; a leg that is not `on` has no duration."""
     dx, dy, dz = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     length = math.sqrt(dx * dx + dy * dy + dz * dz)
     length = length if on else 0.0
@@ -27,7 +28,7 @@ def leg(start: Point, end: Point, speed: float, begins: float, on: bool) -> Leg:
 
 @kernel
 def elapsed(t: float, begins: float, ends: float) -> float:
-    """How long a leg has been flown at t [s]: 0 before it begins, its whole duration after it ended."""
+    """Time spent on a leg at t [s]: 0 before it begins, its whole duration after its end."""
     until = t if t < ends else ends
     since = until - begins
     return since if since > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""Conflict with an intruder and the least change of velocity that resolves it, as kernels; axes with z down.
+"""Conflict with an intruder and the smallest change of velocity that resolves it; axes with z down.
 
 Goss, Rajvanshi and Subbarao, Aircraft conflict detection and resolution using mixed geometric and collision cone
 approaches (2004); Srikanthakumar, equations 7.1, 7.2 and 7.7. Start reading at `perceive`.
@@ -10,15 +10,15 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Parameter
 from worker.kernels.maths import atan2, kernel, norm2, sincos
-from worker.physics.space import Vector, arcsine, course, dot3, norm3
+from worker.physics.space import Vector, arcsine, dot3, norm3, velocity_vector
 
 NEVER = 1e9
-"""The time to a closest approach that does not come [s]."""
+"""The time to the closest approach if there is none ahead [s]."""
 TINY = 1e-9
 
 
 class Plan(NamedTuple):
-    """What is flown without a conflict: a velocity, as the planner gave it."""
+    """The planned velocity, which is followed while there is no conflict."""
 
     speed: Annotated[float, Parameter("m/s", "Planned speed", 0.0, 1e3)] = 20.0
     heading: Annotated[float, Parameter("rad", "Planned heading, from north over east", -6.4, 6.4, symbol="ψ")] = 0.0
@@ -26,7 +26,7 @@ class Plan(NamedTuple):
 
 
 class Sensing(NamedTuple):
-    """How far the resolution looks, and the errors of the readings it rests on."""
+    """The range of the resolution, and the errors of its sensor readings."""
 
     radius: Annotated[float, Parameter("m", "Planning radius: the miss distance aimed at", 0.0, 1e5, symbol="R_p")] = (
         92.0
@@ -70,13 +70,13 @@ class Encounter(NamedTuple):
 @kernel
 def planned(plan: Plan) -> Vector:
     """The planned velocity."""
-    return course(plan.speed, plan.heading, plan.climb)
+    return velocity_vector(plan.speed, plan.heading, plan.climb)
 
 
 @kernel
 def own_reading(v: Vector, plan: Plan, p: Any) -> Vector:
-    """The own velocity as the resolution reads it, errors included."""
-    as_planned = course(plan.speed + p.du, plan.heading + p.dpsi, plan.climb)
+    """The own velocity as measured, with errors."""
+    as_planned = velocity_vector(plan.speed + p.du, plan.heading + p.dpsi, plan.climb)
     speed = norm3(v)
     s, c = sincos(p.dpsi)
     longer = 1.0 + p.du / (speed if speed > TINY else 1.0)
@@ -91,7 +91,7 @@ def own_reading(v: Vector, plan: Plan, p: Any) -> Vector:
 
 @kernel
 def perceive(q: Vector, v: Vector, own: Vector, body: Any, p: Any) -> Encounter:
-    """One intruder as perceived from q; v is the true own velocity, from which the rate of the range is measured."""
+    """One intruder as perceived from q; v is the true own velocity, which determines the measured range rate."""
     x, y, z = body.x - q[0], body.y - q[1], body.z - q[2]
     distance = norm3((x, y, z))
     per = 1.0 / distance
@@ -119,9 +119,9 @@ def perceive(q: Vector, v: Vector, own: Vector, body: Any, p: Any) -> Encounter:
 
 @kernel
 def aside(e: Encounter, side: float) -> tuple[Vector, float]:
-    """The unit vector to which the relative velocity is turned, and how far it points there already [rad].
+    """The unit vector towards which the relative velocity is turned, and its present angle in that direction [rad].
 
-    side: 1 right of the line of sight, -1 left, 0 whither it points already (the sign of xi in equation 7.7).
+    side: 1 right of the line of sight, -1 left, 0 the side that it points to already (the sign of xi in equation 7.7).
     """
     size = norm3(e.across)
     per = 1.0 / (size + 1e-300)
@@ -136,17 +136,17 @@ def aside(e: Encounter, side: float) -> tuple[Vector, float]:
 
 
 @kernel
-def doubt(e: Encounter, xi: float, p: Any) -> float:
-    """0, but no number where a reading or limit is none: comparisons would take such a one for no conflict."""
+def nan_guard(e: Encounter, xi: float, p: Any) -> float:
+    """0, but NaN if a reading or limit is NaN: comparisons would treat it as no conflict."""
     return 0.0 * (e.miss + e.wait + e.turn + xi + p.range + p.eta_max + p.radius)  # type: ignore[no-any-return]
 
 
 @kernel
 def resolve(e: Encounter, h: Vector, xi: float) -> Vector:
-    """The velocity nearest to the own one that passes at the planning radius (7.7, in a form without 0/0 at xi = 0)."""
+    """The velocity closest to the own one that passes at the planning radius (7.7, without its 0/0 at xi = 0)."""
     s, c = sincos(e.turn)
-    _, share = sincos(e.turn - xi)
-    size = norm3(e.relative) * share
+    _, projection = sincos(e.turn - xi)
+    size = norm3(e.relative) * projection
     return (
         size * (c * e.n[0] + s * h[0]) + e.other[0],
         size * (c * e.n[1] + s * h[1]) + e.other[1],

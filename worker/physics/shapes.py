@@ -1,6 +1,7 @@
-"""Distances to convex shapes: gap to the surface, negative inside, and the outward normal there.
+"""Distances to convex shapes: signed distance to the surface, negative inside, and the outward normal there.
 
-Boxes are given how far outside its own slab a point is, per axis; the caller restores the signs. Start at `rectangle`.
+For boxes, the arguments are a point's distance outside the slab of each axis; the caller restores the signs. Start
+reading at `rectangle`.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ def disc(centre: Pair, velocity: Pair, radius: float, q: Pair) -> Body:
 
 @kernel
 def outward(x: float, half: float) -> float:
-    """How far x is outside the slab of half width `half`, negative inside."""
+    """Distance of x outside the slab of half width `half`, negative inside."""
     return abs(x) - half
 
 
 @kernel
 def rectangle(x: float, y: float) -> tuple[float, float, float]:
-    """Gap and normal, components not negative; x, y: how far outside either slab. The corners are sharp."""
+    """Distance and normal, with non-negative components; x, y: distances outside each slab. The corners are sharp."""
     px = 0.0 if x < 0.0 else x
     py = 0.0 if y < 0.0 else y
     far = math.sqrt(px * px + py * py)
@@ -39,7 +40,7 @@ def rectangle(x: float, y: float) -> tuple[float, float, float]:
     inside = deep <= 0.0
     nearer_x = 1.0 if x > y else 0.0
     return (
-        (deep if inside else far) + 0.0 * (x + y),  # a comparison with NaN is False and would lose it
+        (deep if inside else far) + 0.0 * (x + y),  # propagates NaN, which comparisons lose
         nearer_x if inside else px * per,
         1.0 - nearer_x if inside else py * per,
     )
@@ -47,7 +48,7 @@ def rectangle(x: float, y: float) -> tuple[float, float, float]:
 
 @kernel
 def cuboid(x: float, y: float, z: float) -> tuple[float, float, float, float]:
-    """Gap and normal, components not negative; x, y, z: how far outside each slab. Edges and corners are sharp."""
+    """Distance and normal, with non-negative components; x, y, z: distances outside each slab. Edges are sharp."""
     px = 0.0 if x < 0.0 else x
     py = 0.0 if y < 0.0 else y
     pz = 0.0 if z < 0.0 else z

@@ -1,4 +1,4 @@
-"""Vectors and attitudes in space, without branches or libm, as kernels.
+"""Vectors and attitudes in space as kernels, without branches or libm calls.
 
 Stevens, Lewis and Johnson, Aircraft Control and Simulation (2016), section 1.3: Euler angles in the order yaw, pitch,
 roll; body axes forward, right, down; world axes north, east, down. Start reading at `attitude`.
@@ -37,8 +37,8 @@ def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
 
 @kernel
 def to_world(a: Attitude, v: Vector) -> Vector:
-    """A vector of body axes in world axes: the matrix of equation 3.38 of Srikanthakumar."""
-    # first undo the roll, then the pitch, then the yaw: 12 products instead of the matrix's 23
+    """A vector from body axes to world axes: the matrix of equation 3.38 of Srikanthakumar."""
+    # roll, pitch and yaw are undone one after another: 12 products instead of 23 with the matrix
     y = a.c_roll * v[1] - a.s_roll * v[2]
     z = a.s_roll * v[1] + a.c_roll * v[2]
     x = a.c_pitch * v[0] + a.s_pitch * z
@@ -48,7 +48,7 @@ def to_world(a: Attitude, v: Vector) -> Vector:
 
 @kernel
 def to_body(a: Attitude, v: Vector) -> Vector:
-    """A vector of world axes in body axes."""
+    """A vector from world axes to body axes."""
     x = a.c_yaw * v[0] + a.s_yaw * v[1]
     y = a.c_yaw * v[1] - a.s_yaw * v[0]
     forward = a.c_pitch * x - a.s_pitch * v[2]
@@ -58,7 +58,7 @@ def to_body(a: Attitude, v: Vector) -> Vector:
 
 @kernel
 def euler_rates(a: Attitude, rates: Vector) -> Vector:
-    """Rates of roll, pitch and yaw [rad/s] from those about the body axes; singular at a pitch of 90 degrees."""
+    """Rates of roll, pitch and yaw [rad/s] from body rates; singular at a pitch of 90 degrees."""
     turning = (rates[1] * a.s_roll + rates[2] * a.c_roll) / a.c_pitch
     return rates[0] + turning * a.s_pitch, rates[1] * a.c_roll - rates[2] * a.s_roll, turning
 
@@ -76,8 +76,8 @@ def norm3(v: Vector) -> float:
 
 
 @kernel
-def course(speed: float, heading: float, climb: float) -> Vector:
-    """The velocity of given speed, heading from north over east and climb angle [m/s], [rad], axes with z down."""
+def velocity_vector(speed: float, heading: float, climb: float) -> Vector:
+    """The velocity from speed [m/s], heading from north over east and climb angle [rad]; axes with z down."""
     s_climb, c_climb = sincos(climb)
     s, c = sincos(heading)
     return speed * c_climb * c, speed * c_climb * s, -speed * s_climb

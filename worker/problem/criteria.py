@@ -1,4 +1,4 @@
-"""The criteria of a problem as results name them, and their values in their own sign. Start reading at `criteria`."""
+"""The criteria of a problem as results store them, and their values in their own sign. Start reading at `criteria`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from worker.systems.base import Floats, in_own_sign
 
 
 def criteria(problem: Problem) -> list[FrontCriterion]:
-    """The criteria in the order of the costs' columns, the one that decides first; each name once."""
+    """The criteria in the order of the cost columns, the deciding one first; names are unique."""
     return [
         FrontCriterion(name=r.name, title=r.title, quantity=r.quantity, unit=r.unit, worse=r.worse)
         for r in problem.results
@@ -16,5 +16,5 @@ def criteria(problem: Problem) -> list[FrontCriterion]:
 
 
 def values(problem: Problem, costs: Floats) -> Floats:
-    """Costs (m, k), all of them lower when worse, as the criteria's values in their own sign."""
+    """Costs (m, k), where lower is worse, as the criteria's values in their own sign."""
     return in_own_sign(problem.results, costs)

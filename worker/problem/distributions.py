@@ -1,7 +1,8 @@
-"""The distributions of a campaign: numbers uniform on [0, 1) become points of the unit cube, correlated as asked.
+"""The distributions of a campaign: maps uniform samples to correlated points of the unit cube.
 
-Correlations are a Gaussian copula: normal numbers mixed by Cholesky's factor, then every marginal's own quantile
-(Nelsen, An Introduction to Copulas, 2006, section 2.3). Start reading at `Distributions.quantile`.
+Correlations are a Gaussian copula: normal samples are correlated by the Cholesky factor and mapped by the quantile
+function of each marginal (Nelsen, An Introduction to Copulas, 2006, section 2.3). Start reading at
+`Distributions.quantile`.
 """
 
 from __future__ import annotations
@@ -19,15 +20,15 @@ from campaigns.checked.uncertainty import matrix
 Floats = NDArray[np.float64]
 
 FLAT = 1e5
-"""A normal distribution so many ranges wide is uniform to 1e-11."""
+"""A normal distribution whose deviation exceeds this many ranges is uniform within the bounds to 1e-11."""
 
 LEAST = 1e-300
-"""Uniform numbers this small have a normal number behind them."""
+"""The smallest probability for which a normal quantile is computed."""
 
 
 @dataclass(frozen=True)
 class Range:
-    """One uncertain parameter: its path, place in the flat vector, bounds, nominal value and distribution."""
+    """One uncertain parameter: path, index in the flat vector, bounds, nominal value and distribution."""
 
     path: str
     index: int
@@ -38,28 +39,28 @@ class Range:
 
 
 class Distributions:
-    """What random points of a campaign are drawn from."""
+    """The joint distribution of a campaign's uncertain parameters."""
 
     def __init__(self, ranges: Sequence[Range], correlations: Sequence[Correlation] = ()) -> None:
         self.ranges = tuple(ranges)
         paths = [r.path for r in ranges]
         correlated = {path for c in correlations if c.value != 0.0 for path in c.between}
         self.mixed = [k for k, path in enumerate(paths) if path in correlated]
-        """The parameters that the copula joins."""
+        """Indices of the correlated parameters."""
         self.factor: Floats = np.linalg.cholesky(np.array(matrix(correlations, paths))[np.ix_(self.mixed, self.mixed)])
         beyond = [_beyond(r) for r in ranges]
         self.outside = float(1.0 - np.prod([1.0 - p for p in beyond]))
-        """The probability that a draw lies beyond the bounds, or an upper bound of it: their sum, when they are
-        correlated."""
+        """The probability that a draw is outside the bounds; with correlations an upper bound, the sum of the tail
+        probabilities (union bound)."""
         if any(beyond[k] > 0.0 for k in self.mixed):
             self.outside = min(1.0, float(sum(beyond)))
 
     def quantile(self, uniform: Floats) -> Floats:
-        """Numbers (m, n) uniform on [0, 1) as points of the campaign's distributions, all within the bounds.
+        """Uniform samples (m, n) as points drawn from the campaign's distributions, all within the bounds.
 
-        Of an unbounded normal that is correlated, a value beyond a bound is drawn again within: what the tail leaves
-        of its number is uniform itself. So a point whose values all lie inside is the one that the unbounded
-        distributions would have given, and the probability of any other is at most `outside`.
+        A value of an unbounded correlated normal that falls outside the bounds is redrawn inside: its position within
+        the tail is itself uniform and serves as the new sample. So a point that needed no redraw is exactly the one of
+        the unbounded distributions, and the probability of any other point is at most `outside`.
         """
         mixed = np.asarray(uniform, dtype=np.float64).copy()
         if self.mixed:
@@ -69,7 +70,7 @@ class Distributions:
         return self.marginals(mixed)
 
     def marginals(self, uniform: Floats) -> Floats:
-        """The same with every parameter by itself: correlations are left out."""
+        """The same without correlations: each parameter by its own marginal distribution."""
         points = np.empty_like(uniform)
         for k, r in enumerate(self.ranges):
             points[:, k] = _quantile(r, uniform[:, k])
@@ -77,12 +78,12 @@ class Distributions:
 
 
 def _scaled(r: Range, mean: float, deviation: float) -> tuple[float, float]:
-    """Mean and deviation as shares of the range."""
+    """Mean and standard deviation as fractions of the range."""
     return (mean - r.low) / (r.high - r.low), deviation / (r.high - r.low)
 
 
 def _beyond(r: Range) -> float:
-    """The probability of lying beyond the bounds."""
+    """The probability of a value outside the bounds."""
     if not isinstance(r.distribution, Normal):
         return 0.0
     mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
@@ -90,7 +91,7 @@ def _beyond(r: Range) -> float:
 
 
 def _within(r: Range, normal: Floats) -> Floats:
-    """Normal numbers as numbers uniform on [0, 1] of what lies within the bounds."""
+    """Standard normal samples as uniform samples of the distribution within the bounds."""
     if not isinstance(r.distribution, Normal):
         return np.asarray(special.ndtr(normal))
     mean, deviation = _scaled(r, r.distribution.mean, r.distribution.deviation)
@@ -102,15 +103,15 @@ def _within(r: Range, normal: Floats) -> Floats:
 
 
 def _quantile(r: Range, u: Floats) -> Floats:
-    """Of one parameter, as shares of its range."""
+    """Quantiles of one parameter, as fractions of its range."""
     given = r.distribution
     if isinstance(given, Uniform):
         return u
-    from scipy import stats  # a campaign's process must start fast
+    from scipy import stats  # imported late: a campaign's process must start fast
 
     if isinstance(given, Normal | TruncatedNormal):
         mean, deviation = _scaled(r, given.mean, given.deviation)
-        if deviation > FLAT:  # the truncated tails cancel, what is left is level
+        if deviation > FLAT:  # practically uniform; the tail probabilities would cancel
             return u
         shaped = stats.truncnorm.ppf(u, -mean / deviation, (1 - mean) / deviation, loc=mean, scale=deviation)
     elif isinstance(given, Triangular):

@@ -1,8 +1,7 @@
-"""Many points in, their batch out: the seam between a search and whatever simulates.
+"""The interface between a search and the simulation: many points in, their batch out.
 
-`InProcess` evaluates on threads where the system takes several calls at once (the compiled loop releases the GIL). An
-evaluation's bits depend on its point alone, never on the batch, the thread or the machine's load. Start reading at
-`Evaluate`.
+`InProcess` evaluates on threads if the system allows concurrent calls (the compiled loop releases the GIL). The bits of
+an evaluation depend only on its point, never on the batch, the thread or the load. Start reading at `Evaluate`.
 """
 
 from __future__ import annotations
@@ -19,36 +18,36 @@ from worker.systems.threads import usual_threads
 
 
 class Evaluate(Protocol):
-    """Evaluates points (m, n) of the unit cube: the batch, and the reasons by row of those that are not ok.
+    """Evaluates points (m, n) of the unit cube: the batch, and the reasons by row of failed or excluded evaluations.
 
-    Under the realisations that the campaign states, or each point under one of its own: seeds (m,).
+    By default under the realisations that the campaign states; with seeds (m,), each point under its own realisation.
     """
 
     def __call__(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]: ...
 
 
 class InProcess:
-    """Evaluates in this process, on `threads` threads; each takes whole blocks."""
+    """Evaluates in this process on `threads` threads, each of which gets whole blocks."""
 
     def __init__(self, problem: Problem, threads: int | None = None) -> None:
         self.problem = problem
         self.threads = (threads or usual_threads()) if problem.system.block else 1
-        self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="fly") if self.threads > 1 else None
+        self._pool = ThreadPoolExecutor(self.threads, thread_name_prefix="simulate") if self.threads > 1 else None
 
     def __call__(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, dict[int, str]]:
         block = self.problem.system.block
         if self._pool is None or len(points) <= block:
             return self.problem.fly(points, seeds)
         blocks = -(-len(points) // block)
-        share = -(-blocks // self.threads) * block
-        rows = [slice(i, i + share) for i in range(0, len(points), share)]
+        size = -(-blocks // self.threads) * block
+        rows = [slice(i, i + size) for i in range(0, len(points), size)]
         drawn = [None if seeds is None else seeds[r] for r in rows]
-        flown = list(self._pool.map(self.problem.fly, [points[r] for r in rows], drawn))
-        reasons = {i * share + row: why for i, (_, said) in enumerate(flown) for row, why in said.items()}
-        costs = np.concatenate([batch.costs for batch, _ in flown])
-        return Batch(costs, np.concatenate([batch.status for batch, _ in flown])), reasons
+        parts = list(self._pool.map(self.problem.fly, [points[r] for r in rows], drawn))
+        reasons = {i * size + row: why for i, (_, given) in enumerate(parts) for row, why in given.items()}
+        costs = np.concatenate([batch.costs for batch, _ in parts])
+        return Batch(costs, np.concatenate([batch.status for batch, _ in parts])), reasons
 
     def close(self) -> None:
-        """End the threads."""
+        """Stop the threads."""
         if self._pool is not None:
             self._pool.shutdown()

@@ -1,6 +1,6 @@
-"""A campaign as a problem: from a point of the unit cube to the values of its parameters, whatever evaluates them.
+"""A campaign as a problem: maps points of the unit cube to parameter values and evaluates them.
 
-What is evaluated is a `System`; nothing of it is known here but its parameters and results. Start reading at `Problem`.
+The evaluated `System` is used only through its parameters and results. Start reading at `Problem`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from worker.systems.base import Floats, Realised, Reasons, Result, Seeds, System
 
 
 class Problem:
-    """One campaign with what evaluates it."""
+    """One campaign and the system that evaluates it."""
 
     def __init__(self, campaign: Campaign, system: System) -> None:
         self.campaign = campaign
@@ -37,40 +37,40 @@ class Problem:
 
     @property
     def results(self) -> tuple[Result, ...]:
-        """All criteria in the order of a batch's columns, the one that decides first."""
+        """All criteria in the order of a batch's columns, the deciding one first."""
         return self.system.results
 
     @property
     def quantity(self) -> str:
-        """What the criterion that decides measures, such as d_min."""
+        """The quantity of the deciding criterion, such as d_min."""
         return self.results[0].quantity
 
     @property
     def unit(self) -> str:
-        """Of that quantity."""
+        """The unit of that quantity."""
         return self.results[0].unit
 
     @property
     def realisations(self) -> Realised:
-        """Of the system's noise: those that every evaluation simulates."""
+        """The realisations of the system's noise that every evaluation simulates."""
         return self.system.realisations
 
     @property
     def words(self) -> Words:
-        """How sentences speak of its evaluations."""
+        """Terms for its evaluations in sentences."""
         return self.system.words
 
     @cached_property
     def nominal_point(self) -> Floats:
-        """The nominal values on the unit cube (n,)."""
+        """The nominal values as a point of the unit cube (n,)."""
         return self.point({r.path: r.nominal for r in self.ranges})
 
     def point(self, values: Mapping[str, float]) -> Floats:
-        """Parameter values by path as a point of the unit cube (n,); what is left out is nominal."""
+        """Parameter values by path as a point of the unit cube (n,); missing parameters are nominal."""
         return cube.share(np.array([values.get(r.path, r.nominal) for r in self.ranges]), self.low, self.high)
 
     def values(self, points: Floats) -> Floats:
-        """Points of the unit cube (m, n) in the parameters' units; 0 and 1 give the bounds exactly."""
+        """Points of the unit cube (m, n) in the parameters' units; 0 and 1 map exactly to the bounds."""
         return cube.natural(points, [r.nominal for r in self.ranges], self.low, self.high)
 
     def named(self, point: Floats) -> dict[str, float]:
@@ -92,28 +92,28 @@ class Problem:
 
     @cached_property
     def paths(self) -> dict[str, int]:
-        """Every parameter of the system: its index in a vector by path."""
+        """The index in a vector of every parameter of the system, by path."""
         return self.system.names
 
     def fly(self, points: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
-        """Evaluate points (m, n) in this thread; the batch, and the reasons by row of those that are not ok.
+        """Evaluate points (m, n) in this thread; the batch, and the reasons by row of failed or excluded evaluations.
 
-        Under the campaign's realisations, or each point under the one realisation of its own: seeds (m,).
+        By default under the campaign's realisations; with seeds (m,), each point under its own realisation.
         """
         return self.system.evaluate(self.vectors(points), seeds)
 
     @cached_property
-    def signs(self) -> dict[str, Part]:
-        """The uncertain parameters in sentences: each by its path, with its symbol where no other one has it."""
-        symbols = {p.path: p.symbol or p.path.rpartition(".")[2] for p in self.system.parameters}
-        return {path: symbol(path, label) for path, label in labels(self.campaign.uncertain, symbols).items()}
+    def symbols(self) -> dict[str, Part]:
+        """The uncertain parameters for use in sentences, by path; shown by symbol if that is unique."""
+        plain = {p.path: p.symbol or p.path.rpartition(".")[2] for p in self.system.parameters}
+        return {path: symbol(path, label) for path, label in labels(self.campaign.uncertain, plain).items()}
 
     def quantile(self, uniform: Floats) -> Floats:
-        """Numbers (m, n) uniform on [0, 1) as points drawn from the campaign's distributions."""
+        """Uniform samples (m, n) as points drawn from the campaign's distributions."""
         return self.distributions.quantile(uniform)
 
     def at_bounds(self, point: Floats) -> dict[str, Literal["low", "high"]]:
-        """Which parameters are at a bound."""
+        """The parameters of a point that are at a bound, by path."""
         near = 1e-9
         found: dict[str, Literal["low", "high"]] = {}
         for r, u in zip(self.ranges, point, strict=True):

@@ -1,1 +1,1 @@
-"""How a worker lives: supervisor, child processes, live simulations, memory bounds. Start reading at `supervisor`."""
+"""The processes of a worker: supervisor, child, live simulations, memory limits. Start reading at `supervisor`."""

@@ -50,27 +50,27 @@ def main() -> None:
     fresh = not sources.stale()
     if fresh:
         write(engine, lambda connection: workers.publish(connection, document, code), PATIENCE)
-    _say(answers, {"ready": True, "fresh": fresh})
+    _send(answers, {"ready": True, "fresh": fresh})
     serve(engine, execute, document, requests, answers)
 
 
 def serve(engine: sa.Engine, execute: Execute, components: Catalogue, requests: TextIO, answers: TextIO) -> None:
-    """Execute one claim after the other; the outcome of each is an answer, never an exception.
+    """Execute one claim after another; each gets an answer with its outcome, never an exception.
 
-    `{"fresh": true}` asks whether the loaded code is that of the files. A claim is not begun with other code.
+    The request `{"fresh": true}` checks whether the loaded code still equals the files. If not, no claim is executed.
     """
     for line in requests:
         request = json.loads(line)
         if "fresh" in request:
-            _say(answers, {"fresh": not sources.stale()})
+            _send(answers, {"fresh": not sources.stale()})
         elif sources.stale():
-            _say(answers, {"outcome": "stale", "text": ""})
+            _send(answers, {"outcome": "stale", "text": ""})
         else:
-            _say(answers, perform(execute, engine, components, Claim(**request)))
+            _send(answers, perform(execute, engine, components, Claim(**request)))
 
 
 def perform(execute: Execute, engine: sa.Engine, components: Catalogue, claim: Claim) -> dict[str, str]:
-    """Work on a claim. Outcomes: `done`, `lost` (the lease), `unusable` (no retry helps), `failed` (this attempt)."""
+    """Execute a claim. Outcomes: `done`, `lost` (lease), `unusable` (cannot be retried), `failed` (this attempt)."""
     from worker.processes import memory
     from worker.stages.parts.base import ReplayMismatch
     from worker.systems.base import CampaignUnusable
@@ -106,7 +106,7 @@ def resolve(name: str) -> Execute:
 
 
 def _private_streams() -> tuple[TextIO, TextIO]:
-    """Standard input and output for the supervisor alone: a print or an input() in the physics must not reach it."""
+    """Streams to the supervisor; standard input and output are redirected, so that print and input() are harmless."""
     requests = os.fdopen(os.dup(0), "r", encoding="utf-8")
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -116,7 +116,7 @@ def _private_streams() -> tuple[TextIO, TextIO]:
     return requests, answers
 
 
-def _say(answers: TextIO, message: JsonObject) -> None:
+def _send(answers: TextIO, message: JsonObject) -> None:
     answers.write(json.dumps(message) + "\n")
     answers.flush()
 

@@ -1,4 +1,4 @@
-"""A supervisor's side of its child process: one line of JSON each way, with a deadline.
+"""The supervisor's side of its child process: one line of JSON in each direction, with a deadline.
 
 Start reading at `Child.receive`.
 """
@@ -18,11 +18,11 @@ from worker.processes.lifeline import Wakeup
 
 
 class ChildEndedError(RuntimeError):
-    """The child has ended; the message says how, to follow "the worker process"."""
+    """The child has ended; the message states how and completes "the worker process ..."."""
 
 
 class Child:
-    """A running `worker.processes.child`, its own process group, which dies with this process."""
+    """A running `worker.processes.child` in its own process group; it is killed when this process ends."""
 
     def __init__(self, setup: JsonObject, wakeup: Wakeup) -> None:
         command = [sys.executable, "-P", "-m", "worker.processes.child"]
@@ -46,7 +46,7 @@ class Child:
             raise self._ended() from None
 
     def receive(self, seconds: float) -> JsonObject | None:
-        """The next message; None when there is none within the time [s] or a signal came. Raises `ChildEndedError`."""
+        """The next message; None after the timeout [s] or a signal. Raises `ChildEndedError`."""
         assert self._process.stdout is not None
         deadline = time.monotonic() + seconds
         while b"\n" not in self._received:
@@ -68,7 +68,7 @@ class Child:
                 stream.close()
 
     def _ended(self) -> ChildEndedError:
-        """How it ended: it has closed its pipe, so it is about to, unless it closed the pipe alone."""
+        """The error for a child that has closed its pipe: it is about to end, or is killed after 5 s."""
         try:
             status = self._process.wait(timeout=5.0)
         except subprocess.TimeoutExpired:

@@ -1,7 +1,7 @@
-"""Starts processes that cannot outlive the one that started them, even when it is killed with SIGKILL; and waits.
+"""Starts child processes that cannot outlive their parent, even if it is killed with SIGKILL, and waits for events.
 
-Source: prctl(2), PR_SET_PDEATHSIG (Linux). The signal is sent when the *thread* that started the process ends, so start
-them from the main thread. Start reading at `start`.
+Source: prctl(2), PR_SET_PDEATHSIG (Linux). The signal is sent when the *thread* that started the process ends, so
+children must be started from the main thread. Start reading at `start`.
 """
 
 from __future__ import annotations
@@ -22,27 +22,27 @@ _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 
 def start(command: Sequence[str], *, when_orphaned: signal.Signals, **options: Any) -> subprocess.Popen[bytes]:
-    """Start a process at the head of its own group; it gets the signal `when_orphaned` once this one is gone.
+    """Start a process as the leader of its own group; it gets the signal `when_orphaned` when this process ends.
 
-    `options` are those of `subprocess.Popen`. Elsewhere than on Linux nothing is sent.
+    `options` are those of `subprocess.Popen`. The signal is sent only on Linux.
     """
     parent = os.getpid()
 
     def die_with_parent() -> None:
         if _LIBC is not None:
             _LIBC.prctl(_PR_SET_PDEATHSIG, int(when_orphaned))
-            if os.getppid() != parent:  # it ended before it could be watched
+            if os.getppid() != parent:  # the parent ended before the call
                 os._exit(1)
 
     return subprocess.Popen(command, process_group=0, preexec_fn=die_with_parent, **options)
 
 
 class Wakeup:
-    """While entered, takes SIGTERM, SIGINT and SIGHUP, keeps the first, and ends every wait when a signal comes."""
+    """A context that handles SIGTERM, SIGINT and SIGHUP: it stores the first one, and every signal ends a wait."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
-        """The first of them that came."""
+        """The first of these signals received."""
 
     def __enter__(self) -> Self:
         self._reader, self._writer = os.pipe()
@@ -50,7 +50,7 @@ class Wakeup:
         os.set_blocking(self._writer, False)
         self._wakeup_before = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
         handlers = dict.fromkeys((signal.SIGTERM, signal.SIGINT, signal.SIGHUP), self._stop)
-        # A child's end is a signal too; a handler that does nothing lets it end a wait.
+        # SIGCHLD needs a handler, even an empty one, to end a wait when a child ends.
         self._before = {n: signal.signal(n, h) for n, h in {**handlers, signal.SIGCHLD: lambda *_: None}.items()}
         return self
 
@@ -65,7 +65,7 @@ class Wakeup:
         self.signal = self.signal or number
 
     def wait(self, seconds: float, *others: int) -> bool:
-        """Wait for one of the file descriptors, a signal or the time [s]; true when one of `others` can be read."""
+        """Wait for one of the file descriptors, a signal or the timeout [s]; true if one of `others` is readable."""
         ready, _, _ = select.select([self._reader, *others], [], [], max(0.0, seconds))
         if self._reader in ready:
             os.read(self._reader, 4096)
@@ -73,14 +73,14 @@ class Wakeup:
 
 
 def kill_group(process: subprocess.Popen[bytes]) -> int:
-    """End the process and all that it started with SIGKILL; returns its exit status as `Popen.returncode` has it."""
+    """Kill the process and its group with SIGKILL; returns its exit status as in `Popen.returncode`."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         os.killpg(process.pid, signal.SIGKILL)
     return process.wait()
 
 
 def how_it_ended(status: int) -> str:
-    """An exit status in words, for "the process ...": `ended with signal 9 (SIGKILL)`."""
+    """An exit status as text that completes "the process ...": `ended with signal 9 (SIGKILL)`."""
     if status >= 0:
         return f"ended with exit code {status}"
     try:

@@ -1,14 +1,14 @@
-"""Live flights for the service: a child process that answers requests on standard input, one line of JSON each.
+"""Live simulations for the service: a child process that answers requests on standard input, one line of JSON each.
 
-Request  {"id", "campaign", "parameters": {path: value}, "rows"}; parameters left out are nominal.
-         One noise realisation instead of those of the campaign: "seed", or "draw", its number in the certify stage.
+Request  {"id", "campaign", "parameters": {path: value}, "rows"}; missing parameters are nominal.
+         "seed", or "draw" (index of a draw of the certify stage), selects one noise realisation instead of the
+         campaign's.
 Response {"id", "status", "reason", "cost", "margin", "columns", "data", "meta"} or {"id", "error": sentence}.
 Request  {"id", "kind": "field", "campaign", "parameters", "time", "places": [[x, y], ...]}, as in
 `worker.systems.closed_loop.field`.
 Response {"id", "time", "place", "velocity", "kind", "memory", "unit", "own", "demand": [[x, y, z] or null, ...]}.
-Response {"stale": true}: nothing was simulated, since the code has changed; the process ends, another loads it.
-Run as `python -m worker.processes.live`; it ends with its input, and so with whoever started it. Start reading at
-`answer`.
+Response {"stale": true}: nothing was simulated because the code has changed; the process ends and must be restarted.
+Run as `python -m worker.processes.live`; it ends when its input is closed. Start reading at `answer`.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ from worker.stages.parts import seeds
 from worker.systems.base import CampaignUnusable
 from worker.systems.closed_loop.field import MOST, UNITS, field
 from worker.systems.closed_loop.flights import Flights
-from worker.systems.closed_loop.trace import fly, trace
+from worker.systems.closed_loop.trace import simulate, trace
 
-KEPT = 16
-"""Problems kept ready; the one longest unused makes room."""
+PROBLEMS = 16
+"""Number of problems kept in memory; the least recently used one is dropped."""
 
 ROWS = 400
 MOST_DRAWS = 2**53
@@ -44,21 +44,21 @@ MOST_DRAWS = 2**53
 
 def main() -> None:
     """Answer requests until the input ends."""
-    # The answers' stream is ours alone: whatever a component prints must not reach the service.
+    # Standard output is redirected, so that output of a component does not mix with the answers.
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     memory.bound()
-    _say(answers, {"ready": True})
+    _send(answers, {"ready": True})
     problems: OrderedDict[str, Flights] = OrderedDict()
     for line in sys.stdin.buffer:
         if sources.stale():
-            _say(answers, {"stale": True})
+            _send(answers, {"stale": True})
             return
-        _say(answers, answer(line, problems))
+        _send(answers, answer(line, problems))
 
 
 def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject:
-    """The response to one request; whatever is wrong with it is an error with a sentence."""
+    """The response to one request; an invalid request gets a response with an error message."""
     number = None
     try:
         request = json.loads(line)
@@ -80,22 +80,22 @@ def answer(line: str | bytes, problems: OrderedDict[str, Flights]) -> JsonObject
         problems.clear()
         return {"id": number, "error": memory.sentence()}
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        return {"id": number, "error": f"not a request for a flight: {type(error).__name__}: {error}"}
+        return {"id": number, "error": f"invalid request: {type(error).__name__}: {error}"}
     except Exception as error:
         return {"id": number, "error": f"the simulation failed: {type(error).__name__}: {error}"}
 
 
 def _flights(document: Any, problems: OrderedDict[str, Flights]) -> Flights:
-    campaign = load_document(document, "the campaign of a live flight")
+    campaign = load_document(document, "the campaign of a live simulation")
     flights = problems.pop(campaign.digest, None) or Flights(campaign)
     problems[campaign.digest] = flights
-    if len(problems) > KEPT:
+    if len(problems) > PROBLEMS:
         problems.popitem(last=False)
     return flights
 
 
 def _realised(flights: Flights, request: JsonObject) -> Flights:
-    """Under the one noise realisation that is asked for, else under those of the campaign."""
+    """The flights under the requested noise realisation, by default under those of the campaign."""
     seed = _whole(request, "seed", MAX_SEED)
     draw = _whole(request, "draw", MOST_DRAWS)
     if draw is not None:
@@ -130,7 +130,7 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -
     wanted = np.asarray(places, dtype=np.float64)
     if wanted.ndim != 2 or wanted.shape[1] != 2 or not 0 < len(wanted) <= MOST or not np.isfinite(wanted).all():
         raise ValueError(f"places must be 1 to {MOST} pairs of finite numbers")
-    found = field(flights, fly(flights, values), float(time), wanted)
+    found = field(flights, simulate(flights, values), float(time), wanted)
     return {
         "time": found.time,
         "place": found.place.tolist(),
@@ -144,7 +144,7 @@ def _field(flights: Flights, values: dict[str, float], time: Any, places: Any) -
 
 
 def _value(flights: Flights, path: str, value: Any) -> float:
-    """The value of a parameter, which must exist and lie within its component's limits."""
+    """The value of a parameter, which must exist and be within its component's limits."""
     if path not in flights.paths:
         raise ValueError(f"the scenario has no parameter {path!r}")
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -160,7 +160,7 @@ def _plain(column: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
 
 
 def _finite(value: Any) -> Any:
-    """JSON has no NaN: what is not finite is null."""
+    """The value with null in place of non-finite numbers, which JSON cannot represent."""
     if isinstance(value, dict):
         return {k: _finite(v) for k, v in value.items()}
     if isinstance(value, list):
@@ -168,7 +168,7 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def _say(answers: TextIO, message: JsonObject) -> None:
+def _send(answers: TextIO, message: JsonObject) -> None:
     answers.write(json.dumps(message, allow_nan=False) + "\n")
     answers.flush()
 

@@ -1,7 +1,7 @@
-"""A bound on the memory of a process that simulates, so that one simulation can never take the machine's.
+"""A memory limit for simulating processes, so that one simulation cannot exhaust the memory of the machine.
 
-Source: setrlimit(2), RLIMIT_AS (Linux): address space, of which LLVM and the threads' heaps map far more than they use;
-so it is counted from what the process has once it is ready. Start reading at `bound`.
+Source: setrlimit(2), RLIMIT_AS (Linux), which limits address space. LLVM and the threads' heaps map far more than they
+use, so the limit is relative to what the process has mapped once it is ready. Start reading at `bound`.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from pathlib import Path
 from worker.systems.threads import usual_threads
 
 SETTING = "CLEARANCE_CHILD_MEMORY"
-"""The environment variable: GiB beyond what a ready process has, 0 for no bound."""
+"""The environment variable: GiB in addition to what a ready process has mapped; 0 for no bound."""
 
-USUAL = 8.0
+DEFAULT = 8.0
 """[GiB]"""
 
 GIB = 2**30
 
 THREAD = 128 * 2**20
-"""Address space of a thread's stack and heap; 72 MiB were measured [bytes]."""
+"""Address space of a thread's stack and heap [bytes]; measured: 72 MiB."""
 
 
 def allowed() -> float:
-    """The setting [GiB]; infinite for no bound. Raises `ValueError`, with a sentence, for what is no number."""
+    """The setting [GiB]; infinite for no bound. Raises `ValueError` if it is not a number of GiB."""
     given = os.environ.get(SETTING, "").strip()
     try:
-        value = float(given or USUAL)
+        value = float(given or DEFAULT)
     except ValueError:
         value = math.nan
     if not value >= 0:
@@ -40,9 +40,9 @@ def allowed() -> float:
 
 
 def bound(threads: int | None = None) -> None:
-    """Bound this process from now on; to be called once everything is imported. Ends it for an invalid setting.
+    """Limit the memory of this process from now on; call it after all imports. Exits if the setting is invalid.
 
-    threads: on which it simulates, the usual ones by default.
+    threads: the number of simulation threads, by default `usual_threads`.
     """
     try:
         value = allowed()
@@ -61,7 +61,7 @@ def bound(threads: int | None = None) -> None:
 
 @contextlib.contextmanager
 def bounded(threads: int | None = None) -> Iterator[None]:
-    """The same bound while the block lasts; the limit of before is restored. Raises `ValueError` for the setting."""
+    """The same limit within a `with` block. Raises `ValueError` if the setting is invalid."""
     allowed()
     if sys.platform != "linux":
         yield
@@ -77,7 +77,7 @@ def bounded(threads: int | None = None) -> Iterator[None]:
 
 
 def sentence() -> str:
-    """What a simulation that ran out of memory is told with."""
+    """The error message for a simulation that ran out of memory."""
     value = allowed()
     bound = f"the limit of {value:g} GiB per process" if math.isfinite(value) else "the available memory"
     return (

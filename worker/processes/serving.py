@@ -1,6 +1,6 @@
-"""The processes behind `clearance serve`: started together, watched, started again when they die, stopped together.
+"""The processes behind `clearance serve`: started together, monitored, restarted when they die, stopped together.
 
-What they print goes to files in the data folder. Start reading at `Servers.watch`.
+Their output goes to log files in the data folder. Start reading at `Servers.watch`.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from worker.processes import lifeline
 from worker.processes.lifeline import Wakeup
 
 STOP = 5.0
-"""How long the processes may take to end by themselves [s]."""
+"""Time for the processes to end after SIGTERM before they are killed [s]."""
 
 LONGEST_PAUSE = 30.0
-"""The longest wait before a process that keeps dying is started again [s]."""
+"""The longest delay before a process that keeps dying is restarted [s]."""
 
 STEADY = 60.0
-"""A process that lived this long before it died is started again at once [s]."""
+"""A process that ran at least this long before it died is restarted without delay [s]."""
 
 LARGEST_LOG = 10_000_000
-"""A log larger than this is begun anew, the old one kept beside it [bytes]."""
+"""A log larger than this is replaced by a new one; the previous log is kept as .old.log [bytes]."""
 
 
 @dataclass
 class Server:
-    """One process that is to run: its name, command and log."""
+    """One process to run: its name, command and log."""
 
     name: str
     command: Sequence[str]
@@ -43,10 +43,10 @@ class Server:
     pause: float = 0.0
     due: float = 0.0
     status: int | None = None
-    """How it last ended, as `Popen.returncode`."""
+    """Exit status of its last end, as in `Popen.returncode`."""
 
     def start(self) -> None:
-        """Start it, its output at the end of its log."""
+        """Start it; its output is appended to its log."""
         self.log.parent.mkdir(parents=True, exist_ok=True)
         if self.log.exists() and self.log.stat().st_size > LARGEST_LOG:
             self.log.replace(self.log.with_suffix(".old.log"))
@@ -71,7 +71,7 @@ class Server:
 
 
 class Servers:
-    """All the processes; `report` is told, in a sentence, whatever happens to them."""
+    """All the processes; `report` is called with a sentence about every event."""
 
     def __init__(self, servers: Sequence[Server], wakeup: Wakeup, report: Callable[[str], None]) -> None:
         self.servers, self.report, self._wakeup = servers, report, wakeup
@@ -82,12 +82,12 @@ class Servers:
             server.start()
 
     def watch(self, seconds: float) -> list[Server]:
-        """Look after them for about this long [s]; returns those that died meanwhile, to be started again in time."""
+        """Monitor them for about this long [s]; returns those that died, which are restarted after a delay."""
         self._wakeup.wait(seconds)
         return [server for server in self.servers if self._died(server)]
 
     def stop(self) -> None:
-        """Ask them to end, wait a little, and end by force what is left."""
+        """Terminate them with SIGTERM and, after a timeout, with SIGKILL."""
         running = [server.process for server in self.servers if server.process is not None]
         for process in running:
             process.send_signal(signal.SIGTERM)
@@ -111,6 +111,6 @@ class Servers:
         server.pause = 0.0 if at - server.started > STEADY else min(LONGEST_PAUSE, max(0.5, 2 * server.pause))
         server.due = at + server.pause
         how = lifeline.how_it_ended(status)
-        self.report(f"The {server.name} {how}; it is started again in {server.pause:g} s. From {server.log}:")
+        self.report(f"The {server.name} {how}; restarting it in {server.pause:g} s. From {server.log}:")
         self.report(server.tail())
         return True

@@ -1,7 +1,7 @@
-"""A worker: claims runs, keeps their leases alive, and has a child process do the work.
+"""A worker: claims runs, renews their leases, and executes them in a child process.
 
-The supervisor never runs physics: whatever the child does (crash, hang, hold the interpreter), the lease is kept, a
-cancel is obeyed within a second, and the run goes back to the queue. Start reading at `Supervisor.run`.
+The supervisor never simulates. Whatever the child does (crash, hang, hold the interpreter), the lease is renewed, a
+cancellation takes effect within a second, and the run returns to the queue. Start reading at `Supervisor.run`.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from worker.processes.lifeline import Wakeup
 log = logging.getLogger("clearance.worker")
 
 POLL = 0.5
-"""How often an idle worker looks for a run [s]."""
+"""Interval at which an idle worker polls for a run [s]."""
 
 WATCH = 0.25
-"""How often a working one looks whether its run is to be cancelled [s]."""
+"""Interval at which a busy worker checks for cancellation [s]."""
 
 GRACE = 2.0
-"""How long a child whose run has ended may take to say so before it is killed [s]."""
+"""Time for a child to report the end of its run after the lease was lost, before it is killed [s]."""
 
 ANSWER = 10.0
-"""How long an idle child may take to say whether its code is that of the files [s]."""
+"""Time for an idle child to report whether its code still equals the files [s]."""
 
 START = 300.0
-"""How long a child may take to start [s]."""
+"""Time for a child to start [s]."""
 
 MOST_FAILURES = 3
-"""How many times in a row a child may fail to start before the worker ends, so that whoever started it is told."""
+"""Consecutive failures of a child to start after which the worker exits with an error."""
 
 SETTLE = 60.0
-"""How long the end of an attempt is written again while the database is away [s]; then its lease runs out anyway."""
+"""Time for which writing the end of an attempt is retried while the database is unavailable; then its lease expires."""
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,12 @@ class Ending:
 
 
 def default_name() -> str:
-    """What a worker is called where it is given no name: machine and process."""
+    """The default name of a worker: host name and process id."""
     return f"{socket.gethostname()}:{os.getpid()}"[:80]
 
 
 class Supervisor:
-    """One worker with one child; `runner` names what the child calls, as `module:function`."""
+    """One worker with one child; `runner`: the function that the child calls, as `module:function`."""
 
     def __init__(self, url: str, name: str, *, runner: str, lease: float = LEASE) -> None:
         self.url, self.name, self.runner = url, name, runner
@@ -71,20 +71,20 @@ class Supervisor:
         self._failures = 0
 
     def run(self) -> int:
-        """Work until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
+        """Process runs until SIGTERM, SIGINT or SIGHUP; returns the number of that signal."""
         with self._wakeup:
             try:
-                self._patiently(lambda: self._tell(workers.arrive))
+                self._despite_outage(lambda: self._notify(workers.arrive))
                 while self._wakeup.signal is None:
-                    self._patiently(self._turn)
+                    self._despite_outage(self._turn)
             finally:
                 self._drop_child()
-                self._patiently(lambda: self._tell(workers.leave))
+                self._despite_outage(lambda: self._notify(workers.leave))
                 self.engine.dispose()
         return self._wakeup.signal or 0
 
     def _turn(self) -> None:
-        """Take one run from its claim to its end, or wait a little."""
+        """Process one run from its claim to its end, or wait for the next poll."""
         self._beat_idle()
         child = self._ready_child()
         if child is None or self._wakeup.signal is not None:
@@ -99,7 +99,7 @@ class Supervisor:
         self._settle(claim, ending)
 
     def _watch(self, child: Child, claim: Claim) -> Ending:
-        """Beat while the child works; returns once it no longer does."""
+        """Send heartbeats while the child works; returns how the attempt ended."""
         try:
             child.send(claim.as_json())
             while True:
@@ -109,7 +109,7 @@ class Supervisor:
                 if self._wakeup.signal is not None:
                     self._drop_child()
                     return Ending("stopped")
-                if self._asked_to_cancel(claim):
+                if self._cancel_requested(claim):
                     self._drop_child()
                     return Ending("cancelled")
         except ChildEndedError as ended:
@@ -118,21 +118,21 @@ class Supervisor:
         except LostLease:
             return self._lost(child)
 
-    def _asked_to_cancel(self, claim: Claim) -> bool:
+    def _cancel_requested(self, claim: Claim) -> bool:
         try:
             due = time.monotonic() >= self._next_beat
             if not due and not self.queue.cancel_requested(claim):
                 return False
             self._next_beat = time.monotonic() + self.queue.lease / 5
             cancelling = self.queue.beat(claim)
-            self._tell(workers.beat, claim.run_id)
+            self._notify(workers.beat, claim.run_id)
             return cancelling
         except sa.exc.OperationalError as error:
-            log.warning("run %d: heartbeat failed, the database did not answer: %s", claim.run_id, error.orig)
+            log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
             return False
 
     def _lost(self, child: Child) -> Ending:
-        """The run is no longer ours: it has just ended, or another worker has it. A child that says so stays warm."""
+        """Handle a lost lease: the run has ended, or another worker has it. A child that reports its end is kept."""
         try:
             answer = child.receive(GRACE)
         except ChildEndedError:
@@ -142,7 +142,7 @@ class Supervisor:
         return Ending(answer["outcome"] if answer and answer["outcome"] == "done" else "lost")
 
     def _settle(self, claim: Claim, ending: Ending) -> None:
-        """Write how the attempt ended."""
+        """Store how the attempt ended, in the queue."""
         queue = self.queue
         settle: dict[str, Callable[[], None]] = {
             "died": lambda: queue.retry(claim, ending.text),
@@ -169,9 +169,7 @@ class Supervisor:
             self._wakeup.wait(0.2)
 
     def _ready_child(self) -> Child | None:
-        """The child, started where there is none or the code has changed; None when it did not come up (it is tried
-        again).
-        """
+        """The child, (re)started if there is none or the code has changed; None if it did not start (to be retried)."""
         if self.child is not None and self.child.alive() and self._is_fresh(self.child):
             return self.child
         self._drop_child()
@@ -192,12 +190,12 @@ class Supervisor:
             self._failures += 1
             if self._failures >= MOST_FAILURES:
                 raise RuntimeError(f"the worker process {how} before it was ready, {self._failures} times in a row")
-            log.error("the worker process %s before it was ready; it is started again", how)
+            log.error("the worker process %s before it was ready; restarting it", how)
             self._wakeup.wait(0.5 * 2**self._failures)
         return None
 
     def _is_fresh(self, child: Child) -> bool:
-        """Whether the code that the child loaded is still that of the files, as it says itself: it knows which."""
+        """Whether the child's code still equals the files; the child checks this, since it recorded what it loaded."""
         deadline = time.monotonic() + ANSWER
         try:
             child.send({"fresh": True})
@@ -205,10 +203,10 @@ class Supervisor:
                 answer = child.receive(WATCH)
                 if answer is not None:
                     if not answer["fresh"]:
-                        log.info("the code has changed: another process loads it")
+                        log.info("the code has changed: restarting the worker process")
                     return bool(answer["fresh"])
         except ChildEndedError as ended:
-            log.error("the worker process %s while it was idle; it is started again", ended)
+            log.error("the worker process %s while it was idle; restarting it", ended)
         return self._wakeup.signal is not None
 
     def _drop_child(self) -> None:
@@ -219,14 +217,14 @@ class Supervisor:
     def _beat_idle(self) -> None:
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + self.queue.lease / 5
-            self._tell(workers.beat, None)
+            self._notify(workers.beat, None)
 
-    def _tell(self, what: Callable[..., None], *values: int | None) -> None:
+    def _notify(self, what: Callable[..., None], *values: int | None) -> None:
         write(self.engine, lambda connection: what(connection, self.name, *values), 0.0)
 
-    def _patiently(self, work: Callable[[], None]) -> None:
+    def _despite_outage(self, work: Callable[[], None]) -> None:
         try:
             work()
         except sa.exc.OperationalError as error:
-            log.warning("the database does not answer: %s", error.orig)
+            log.warning("the database does not respond: %s", error.orig)
             self._wakeup.wait(1.0)

@@ -1,8 +1,8 @@
-"""The reference integrator: the same components as the search, flown by other means to confirm what it found.
+"""The reference integrator: simulates the same components as the search by independent means, to confirm findings.
 
 DOP853 (Dormand and Prince, order 8(5,3); Hairer, Norsett and Wanner, Solving ODEs I, section II.10) with dense output.
-It shares neither the step, the order, the refinement, the compiler's flags nor the elementary functions with the loop
-that flies in lockstep. It reads the criterion that decides and no other. Start reading at `Reference`.
+It differs from the lockstep loop in step, order, refinement, compiler flags and elementary functions. It evaluates only
+the deciding criterion. Start reading at `Reference`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A closed loop as the system that the reference integrator flies. A template with slots, which `compiled` fills.
+"""A closed loop as a system for the reference integrator: a template with slots, which `compiled` fills.
 
 Start reading at `answer`.
 """
@@ -13,39 +13,39 @@ from worker.reference.stepper import BARRED, BEGIN, DRAW, LIMIT, SAMPLE, SEE, SL
 
 N_X = N_P = N_D = N_G = N_Y = Y0 = Y1 = D0 = D1 = 0
 AHEAD: Any = ()
-"""In place of the channels of other criteria that stand before."""
+"""Zeros for the channels of other criteria that precede the deciding one."""
 
 
 def _slot(*_: Any) -> Any:
-    raise NotImplementedError("a slot that was not filled")
+    raise NotImplementedError("unfilled slot: call bind.filled first")
 
 
 load_x = store_x = load_g = store_g = load_p = store_d = load_y = store_y = _slot
-initial = blank = guide = closed_loop = envelope = cost = barred = drawn = before = one = _slot
+initial = initial_guidance = guide = closed_loop = envelope = cost = excluded = drawn = before = one = _slot
 
 
 def answer(what: int, t: float, x: Any, dx: Any, y: Any, p: Any) -> float:
-    """What `stepper.call` asks; p: the extended parameters (N_P,), and behind them the kept noise (N_D,) and the
-    held guidance (N_G,)."""
+    """Answers `stepper.call`; p: the extended parameters (N_P,), followed by the stored noise (N_D,) and the held
+    guidance (N_G,)."""
     xs, dxs, ys, ps = carray(x, N_X), carray(dx, N_X), carray(y, N_Y), carray(p, N_P + N_D + N_G)
     given = load_p(ps, 0, 0)
     if what == SLOPE:
         rate, channels = closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given)
         store_x(dxs, 0, 0, rate)
         store_y(ys, 0, 0, channels[Y0:Y1])
-    elif what == SEE:  # the compiler drops whatever only the slope needs
+    elif what == SEE:  # the compiler drops what only the slope needs
         store_y(ys, 0, 0, closed_loop(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given)[1][Y0:Y1])
     elif what == SAMPLE:
         store_g(ps, N_P + N_D, 0, guide(t, load_x(xs, 0, 0), load_g(ps, N_P + N_D, 0), given))
     elif what == DRAW:
         store_d(ps, N_P, 0, drawn(t, given))
     elif what == BEGIN:
-        store_g(ps, N_P + N_D, 0, blank(given))
+        store_g(ps, N_P + N_D, 0, initial_guidance(given))
         store_x(xs, 0, 0, initial(given))
     elif what == LIMIT:
         return envelope(load_x(xs, 0, 0), given)  # type: ignore[no-any-return]
     elif what == BARRED:
-        return 1.0 if barred(AHEAD + load_y(ys, 0, 0), given) else 0.0
+        return 1.0 if excluded(AHEAD + load_y(ys, 0, 0), given) else 0.0
     else:
         return cost(AHEAD + load_y(ys, 0, 0), given)  # type: ignore[no-any-return]
     return 0.0
@@ -61,6 +61,6 @@ def more_drawn(t: float, p: Any) -> Any:
     return before(t, p) + one(t, p)
 
 
-def kept(t: float, p: Any) -> Any:
-    """In place of drawing: what was drawn when the stretch began."""
+def stored(t: float, p: Any) -> Any:
+    """The noise drawn at the start of the stretch, in place of drawing it again."""
     return p[D0:D1]

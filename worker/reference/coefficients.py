@@ -1,8 +1,8 @@
 """The coefficients of Dormand and Prince's pair of order 8(5,3), with its dense output of order 7.
 
 Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), section II.10, as in their program DOP853.
-Rows of `A` are given as {column: coefficient}; everything left out is 0. Row 12 is the step itself (b), whose slope is
-the next step's first; rows 13 to 15 are the further stages of the dense output.
+Rows of `A` are given as {column: coefficient}; missing ones are 0. Row 12 is the step itself (b), whose slope is the
+first of the next step; rows 13 to 15 are the additional stages of the dense output.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ C: Floats = np.array(
         0.7777777777777778,
     ]
 )
-"""At which fraction of the step each slope is taken."""
+"""The fraction of the step at which each slope is evaluated."""
 
 A: Floats = _dense(
     [
@@ -161,7 +161,7 @@ E5: Floats = _dense(
         }
     ]
 )[0]
-"""The step less the solution of order 5."""
+"""The step minus the solution of order 5."""
 
 E3: Floats = _dense(
     [
@@ -177,7 +177,7 @@ E3: Floats = _dense(
         }
     ]
 )[0]
-"""The step less the solution of order 3."""
+"""The step minus the solution of order 3."""
 
 D: Floats = _dense(
     [

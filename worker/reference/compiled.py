@@ -1,8 +1,8 @@
-"""Compiles the reference integrator once, and every closed loop as a system for it to fly.
+"""Compiles the reference integrator once, and every closed loop as a system for it.
 
-The components' plain Python functions are compiled again, strictly: no operation is reordered or fused, and the
-elementary functions that have approximations in `kernels.maths` are the platform's. The integrator calls a system by
-its address, so it is compiled once for all of them. Start reading at `system`.
+The components' plain Python functions are compiled again without fast-math: no operation is reordered or fused, and
+elementary functions are the platform's, not the approximations of `kernels.maths`. The integrator calls a system by
+address, so that one compiled integrator serves all systems. Start reading at `system`.
 """
 
 from __future__ import annotations
@@ -16,37 +16,37 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 from worker.kernels.bind import Function, compile_loop, digest, filled, identity, rebuilt
-from worker.kernels.cache import kept_callback
+from worker.kernels.cache import cached_callback
 from worker.kernels.lanes import lane_ops
 from worker.reference import closed, flight, stepper
 from worker.systems.closed_loop.assemble import LIBRARY, Loop
 
 STRICT: dict[str, Any] = {"error_model": "numpy"}
-"""A division by zero gives infinity, which ends the flight as not finite."""
+"""A division by zero gives infinity, which ends the simulation as not finite."""
 
 BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, **STRICT}
-"""Of functions that are called by compiled code alone."""
+"""Flags of functions that only compiled code calls."""
 
-PARTS = ("initial", "blank", "guide", "closed_loop", "envelope", "cost", "barred")
+PARTS = ("initial", "initial_guidance", "guide", "closed_loop", "envelope", "cost", "excluded")
 
 NUMBERS = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 SYSTEM = types.float64(types.int64, types.float64, NUMBERS, NUMBERS, NUMBERS, NUMBERS)
-"""(what, t, state, slope, channels, parameters) -> a number, as `stepper.call` says."""
+"""(what, t, state, slope, channels, parameters) -> a number, as described in `stepper.call`."""
 
 
 def system(loop: Loop) -> Any:
-    """A closed loop as a compiled function of C, kept on disk; its `address` is good for as long as it is kept."""
-    return kept_callback(bound(loop), SYSTEM, **STRICT)
+    """A closed loop as a compiled C callback, cached on disk; its `address` is valid while the object exists."""
+    return cached_callback(bound(loop), SYSTEM, **STRICT)
 
 
 def bound(loop: Loop, keep: bool = True) -> Function:
-    """A closed loop as a function to compile, its digest in its name; `keep`: noise is drawn once a stretch and kept.
+    """A closed loop as a function to compile, with its digest in its name; keep: draw noise once per stretch.
 
-    Noise changes only where a stretch begins. Drawn at each slope it took a quarter of a slope's time.
+    Noise changes only where a stretch begins. Drawing it for every slope took a quarter of the slope's time.
     """
     done: dict[int, Any] = {identity(kernel): _library(other) for kernel, other in LIBRARY.items()}
-    drawn, kept = _noise(loop, done)
-    done |= kept if keep else {}
+    drawn, stored = _noise(loop, done)
+    done |= stored if keep else {}
     slots = {name: rebuilt(loop.kernel(name), done, _inlined) for name in PARTS} | {"drawn": drawn}
     counts = {"x": loop.n_state, "p": loop.size_extended + draws(loop), "g": loop.n_held}
     first, last = loop.channels.of["criterion"]
@@ -71,23 +71,23 @@ def bound(loop: Loop, keep: bool = True) -> Function:
 
 
 def draws(loop: Loop) -> int:
-    """How many numbers of noise a stretch keeps."""
+    """The number of noise samples stored per stretch."""
     return sum(count for _, count in loop.drawing)
 
 
 def _noise(loop: Loop, done: dict[int, Any]) -> tuple[Any, dict[int, Any]]:
-    """What draws all noise, and by `identity` of what draws a part of it what reads that part where it is kept."""
-    drawn, kept, at = _inlined(closed.none_drawn), {}, loop.size_extended
+    """The function that draws all noise; and the functions that read stored noise, by `identity` of what drew it."""
+    drawn, stored, at = _inlined(closed.none_drawn), {}, loop.size_extended
     for kernel, count in loop.drawing:
         drawn = _inlined(filled(closed.more_drawn, {"before": drawn, "one": rebuilt(kernel, dict(done), _inlined)}))
-        kept[identity(kernel)] = _inlined(filled(closed.kept, {"D0": at, "D1": at + count}))
+        stored[identity(kernel)] = _inlined(filled(closed.stored, {"D0": at, "D1": at + count}))
         at += count
-    return drawn, kept
+    return drawn, stored
 
 
 @cache
 def integrator() -> Any:
-    """`flight.fly` compiled, for any system by its address."""
+    """`flight.fly`, compiled for any system by address."""
     return compile_loop(rebuilt(flight.fly, {identity(stepper.call): _call}, _separate), "reference", STRICT)
 
 
@@ -105,7 +105,7 @@ def _library(function: Any) -> Any:
 
 @intrinsic
 def _call(context, system, what, t, b, at, to, y, p):  # type: ignore[no-untyped-def]
-    """`stepper.call` of a system at an address."""
+    """`stepper.call` for a system given by address."""
     signature = types.float64(system, types.int64, t, b, types.int64, types.int64, y, p)
 
     def codegen(context, builder, signature, arguments):  # type: ignore[no-untyped-def]

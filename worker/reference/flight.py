@@ -1,7 +1,7 @@
-"""One flight under DOP853, from instant to instant at which something jumps.
+"""One simulation with DOP853, in stretches between the instants of discontinuities.
 
-Between two instants the right-hand side is continuous in time and the guidance is held: each stretch begins with a
-slope of its own, and no slope is taken beyond its end. Start reading at `fly`.
+Within a stretch the right-hand side is continuous in time and the guidance is held. Every stretch starts with a new
+slope, and no slope is evaluated beyond its end. Start reading at `fly`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from worker.reference.coefficients import STAGES
-from worker.reference.reading import LOOKS, read
+from worker.reference.reading import READINGS, read
 from worker.reference.stepper import (
     BARRED,
     BEGIN,
@@ -38,41 +38,41 @@ from worker.reference.stepper import (
 )
 
 RELATIVE = ABSOLUTE = 1e-10
-"""Tolerances of a step. Measured on two aircraft campaigns: d_min is within 5e-9 of what 1e-12 and 1e-14 give."""
+"""Tolerances of a step. Measured on two aircraft campaigns: d_min is within 5e-9 of its value at 1e-12 and 1e-14."""
 
 COARSE = 1e-4
-"""Both tolerances from where the fine ones make no headway: a loop that slides along a switch has no order there."""
+"""Both tolerances once the fine ones make no progress, as in a loop that chatters along a switching surface."""
 
 HEADWAY = 1e-3
-"""So many calls of the right-hand side as `patience` allows for less than this fraction of the horizon: no headway."""
+"""The smallest progress, as a fraction of the horizon, within `patience` calls of the right-hand side."""
 
 OK, NOT_FINITE, EXCLUDED, OUTSIDE = 0.0, 1.0, 2.0, 3.0
-"""As in the loop that flies in lockstep; OUTSIDE + k is limit k of the vehicle's envelope."""
+"""As in the lockstep loop; OUTSIDE + k is limit k of the vehicle's envelope."""
 STUCK, SHORT = -1.0, -2.0
-"""The loop switches without end; the step that the tolerance asks for is shorter than the spacing of numbers."""
+"""The loop chatters; the step size that the tolerance requires is below the floating-point spacing of time."""
 
 LARGEST, FARTHEST = 1e12, 1e300
-"""The sum of magnitudes of the states, and the magnitude of a channel, beyond which a flight has diverged."""
+"""A simulation has diverged when the sum of the absolute values of its states, or of its channels, exceeds these."""
 
 SPACINGS = 10.0
-"""The shortest step, in spacings of the numbers around the time."""
+"""The shortest step, in multiples of the floating-point spacing at the current time."""
 
 
 STEP, CALLS, MARK, WHEN = range(4)
-"""What a flight carries on, in c: the next step [s]; calls since its headway was looked at, and when that was [s]; the
-time [s]."""
+"""Elements of c, the state of the step control: next step [s]; calls since the last check of progress, and its time
+[s]; current time [s]."""
 
 
 def fly(
     system: Any, instants: Any, asks: Any, before: float, patience: int, b: Any, y: Any, p: Any, c: Any, found: Any
 ) -> None:
-    """Fly a system through the stretches between n + 1 instants [s].
+    """Simulate a system through the stretches between n + 1 instants [s].
 
-    asks (n,): whether guidance is sampled at a stretch's start; before: by which fraction of it the end of each is
-    approached; patience: calls of the right-hand side without headway; b, y, c: room to work in, (ROWS, states),
-    (CHANNEL_ROWS, channels) and (4,); p: the system's parameters. Out: found (6,) as the criterion's value; a status as
-    above; the time it ended [s]; from when it was flown at the coarse tolerance [s], why (STUCK or SHORT, else 0), and
-    when that was found [s].
+    asks (n,): whether guidance is sampled at the start of each stretch; before: fraction of a stretch by which slopes
+    stay before its end; patience: calls of the right-hand side without progress; b, y, c: work arrays (ROWS, states),
+    (CHANNEL_ROWS, channels) and (4,); p: the system's parameters. Out: found (6,): the criterion's value; a status as
+    above; the end time [s]; the time from which the coarse tolerance was used [s], why (STUCK or SHORT, else 0), and
+    the time at which that was detected [s].
     """
     call(system, DRAW, (instants[0] + instants[1]) / 2.0, b, X, X, y, p)
     code = begun(instants[0], system, b, y, p, c)
@@ -83,7 +83,7 @@ def fly(
             break
         start, end = instants[k], instants[k + 1]
         if k > 0:
-            # In the middle: an end may be a switch but for rounding, or a sample of guidance next to one.
+            # Drawn at the midpoint, because rounding can put an end of the stretch on the wrong side of a switch.
             call(system, DRAW, (start + end) / 2.0, b, X, X, y, p)
         if asks[k] and k > 0:
             call(system, SAMPLE, start, b, X, X, y, p)
@@ -110,7 +110,7 @@ def fly(
 
 
 def begun(start: float, system: Any, b: Any, y: Any, p: Any, c: Any) -> float:
-    """The state, the first guidance sample and the channels at the start; the status there."""
+    """Set the state, the first guidance sample and the channels at the start; returns the status there."""
     call(system, BEGIN, start, b, X, X, y, p)
     call(system, SAMPLE, start, b, X, X, y, p)
     call(system, SLOPE, start, b, X, K, y, p)
@@ -125,7 +125,7 @@ def begun(start: float, system: Any, b: Any, y: Any, p: Any, c: Any) -> float:
 
 
 def judged(t: float, system: Any, b: Any, y: Any, p: Any) -> float:
-    """OK, NOT_FINITE or OUTSIDE + k: decided from the state and the channels at OLD, never from the cost."""
+    """OK, NOT_FINITE or OUTSIDE + k, from the state and the channels at OLD, never from the cost."""
     total = highest = 0.0
     for i in range(b.shape[1]):
         total += abs(b[X, i])
@@ -141,7 +141,7 @@ def stretch(
     start: float, end: float, until: float, rel: float, floor: float, horizon: float, patience: int, system: Any,
     b: Any, y: Any, p: Any, c: Any,
 ) -> float:  # fmt: skip
-    """Step from start to end, reading the channels; the status, with the time at WHEN."""
+    """Step from start to end and update the channels; returns the status, with the time at WHEN."""
     t = start
     call(system, SLOPE, t, b, X, K, y, p)
     for i in range(y.shape[1]):
@@ -152,7 +152,7 @@ def stretch(
     most, left = GROW, 2.0
     while left > 1.0:
         c[WHEN] = t
-        # What is left in equal steps: the last is not a splinter.
+        # Divide the rest into equal steps, so that the last one is not tiny.
         left = max(1.0, math.ceil(min((end - t) / c[STEP], 1e15)))
         h = (end - t) / left
         if not h > SPACINGS * np.spacing(t):
@@ -167,10 +167,10 @@ def stretch(
         if not error < 1.0:
             c[STEP], most, left = h * min(1.0, longer), 1.0, 2.0
             continue
-        # A step that could be much longer, cut short by the end, tells nothing of the one that was meant.
+        # A step cut short by the end of the stretch does not limit the next step size if its error is far below 1.
         c[STEP] = h * min(most, longer) if longer < GROW else max(c[STEP], h * most)
         most = GROW
-        read(t, h, until, horizon / LOOKS, system, b, y, p)
+        read(t, h, until, horizon / READINGS, system, b, y, p)
         for i in range(b.shape[1]):
             b[X, i] = b[NEW, i]
             b[K, i] = b[K + STAGES, i]

@@ -1,4 +1,4 @@
-"""Flights of a problem under the reference integrator: the value of the deciding criterion, or why there is none.
+"""Simulations with the reference integrator: the value of the deciding criterion, or why there is no value.
 
 Start reading at `Reference.fly`.
 """
@@ -25,21 +25,21 @@ from worker.systems.threads import usual_threads
 NAME = "DOP853"
 
 _SYSTEMS: WeakKeyDictionary[Loop, Any] = WeakKeyDictionary()
-"""Compiled systems and the integrator, for as long as the loops live that they were made of."""
+"""Compiled systems and the integrator by loop, for as long as the loop exists."""
 
 
 @dataclass(frozen=True)
 class Flight:
-    """The criterion's value, or None with the reason why there is none; `reason` also tells of a coarse tolerance."""
+    """The criterion's value, or None and the reason; `reason` also states a coarse tolerance."""
 
     cost: float | None
     reason: str = ""
 
 
 class Reference:
-    """One problem, ready to be flown; compiled at its first flight, or in plain Python by SciPy's DOP853.
+    """The reference integrator for one closed loop: compiled at first use, or in plain Python with SciPy's DOP853.
 
-    Threads may fly at the same time.
+    It is thread-safe.
     """
 
     name = NAME
@@ -50,14 +50,14 @@ class Reference:
         self.timetable = Timetable(flights)
 
     def fly(self, vector: Floats, counts: int | None = None) -> Flight:
-        """Fly one flat parameter vector (size,); the minimum over time comes from the dense output.
+        """Simulate one flat parameter vector (size,); the minimum over time comes from the dense output.
 
-        Of several realisations the one that counts, where the worst does: it is that flight which is to be confirmed.
-        `counts`: its seed, where it is known; otherwise the loop finds it at the campaign's step.
+        If the worst of several realisations counts, only that one is simulated. counts: its seed, if known; otherwise
+        the loop determines it at the campaign's step.
         """
         flights, realised = self.flights, self.flights.realisations
         if flights.parts.criterion.over == "crossing":
-            return Flight(None, f"{NAME} does not look for crossings, which {flights.parts.criterion.title} reads")
+            return Flight(None, f"{NAME} does not locate crossings, which {flights.parts.criterion.title} needs")
         seeds = realised.seeds
         if realised.several and realised.combine == "worst":
             seeds = tuple(flights.fly_realised(vector[None, :])[2] or ()) if counts is None else (counts,)
@@ -74,15 +74,15 @@ class Reference:
         cancelled: Callable[[], bool] = lambda: False,
         counts: Sequence[int | None] | None = None,
     ) -> list[Flight]:
-        """Fly vectors (m, size) on the usual threads. Once cancelled, the flights until then: fewer than m.
+        """Simulate vectors (m, size) on `usual_threads`. When cancelled, returns the results until then: fewer than m.
 
-        counts: by vector the seed that counts, as in `fly`.
+        counts: the deciding seed of each vector, as in `fly`.
         """
         counts = [None] * len(vectors) if counts is None else counts
         threads = min(usual_threads(), len(vectors)) if self.compiled else 1
         flown: list[Flight] = []
         if threads > 1:
-            _ = self._system  # compiled by one thread, before the others need it
+            _ = self._system  # compile once, before the threads start
             with ThreadPoolExecutor(threads, thread_name_prefix="reference") as pool:
                 while len(flown) < len(vectors) and not cancelled():
                     some = slice(len(flown), len(flown) + threads)
@@ -106,12 +106,12 @@ class Reference:
     def _realised(self, vector: Floats) -> Flight:
         loop, found = self.flights.loop, np.zeros(6)
         if not np.isfinite(vector).all():
-            return Flight(None, f"{NAME} could not fly it: a parameter is not a finite number")
+            return Flight(None, f"{NAME} could not simulate it: a parameter is not a finite number")
         try:
             p = loop.extend(vector)
             stretches = self.timetable.of(p)
         except (ArithmeticError, ValueError) as error:
-            return Flight(None, f"{NAME} could not fly it: {error}")
+            return Flight(None, f"{NAME} could not simulate it: {error}")
         if self.compiled:
             self._fly(p, stretches, found)
         else:
@@ -130,10 +130,10 @@ class Reference:
         fly(system.address, *where, states, channels, given, np.zeros(4), found)
 
     def _judged(self, found: Floats) -> Flight:
-        """What `flight.fly` found, in words."""
+        """The output of `flight.fly` as a `Flight`."""
         cost, code, when, since, why, noticed = (float(v) for v in found)
         if code < flight.OK:
-            return Flight(None, f"{NAME} could not fly it: {_stuck(code, when)}")
+            return Flight(None, f"{NAME} could not simulate it: {_stuck(code, when)}")
         if code != flight.OK:
             _, reasons = self.flights.judge(np.array([code]), np.array([when]))
             return Flight(None, f"{NAME}: {reasons[0]}")
@@ -141,10 +141,10 @@ class Reference:
             return Flight(None, f"{NAME}: {self.flights.parts.criterion.quantity} is not a finite number")
         if why == flight.OK:
             return Flight(cost)
-        return Flight(cost, f"at a tolerance of {flight.COARSE:g} from t = {since:.6g} s on: {_stuck(why, noticed)}")
+        return Flight(cost, f"with a tolerance of {flight.COARSE:g} from t = {since:.6g} s: {_stuck(why, noticed)}")
 
 
 def _stuck(code: float, when: float) -> str:
     if code == flight.STUCK:
-        return f"the loop switches to and fro without end from t = {when:.6g} s"
-    return f"at t = {when:.6g} s it needs a step shorter than the spacing of numbers"
+        return f"the loop chatters (switches back and forth without progress) from t = {when:.6g} s"
+    return f"at t = {when:.6g} s the required step is below the floating-point spacing of time"

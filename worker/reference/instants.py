@@ -1,4 +1,4 @@
-"""The instants at which a flight begins a stretch of its own: samples of guidance, and whatever jumps.
+"""The instants that divide a simulation into stretches: guidance samples and discontinuities.
 
 Start reading at `Timetable`.
 """
@@ -15,24 +15,23 @@ from worker.systems.base import Floats
 from worker.systems.closed_loop.flights import Flights
 
 STRETCHES = 40
-"""A flight without samples of guidance is integrated in so many stretches: only from the one where it stuck on is it
-flown at the coarse tolerance."""
+"""Number of stretches without sampled guidance; the coarse tolerance is used only from the stretch that got stuck."""
 
 BEFORE = 1e-8
-"""Fraction of a stretch by which its end is approached where something jumps there."""
+"""Fraction of a stretch by which slopes stay before its end, if there are discontinuities."""
 
 APART = 1e-9
-"""Instants are apart by more than this [s]."""
+"""The smallest distance between instants [s]."""
 
 STUCK, PER_STRETCH = 5_000, 0.1
-"""Calls of the right-hand side in which a flight must make headway: some, and some for every stretch of the flight."""
+"""Calls of the right-hand side within which a simulation must make progress: a constant, and a number per stretch."""
 
 
 @dataclass(frozen=True)
 class Stretches:
-    """One flight's stretches: n + 1 instants [s]; whether guidance is sampled at the start of each of the n.
+    """The stretches of one simulation: n + 1 instants [s]; whether guidance is sampled at the start of each of the n.
 
-    before: by which fraction of a stretch its end is approached; patience: calls in which it must make headway.
+    before: fraction of a stretch by which slopes stay before its end; patience: calls within which it must progress.
     """
 
     instants: Floats
@@ -42,7 +41,7 @@ class Stretches:
 
 
 class Timetable:
-    """The stretches of a problem's flights; those of flights that switch alike are made once."""
+    """The stretches of a closed loop's simulations; cached for simulations with the same switching instants."""
 
     def __init__(self, flights: Flights) -> None:
         self.flights = flights
@@ -51,7 +50,7 @@ class Timetable:
         self._last: tuple[set[float], Stretches] | None = None
 
     def of(self, p: tuple[float, ...]) -> Stretches:
-        """The stretches of a flight with these extended parameters. Threads may ask at the same time."""
+        """The stretches of a simulation with these extended parameters. Thread-safe."""
         switches, last = _switches(self.flights, p, self.horizon), self._last
         if last is None or last[0] != switches:
             last = self._last = (switches, self._made(switches))
@@ -65,24 +64,24 @@ class Timetable:
 
 
 def _switches(flights: Flights, p: tuple[float, ...], horizon: float) -> set[float]:
-    """The instants at which a fault or the environment jumps.
+    """The instants of discontinuities of faults and the environment.
 
-    What perception does between the samples of guidance reaches nobody.
+    With sampled guidance, perception between samples has no effect, so its switches are left out.
     """
-    parts, places = flights.parts, flights.loop.extended
+    parts, spans = flights.parts, flights.loop.extended
     inner = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults) if f.fault.path in ("navigation", "actuator")}
     outer = {f"faults.{i}": f.fault for i, f in enumerate(parts.faults)}
     around = {f"environment.{i}": e for i, e in enumerate(parts.environment)}
     found: set[float] = set()
     for prefix, part in ((inner if parts.sampled else outer) | around).items():
         if part.switches is not None:
-            at = places[prefix]
+            at = spans[prefix]
             found.update(part.switches(at.fields(*p[at.first : at.last]), horizon))
     return found
 
 
 def _joined(ticks: list[float], switches: set[float]) -> list[float]:
-    """Both in order; of a tick and a switch at the same instant the tick, of two switches the earlier."""
+    """Both in order; at the same instant a tick takes precedence over a switch, and the earlier of two switches."""
     joined = list(ticks)
     for t in sorted(switches):
         at = bisect(joined, t)

@@ -1,7 +1,7 @@
-"""The reference flight in plain Python, under SciPy's DOP853: what the compiled one is held against.
+"""The reference integrator in plain Python with SciPy's DOP853, to validate the compiled one against.
 
-It shares with it the components' plain functions, the stretches, the tolerances and the meaning of what is found, and
-nothing else. Start reading at `fly`.
+Both share only the components' plain functions, the stretches, the tolerances and the format of the output. Start
+reading at `fly`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from worker.reference.flight import (
     STUCK,
 )
 from worker.reference.instants import Stretches
-from worker.reference.reading import LOOKS
+from worker.reference.reading import READINGS
 from worker.systems.base import Floats
 from worker.systems.closed_loop.flights import Flights
 
@@ -40,7 +40,7 @@ class _Ended(Exception):
 
 
 class _Headway:
-    """Counts calls of the right-hand side and looks whether time passes."""
+    """Counts calls of the right-hand side and checks that time progresses."""
 
     def __init__(self, horizon: float, patience: int) -> None:
         self.least, self.patience, self.calls, self.mark = HEADWAY * horizon, patience, 0, 0.0
@@ -57,7 +57,7 @@ class _Headway:
 
 
 class _Plain:
-    """One flight: its functions and the state it has reached."""
+    """One simulation: its functions and its current state."""
 
     def __init__(self, flights: Flights, p: tuple[float, ...], stretches: Stretches) -> None:
         part = flights.loop.part
@@ -67,7 +67,7 @@ class _Plain:
         self.deciding = slice(*flights.loop.channels.of["criterion"])
         self.horizon = float(stretches.instants[-1])
         self.headway = _Headway(self.horizon, stretches.patience)
-        self.g = part("blank", library=True)(p)
+        self.g = part("initial_guidance", library=True)(p)
         self.x = part("initial", library=True)(p)
         self.lowest = np.full(flights.loop.channels.total, np.inf)
 
@@ -75,7 +75,7 @@ class _Plain:
         return self.closed_loop(t, tuple(x), self.g, self.p)[1]
 
     def judge(self, t: float, x: Any) -> None:
-        """_Ended where the state or the channels have diverged, or the state is outside the envelope."""
+        """Raise _Ended if the state or the channels have diverged, or the state is outside the envelope."""
         around = np.abs(self.seen(t, x)[self.deciding]).sum()
         if not (np.abs(x).sum() < LARGEST and around < FARTHEST):
             raise _Ended(NOT_FINITE, t)
@@ -84,8 +84,8 @@ class _Plain:
             raise _Ended(OUTSIDE - 1.0 + limit, t)
 
     def stretch(self, start: float, end: float, tolerances: tuple[float, float]) -> None:
-        """Fly one stretch, and read its channels."""
-        from scipy.integrate import solve_ivp  # a campaign's process must start fast
+        """Integrate one stretch and update the minima of the channels."""
+        from scipy.integrate import solve_ivp  # imported late: a campaign's process must start fast
 
         last = end - self.stretches.before * (end - start)
 
@@ -101,18 +101,18 @@ class _Plain:
             self.judge(min(float(t), last), x.tolist())
         if not flown.success:
             raise _Ended(SHORT, float(flown.t[-1]))
-        looks = max(8, round(LOOKS * (end - start) / self.horizon))
+        samples = max(8, round(READINGS * (end - start) / self.horizon))
 
         def read(t: float) -> Any:
             return self.seen(min(t, last), flown.sol(t).tolist())[self.deciding]
 
-        found = _lowest(read, np.linspace(start, end, looks + 1))
+        found = _lowest(read, np.linspace(start, end, samples + 1))
         self.lowest[self.deciding] = np.minimum(self.lowest[self.deciding], found)
         self.x = tuple(flown.y[:, -1].tolist())
 
 
 def fly(flights: Flights, p: tuple[float, ...], stretches: Stretches, found: Floats) -> None:
-    """Fly one extended vector of parameters; out: found (6,) as of `flight.fly`."""
+    """Simulate one extended vector of parameters; out: found (6,) as in `flight.fly`."""
     found[1], found[2] = OK, 0.0
     try:
         with np.errstate(all="ignore"):
@@ -122,7 +122,7 @@ def fly(flights: Flights, p: tuple[float, ...], stretches: Stretches, found: Flo
     except _Ended as ended:
         found[1], found[2] = ended.code, ended.when
     except (ArithmeticError, ValueError):
-        # Python refuses what the compiled form carries on with as infinity or NaN.
+        # Python raises where compiled code continues with infinity or NaN.
         found[1] = NOT_FINITE
 
 
@@ -135,7 +135,7 @@ def _fly(flights: Flights, flown: _Plain, found: Floats) -> None:
             flown.g = flown.guide(start, flown.x, flown.g, flown.p)
         if start == 0.0:
             flown.judge(start, flown.x)
-            if flights.loop.part("barred", library=True)(flown.seen(start, flown.x), flown.p):
+            if flights.loop.part("excluded", library=True)(flown.seen(start, flown.x), flown.p):
                 raise _Ended(EXCLUDED, start)
         found[2] = start
         try:
@@ -150,14 +150,14 @@ def _fly(flights: Flights, flown: _Plain, found: Floats) -> None:
     found[2] = flown.horizon
 
 
-def _lowest(read: Callable[[float], Any], looks: Floats) -> Floats:
-    """The lowest value of every channel over one stretch of dense output."""
+def _lowest(read: Callable[[float], Any], times: Floats) -> Floats:
+    """The lowest value of every channel over one stretch of dense output, sampled at these times and refined."""
     from scipy.optimize import minimize_scalar
 
-    seen = np.array([read(t) for t in looks])
+    seen = np.array([read(t) for t in times])
     lowest = seen.min(axis=0)
     for k, i in enumerate(seen.argmin(axis=0)):
-        low, high = looks[max(i - 1, 0)], looks[min(i + 1, len(looks) - 1)]
+        low, high = times[max(i - 1, 0)], times[min(i + 1, len(times) - 1)]
         best = minimize_scalar(lambda t, k=k: read(t)[k], bounds=(low, high), method="bounded", options={"xatol": 1e-9})
         lowest[k] = min(lowest[k], best.fun)
     return np.asarray(lowest)

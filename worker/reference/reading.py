@@ -1,7 +1,7 @@
 """The lowest value of every channel within one step, from the dense output.
 
-Channels are read at the ends of a step and at instants between them; a sample that is lower than both of its
-neighbours is followed down by golden sections (Kiefer 1953). Start reading at `read`.
+Channels are sampled at the ends of a step and in between; a sample lower than both of its neighbours is refined by
+golden section search (Kiefer 1953). Start reading at `read`.
 """
 
 from __future__ import annotations
@@ -26,25 +26,25 @@ from worker.reference.stepper import (
     stages,
 )
 
-LOOKS = 2000
-"""Instants of a flight at which the channels are read before each minimum is refined, besides the ends of steps."""
+READINGS = 2000
+"""Samples of the channels over the horizon, besides the ends of steps, before minima are refined."""
 
 EDGE = 1e-3
-"""Next to the ends of a step the channels are read again, this fraction of the spacing inside: is one falling there?"""
+"""Extra samples at this fraction of the spacing inside the ends of a step detect a channel that decreases there."""
 
 REACH = 4.0
-"""A step is read inside only where a channel could get below its lowest value so far if it changed this many times
-faster than it did, on average, over any step until now."""
+"""The inside of a step is sampled only if a channel could fall below its lowest value so far when changing this many
+times faster than its highest average rate over any step."""
 
 GOLDEN = 0.6180339887498949
 NARROW = 1e-9
-"""The width to which the interval around a minimum is narrowed [s]."""
+"""The final width of the interval around a minimum [s]."""
 ROUNDING = 1e-12
-"""A minimum is refined only where it may be lower than the lowest value so far by more than this fraction of it."""
+"""A minimum is refined only if it could improve on the lowest value so far by more than this fraction."""
 
 
 def read(t: float, h: float, until: float, spacing: float, system: Any, b: Any, y: Any, p: Any) -> None:
-    """Lower LOW to the lowest values within the step just taken; OLD and SEEN hold the channels at its ends."""
+    """Update LOW with the lowest values within the last step; OLD and SEEN hold the channels at its ends."""
     near = False
     for i in range(y.shape[1]):
         old, new = y[OLD, i], y[SEEN, i]
@@ -53,13 +53,13 @@ def read(t: float, h: float, until: float, spacing: float, system: Any, b: Any, 
         y[LOW, i] = min(y[LOW, i], new)
         y[END, i] = new
     if near:
-        look(t, h, until, spacing, system, b, y, p)
+        sample(t, h, until, spacing, system, b, y, p)
     for i in range(y.shape[1]):
         y[OLD, i] = y[END, i]
 
 
-def look(t: float, h: float, until: float, spacing: float, system: Any, b: Any, y: Any, p: Any) -> None:
-    """Read the dense output of the step at so many instants, and refine every minimum among them."""
+def sample(t: float, h: float, until: float, spacing: float, system: Any, b: Any, y: Any, p: Any) -> None:
+    """Sample the dense output of the step at this spacing, and refine every minimum."""
     stages(t, h, 13, 16, until, 1.0, 1.0, system, b, y, p)
     bend(h, b)
     pieces = math.ceil(min(h / spacing, 1e6))
@@ -94,12 +94,12 @@ def look(t: float, h: float, until: float, spacing: float, system: Any, b: Any, 
 def refine(
     t: float, h: float, left: float, right: float, until: float, i: int, system: Any, b: Any, y: Any, p: Any
 ) -> None:
-    """Golden sections on channel i between two fractions of the step; every value seen counts."""
+    """Golden section search on channel i between two fractions of the step; all sampled values update LOW."""
     one, other = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
     at_one = at_other = math.inf
     known = 0
     while True:
-        # Of two inner points the one that is left over from the interval before is known already.
+        # One of the two inner points is known from the previous interval.
         if known != 1:
             seen_at(t, h, one, until, system, b, y, p)
             at_one = y[SEEN, i]

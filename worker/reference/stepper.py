@@ -1,8 +1,8 @@
-"""One step of DOP853 over a table of rows of states: its slopes, its error, its dense output.
+"""One step of DOP853: slopes, error estimate and dense output.
 
-Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.4 to II.6 and II.10. The rows
-of b (ROWS, n): X the state at the step's start, NEW the one at its end, WORK the state at a stage, K the slopes, F the
-dense output. Plain functions, which `compiled` compiles once for all systems. Start reading at `stages`.
+Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I (1993), sections II.4 to II.6 and II.10. Rows of b
+(ROWS, n): X the state at the start of the step, NEW at its end, WORK at a stage, K the slopes, F the dense output.
+`compiled` compiles these plain functions once for all systems. Start reading at `stages`.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ CHANNEL_ROWS = 9
 """Rows of y (CHANNEL_ROWS, m): SEEN the channels at the last slope; the others belong to `reading`."""
 
 SLOPE, BEGIN, SAMPLE, BARRED, LIMIT, COST, DRAW, SEE = range(8)
-"""What a system is asked: see `call`."""
+"""Requests to a system, see `call`."""
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
-"""A step's successor is shorter than the error allows, and neither much shorter nor much longer than the step."""
+"""Safety factor of the step control, and the limits of the ratio of successive steps."""
 
 
 def call(system: Any, what: int, t: float, b: Any, at: int, to: int, y: Any, p: Any) -> float:
-    """Ask the system, a function of (what, t, x, dx, channels, p); compiled, its address.
+    """Call the system, a function of (what, t, x, dx, channels, p), or its address in compiled code.
 
-    SLOPE: from the state x the slope dx and the channels; SEE: the channels alone; BEGIN: the state x at the start;
-    SAMPLE: a guidance sample, kept in p; BARRED: whether the channels bar the flight; LIMIT: the number of the limit
-    that x exceeds, else 0; COST: of the channels; DRAW: the noise until something jumps, kept in p.
+    SLOPE: the slope dx and the channels from the state x; SEE: only the channels; BEGIN: the initial state x; SAMPLE: a
+    guidance sample, stored in p; BARRED: whether the channels exclude the simulation; LIMIT: the number of the limit
+    that x exceeds, else 0; COST: the cost from the channels; DRAW: the noise of the stretch, stored in p.
     """
     return system(what, t, b[at], b[to], y[SEEN], p)  # type: ignore[no-any-return]
 
@@ -42,10 +42,10 @@ def stages(
     t: float, h: float, first: int, beyond: int, until: float, rel: float, floor: float, system: Any, b: Any, y: Any,
     p: Any,
 ) -> float:  # fmt: skip
-    """Slopes `first` up to but not including `beyond` of a step from t; returns the step's error, below 1 if it holds.
+    """Slopes `first` up to but not including `beyond` of a step from t; returns the error, below 1 if it is accepted.
 
-    The thirteenth slope, at the new state, is taken only if it holds. No slope is taken later than `until`. `rel`,
-    `floor`: relative and absolute tolerance.
+    The thirteenth slope, at the new state, is evaluated only for an accepted step. No slope is evaluated later than
+    `until`. rel, floor: relative and absolute tolerance.
     """
     n = b.shape[1]
     error = 0.0
@@ -64,7 +64,7 @@ def stages(
 
 
 def added(weights: Any, slopes: int, b: Any, to: int) -> None:
-    """So many slopes, weighed and added; one after another over whole rows, which is several states at a time."""
+    """The weighted sum of the first `slopes` slopes, row by row, so that it vectorises over the states."""
     for i in range(b.shape[1]):
         b[to, i] = 0.0
     for j in range(slopes):
@@ -75,7 +75,7 @@ def added(weights: Any, slopes: int, b: Any, to: int) -> None:
 
 
 def estimated(h: float, rel: float, floor: float, b: Any) -> float:
-    """The error of a step to the state at WORK, over the tolerance: both embedded solutions as one (section II.10)."""
+    """The error of a step to the state at WORK over the tolerance, from both embedded solutions (section II.10)."""
     added(E5, STAGES, b, F)
     added(E3, STAGES, b, F + 1)
     five = three = 0.0
@@ -84,12 +84,12 @@ def estimated(h: float, rel: float, floor: float, b: Any) -> float:
         five += (b[F, i] / scale) ** 2
         three += (b[F + 1, i] / scale) ** 2
     below = five + 0.01 * three
-    # NaN stays NaN, which no step passes.
+    # NaN propagates, and a step with a NaN error is rejected.
     return abs(h) * five / math.sqrt(below * b.shape[1]) if below != 0.0 else 0.0
 
 
 def factor(error: float) -> float:
-    """By which factor the next step may be longer than the one of this error."""
+    """The ratio of the next step to one with this error."""
     if error == 0.0:
         return GROW
     if not error < 1e300:
@@ -98,7 +98,7 @@ def factor(error: float) -> float:
 
 
 def guessed(rel: float, floor: float, b: Any) -> float:
-    """A first step: one in which an Euler step changes the state by a hundredth (section II.4); from the slope at K."""
+    """The initial step: an Euler step with the slope at K changes the state by 1 % (section II.4)."""
     size = speed = 0.0
     for i in range(b.shape[1]):
         scale = floor + rel * abs(b[X, i])
@@ -110,7 +110,7 @@ def guessed(rel: float, floor: float, b: Any) -> float:
 
 
 def bend(h: float, b: Any) -> None:
-    """The dense output of a step all of whose slopes are known."""
+    """Compute the dense output of a step from all its slopes."""
     for i in range(b.shape[1]):
         change = b[NEW, i] - b[X, i]
         old, new = b[K, i], b[K + STAGES, i]

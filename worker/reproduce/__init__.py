@@ -1,6 +1,6 @@
-"""The published case studies, computed again beside what was published: tables, Monte Carlo runs, data of figures.
+"""Reproduces the published case studies: tables, Monte Carlo runs and figure data, next to the published values.
 
 Source: S. Srikanthakumar, Optimisation-Based Verification Process of Obstacle Avoidance Systems for Unmanned Vehicles
-(Loughborough). `published` says what a published result is, `robots` and `aircraft` hold them as data, `ours` computes,
-`compare` judges, `render` writes. Start reading at `compare.reproduce`.
+(Loughborough). `published` defines a published result, `robots` and `aircraft` hold the data, `ours` computes,
+`compare` compares, `render` writes. Start reading at `compare.reproduce`.
 """

@@ -1,7 +1,8 @@
 """Published results of the aircraft: cases 3 (static obstacle), 4 (intruder), 5 (decision-making avoidance).
 
 Source: the thesis's tables 4.3, 4.4, 5.6 to 5.10, 7.1 to 7.3, sections 3.4.4, 3.5, 7.4, 7.7, chapter 6, figures 3.32,
-3.34, 7.8 to 7.10; the models' own values, each to 0.02 m, are those of the reconstruction. Start reading at `RESULTS`.
+3.34, 7.8 to 7.10. The models' values, with a tolerance of 0.02 m, come from the reconstruction. Start reading at
+`RESULTS`.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from worker.reproduce.published import (
 )
 
 HELD = 0.02
-"""[m]"""
+"""Tolerance of the models' values [m]."""
 
 MASS, ELEVATOR, THRUST = ("m", "vehicle.m"), ("C_mde", "vehicle.C_mde"), ("C_dt", "vehicle.C_dt")
 STATIC = Case(3, "UAV, static obstacle", "uav_static", (MASS, ELEVATOR, THRUST))
@@ -63,11 +64,11 @@ WORST = {
 
 
 def _none_at(value: float, point: tuple[float, ...]) -> Model:
-    """No local minimum at this published point, whose value the model is known to give."""
+    """The model has no local minimum at this published point, but a known value."""
     return Model(value, None, point, PLACE, must=False)
 
 
-NOT_THERE = "no such local minimum in this model: its value at the published point is {:g} m, and the descent goes on"
+NOT_THERE = "no such local minimum in this model: its value at the published point is {:g} m, and the descent continues"
 BY_VALUE = "compared by value only; the reconstruction's own sample gave {:g} m"
 
 
@@ -129,7 +130,7 @@ def _moving() -> list[Result]:
         *_variants(case, MOVING_CORNER, (59.55, 59.45), (51.18, 47.68)),
         Result("reconstruction", "case 4, linear, lowest of all corners", case, Corners(), None,
                model=Model(58.44, HELD, (1.52, -1.356, 14.628), PLACE), variant=f"{case.campaign}_linear",
-               note="another corner than the nonlinear model's: the linear one keeps its weight"),
+               note="a different corner than for the nonlinear model, since the linear model keeps its weight"),
     ]  # fmt: skip
 
 
@@ -138,7 +139,7 @@ def _decision() -> list[Result]:
     first, second = (2.28, -1.36, 1.99, 0.2, -2.0, -0.2), (1.52, -1.36, -2.0, 0.2, -2.0, 0.2)
     found = [
         _worst(case, "7.2", "DIRECT", direct(500, 31697), 56.63, evaluations=31697, time="10 h 27 min",
-               note="the lowest value, 57.186 m, lies at dpsi = 0.195"),
+               note="the lowest value, 57.186 m, is at dpsi = 0.195"),
         _worst(case, "7.2", "GLOBAL", clustering(300, 5425), 56.63, evaluations=5425, time="1 h 11 min"),
         _worst(case, "7.2", "GA", genetic(), 56.64, evaluations=2020, time="37 min", note=CHANCE),
     ]  # fmt: skip
@@ -178,7 +179,7 @@ def _trends(case: Case, figure: str, trends: dict[str, Trend]) -> list[Result]:
 def _variants(
     case: Case, corner: tuple[float, ...], linear: tuple[float, float], banking: tuple[float, float]
 ) -> list[Result]:
-    """The linear model and bank-to-turn, nominal and at the published corner; none of them was published."""
+    """The linear model and bank-to-turn, nominal and at the published corner; not in the source."""
     found = []
     for kind, title, (nominal, worst) in (("linear", "linear", linear), ("bank", "bank-to-turn", banking)):
         variant = f"{case.campaign}_{kind}"

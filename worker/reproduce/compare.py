@@ -1,6 +1,6 @@
-"""Holds what was computed against what was published and against the reconstructed model's own values.
+"""Compares computed values with the published ones and with the known values of the reconstructed model.
 
-Start reading at `reproduce`; `Row` is what a reader gets.
+Start reading at `reproduce`; `Row` is one line of the output.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Value = float | str | None
 
 @dataclass(frozen=True)
 class Spent:
-    """What a value cost: evaluations, and the time as published or ours in seconds."""
+    """The effort for a value: evaluations, and the time as published or, for ours, in seconds."""
 
     evaluations: int | None
     time: str | float | None
@@ -27,12 +27,12 @@ class Spent:
 
 @dataclass(frozen=True)
 class Row:
-    """One published number beside ours.
+    """One published number and ours.
 
-    tolerance: of ours to `model`, the value that the reconstructed model is known to give, in `unit`; None where none
-    is stated. place: share of each range within which `ours_at` must lie of `model_at`; None where it need not.
-    agrees: whether both hold; None where neither is stated or nothing was computed, which `available` tells apart.
-    must: whether the product is held to it. Places are by path.
+    model: the known value of the reconstructed model; tolerance: for the difference of ours to it, in `unit`, or None.
+    place: fraction of each range within which `ours_at` must be of `model_at`, or None. agrees: whether both hold; None
+    if neither is stated or, with `available` false, nothing was computed. must: whether a disagreement is an error.
+    The `..._at` are parameter values by path.
     """
 
     table: str
@@ -66,20 +66,20 @@ class Row:
 
     @property
     def broken(self) -> bool:
-        """The product is held to this row and does not keep it."""
+        """Whether the row must agree and does not."""
         return self.must and self.agrees is False
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """All rows, and the time they took without and for the compilation [s]."""
+    """All rows, the computation time, and the compilation time [s]."""
 
     rows: tuple[Row, ...]
     seconds: float
     compile_seconds: float
 
     def longer(self, seconds: float, compile_seconds: float) -> Reproduction:
-        """The same with more time spent [s]."""
+        """The same with these times added [s]."""
         return Reproduction(self.rows, self.seconds + seconds, self.compile_seconds + compile_seconds)
 
 
@@ -88,16 +88,16 @@ RESULTS: tuple[Result, ...] = (*robots.RESULTS, *aircraft.RESULTS)
 
 def tables(published: Sequence[Result] | None = None) -> list[str]:
     """Every table, figure and section with results, in the published order."""
-    return sorted({r.table for r in (RESULTS if published is None else published)}, key=_place)
+    return sorted({r.table for r in (RESULTS if published is None else published)}, key=_order)
 
 
-def _place(table: str) -> tuple[list[int], str]:
+def _order(table: str) -> tuple[list[int], str]:
     number = _number(table)
     return ([int(part) for part in number.split(".")] if number[0].isdigit() else [99], table)
 
 
 def chosen(names: Sequence[str], published: Sequence[Result] | None = None) -> list[str]:
-    """The tables that these names mean: a table itself, or all of a chapter; raises ValueError for none."""
+    """The tables selected by these names, each a table or a chapter; raises ValueError for an unknown name."""
     known = tables(published)
     if not names:
         return known
@@ -105,13 +105,13 @@ def chosen(names: Sequence[str], published: Sequence[Result] | None = None) -> l
     for name in names:
         means = [t for t in known if name in (t, _number(t)) or _number(t).startswith(f"{name}.")]
         if not means:
-            raise ValueError(f"there is no table {name}; there are {', '.join(known)}")
+            raise ValueError(f"unknown table {name!r}; choose from {', '.join(known)}")
         found.extend(means)
     return [t for t in known if t in found]
 
 
 def _number(table: str) -> str:
-    """Of "figure 3.7" the 3.7."""
+    """The number of a table's name: 3.7 of "figure 3.7"."""
     return table.rpartition(" ")[2]
 
 
@@ -121,10 +121,10 @@ def reproduce(
     progress: Callable[[int, int], None] = lambda done, of: None,
     published: Sequence[Result] | None = None,
 ) -> Reproduction:
-    """Compute every row of the named tables, of all by default."""
+    """Compute every row of the named tables, by default of all tables."""
     wanted = set(chosen(names, published))
     results = sorted(
-        (r for r in (RESULTS if published is None else published) if r.table in wanted), key=lambda r: _place(r.table)
+        (r for r in (RESULTS if published is None else published) if r.table in wanted), key=lambda r: _order(r.table)
     )
     flights = flights or Flights()
     began, compiled = time.perf_counter(), flights.compile_seconds
@@ -146,7 +146,7 @@ def _row(flights: Flights, result: Result) -> Row:
     model, case = result.model, result.case
     tolerance = None if model is None else model.tolerance
     place = None if model is None else model.place
-    if result.quantity != D_MIN and place is not None:  # the place of one parameter is a value of its own
+    if result.quantity != D_MIN and place is not None:  # the row is about one coordinate of the worst case
         width = None if problem is None else _range(problem, case.path(result.quantity))
         tolerance, place = None if width is None else place * width, None
     model_at = None if model is None or model.at is None else _named(case, model.at)

@@ -1,6 +1,6 @@
-"""The data behind the published figures, as CSV: sweeps, distances over time, speeds, paths, samples, convergence.
+"""Data of the published figures as CSV: sweeps, distances over time, speeds, paths, samples, convergence.
 
-One file a figure; every column names its unit. Start reading at `write`.
+One file per figure; every column header states its unit. Start reading at `write`.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ SWEEPS: dict[str, tuple[Case, tuple[str, ...]]] = {
     "3.32": (STATIC, TOGETHER), "3.34": (MOVING, TOGETHER),
     "7.8": (DECISION, ("m", "C_mde")), "7.9": (DECISION, ("du", "du0")), "7.10": (DECISION, ("dpsi", "dpsi0")),
 }  # fmt: skip
-"""d_min over each parameter."""
+"""Figures of d_min over each parameter."""
 
 
 class Shown(NamedTuple):
-    """Flights of one figure: what it shows of them, each with its values or the search at whose end it was flown."""
+    """Trajectories of one figure: what it shows, and for each its values or the search whose worst case it is."""
 
     case: Case
     what: Literal["path", "distance", "speed"]
@@ -89,18 +89,18 @@ SAMPLES: dict[str, tuple[Case, Search]] = {
     "6.1": (UNICYCLE, monte_carlo(1000)),
     **{f: (c, monte_carlo(5000)) for f, c in (("6.2", PIONEER), ("6.3", STATIC), ("6.4", MOVING), ("7.15", DECISION))},
 }
-"""Monte Carlo."""
+"""Figures of Monte Carlo samples."""
 
 CONVERGENCE: dict[str, tuple[Case, Search]] = {
     "5.2": (UNICYCLE, direct(100, 3000)), "5.5": (PIONEER, direct(200, 8751)), "5.9": (STATIC, direct(500, 18505)),
     "5.12": (MOVING, direct(200, 6061)), "5.13": (MOVING, direct(200, 6061)), "7.12": (DECISION, direct(500, 31697)),
     "5.8": (STATIC, genetic((1.52, -1.13, 11.82))), "7.11": (DECISION, genetic()),
 }  # fmt: skip
-"""The lowest d_min so far over evaluations."""
+"""Figures of the lowest d_min so far over evaluations."""
 
 
 def write(folder: Path, flights: Flights, cases: Collection[int]) -> tuple[list[Path], list[str]]:
-    """Write the data of every figure of these cases; the files, and a sentence for each that cannot be computed."""
+    """Write the data of every figure of these cases; returns the files, and a sentence for each unavailable figure."""
     written: list[Path] = []
     missing: list[str] = []
     for figure, make in _figures(cases).items():
@@ -136,15 +136,15 @@ def _sweep(flights: Flights, case: Case, symbols: Sequence[str]) -> tuple[list[s
     opened = flights.open(case.campaign)
     opened.require(path for _, path in case.paths)
     columns = []
-    headings = ["share of the range [-]"]
+    headings = ["fraction of the range [-]"]
     for symbol in symbols:
         path = case.path(symbol)
         unit = opened.campaign.uncertain[path].unit or "-"
         values, costs = opened.sweep(path)
         columns += [values, costs]
         headings += [f"{symbol} [{unit}]", f"d_min over {symbol} [m]"]
-    shares = np.linspace(0.0, 1.0, len(columns[0]))
-    return headings, np.column_stack([shares, *columns]).tolist()
+    fractions = np.linspace(0.0, 1.0, len(columns[0]))
+    return headings, np.column_stack([fractions, *columns]).tolist()
 
 
 def _flights(flights: Flights, shown: Shown) -> tuple[list[str], Rows]:
@@ -163,7 +163,7 @@ def _flights(flights: Flights, shown: Shown) -> tuple[list[str], Rows]:
 
 
 def _shows(what: str, column: TraceColumn) -> bool:
-    """Which columns of a trace a figure of this kind shows: always the time."""
+    """Whether a figure of this kind shows this column of a trace; the time is always shown."""
     if column.name == "t":
         return True
     if what == "speed":

@@ -1,4 +1,4 @@
-"""Computes what stands beside the published values; everything is flown in this run, every search once.
+"""Computes our values for the published ones; everything is simulated in this run, and every search runs once.
 
 Start reading at `Flights.found`.
 """
@@ -35,16 +35,16 @@ SWEEP = 41
 """Points of a sweep over one parameter."""
 
 RIPPLE = 0.01
-"""Share of a sweep's range below which a step against its direction is a ripple."""
+"""Fraction of a sweep's range of values below which a step against its direction is a ripple."""
 
 
 class NotAvailable(Exception):
-    """Something published cannot be computed by this installation; the message says what is missing."""
+    """A published result cannot be computed by this installation; the message states what is missing."""
 
 
 @dataclass(frozen=True)
 class Found:
-    """What was computed: value, the place of a worst case by path, evaluations and seconds spent, a note."""
+    """A computed value, the parameters of a worst case by path, evaluations and seconds used, a note."""
 
     value: float | str | None
     at: dict[str, float] | None = None
@@ -55,11 +55,11 @@ class Found:
 
 @dataclass
 class Flights:
-    """The campaigns in use, compiled once; what was computed, kept for the rows and figures that share it."""
+    """The campaigns in use, compiled once, and computed values, stored for the rows and figures that share them."""
 
     threads: int | None = None
     compile_seconds: float = 0.0
-    kept: dict[tuple[str, How], Found] = field(default_factory=dict)
+    known: dict[tuple[str, How], Found] = field(default_factory=dict)
     columns: dict[tuple[str, How], Columns] = field(default_factory=dict)
     opened: dict[str, _Opened] = field(default_factory=dict)
     readable: set[str] = field(default_factory=set)
@@ -74,8 +74,8 @@ class Flights:
         return Found(found.at[result.case.path(result.quantity)], note=found.note)
 
     def computed(self, name: str, case: Case, how: How) -> Found:
-        """What one way of asking gives on one campaign; raises `NotAvailable`."""
-        if (name, how) not in self.kept:
+        """The result of one computation on one campaign; raises `NotAvailable`."""
+        if (name, how) not in self.known:
             opened = self.open(name)
             opened.require(path for _, path in case.paths)
             if isinstance(how, Fly):
@@ -86,11 +86,11 @@ class Flights:
                 found = opened.trend(case.path(how.symbol))
             else:
                 found, self.columns[name, how] = opened.search(case, how)
-            self.kept[name, how] = found
-        return self.kept[name, how]
+            self.known[name, how] = found
+        return self.known[name, how]
 
     def open(self, name: str) -> _Opened:
-        """A campaign of the library, ready to fly; raises `NotAvailable`. The time to compile it is kept apart."""
+        """A compiled campaign of the library; raises `NotAvailable`. Its compile time is counted separately."""
         if name not in self.opened:
             path = library().get(name)
             if path is None:
@@ -103,7 +103,7 @@ class Flights:
         return self.opened[name]
 
     def traced(self, name: str, what: str, values: dict[str, float]) -> Trace:
-        """The flight of a campaign at these values; the time to compile what reads it is kept apart."""
+        """The trace of a campaign at these values; compile time is counted separately."""
         loop = self.open(name).loop
         if name not in self.readable:
             began = time.perf_counter()
@@ -114,14 +114,14 @@ class Flights:
         return trace(loop, what, values)
 
     def close(self) -> None:
-        """End the threads."""
+        """Stop the threads."""
         for opened in self.opened.values():
             opened.evaluate.close()
 
 
 @dataclass
 class _Opened:
-    """One campaign: its compiled problem and what flies it."""
+    """One campaign: its compiled closed loop, problem and evaluator."""
 
     loop: ClosedLoop
     problem: Problem
@@ -137,7 +137,7 @@ class _Opened:
         return self.problem.campaign
 
     def require(self, paths: Iterable[str]) -> None:
-        """Raises `NotAvailable` unless all these are uncertain in the campaign."""
+        """Raise `NotAvailable` unless all these paths are uncertain in the campaign."""
         missing = set(paths) - {r.path for r in self.problem.ranges}
         if missing:
             raise NotAvailable(f"{', '.join(sorted(missing))} are not uncertain in the campaign {self.campaign.name!r}")
@@ -161,12 +161,12 @@ class _Opened:
         batch, _ = self.evaluate(self.lows_and_highs)
         row = int(np.argmin(batch.ranked()))
         lost = int(np.count_nonzero(batch.status != OK))
-        note = f"{lost} of {len(batch.status)} corners could not be flown" if lost else ""
+        note = f"{lost} of {len(batch.status)} corners could not be simulated" if lost else ""
         at = self.problem.named(self.lows_and_highs[row])
         return Found(float(batch.costs[row, 0]), at, len(batch.status), note=note)
 
     def sweep(self, path: str, points: int = SWEEP) -> tuple[Floats, Floats]:
-        """Values of one parameter over its bounds, the others nominal, and d_min at each, NaN where it failed."""
+        """Values of one parameter over its range, the others nominal, and d_min at each; NaN if it failed."""
         index = [r.path for r in self.problem.ranges].index(path)
         unit = np.repeat(self.problem.nominal_point[None, :], points, axis=0)
         unit[:, index] = np.linspace(0.0, 1.0, points)
@@ -182,7 +182,7 @@ class _Opened:
         return Found(trend, evaluations=len(costs), note=note)
 
     def search(self, case: Case, how: Search) -> tuple[Found, Columns]:
-        """Run one search as a stage of the campaign, alone, with the campaign's seed."""
+        """Run one search as the only stage of the campaign, with the campaign's seed."""
         method = next((methods()[name] for name in how.names if name in methods()), None)
         if method is None:
             raise NotAvailable(f"this installation has no method {how.title}")
@@ -204,19 +204,19 @@ class _Opened:
 
 
 def _found(result: SearchResult) -> Found:
-    """Where a local method's only descent ended, else the lowest evaluation."""
+    """The end of a local method's only descent, else the lowest evaluation."""
     best = result.minima[0] if result.kind == "local" and result.minima else result.best
     spent = (result.evaluations, result.seconds)
     if best is None:
-        return Found(None, None, *spent, note="no flight ended well")
-    lost = f"{result.failed} flights failed" if result.failed else ""
+        return Found(None, None, *spent, note="no evaluation succeeded")
+    lost = f"{result.failed} evaluations failed" if result.failed else ""
     return Found(best.cost, best.parameters, *spent, note=lost)
 
 
 def direction(costs: Floats) -> tuple[str, float]:
-    """Whether a curve rises or falls from end to end, or neither; and its largest step the other way.
+    """Whether a curve rises or falls from end to end, or neither; and its largest step in the opposite direction.
 
-    Steps against its direction of less than `RIPPLE` of its range do not make it "neither".
+    Opposite steps smaller than `RIPPLE` of its range of values are tolerated.
     """
     steps = np.diff(costs)
     if not np.isfinite(steps).all():

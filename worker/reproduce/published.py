@@ -1,9 +1,9 @@
-"""What a published result is: where it stands, what it says, how it is computed again, and what is expected of that.
+"""Definition of a published result: its table, its value, how it is computed again, and the expected value.
 
-Two numbers stand beside ours. The published one, and the one the reconstructed model is known to give (`Model`): the
-source leaves out gains and geometry, which were fitted, so that agreement is judged against the model's own value where
-one is stated, within its tolerance, and the difference from the published one is always shown. `robots` and `aircraft`
-hold the data. Start reading at `Result`.
+Ours is compared with two numbers: the published one, and the known value of the reconstructed model (`Model`). The
+source leaves out gains and geometry, which were fitted, so agreement is judged against the model's value, within its
+tolerance, if one is stated. The difference from the published value is always shown. `robots` and `aircraft` hold the
+data. Start reading at `Result`.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from typing import Literal
 
 D_MIN = "d_min"
 PLACE = 0.02
-"""Share of each range within which a worst case is at the same place: stated for case 1, used for all."""
+"""Fraction of each range within which two worst cases count as the same point: stated for case 1, used for all."""
 CHANCE = (
     "all of 8 seeds tried end within 0.003 m of it: mutations beyond a bound end on the bound; "
-    "a child equal to a parent is not flown again"
+    "a child equal to a parent is not evaluated again"
 )
-"""Of the genetic algorithm's rows."""
+"""The note on rows of the genetic algorithm."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """One case study: its number, its campaign in the library, its parameters in the published order by symbol."""
+    """One case study: number, campaign in the library, and parameters by symbol in the published order."""
 
     number: int
     title: str
@@ -36,22 +36,23 @@ class Case:
         return tuple(symbol for symbol, _ in self.paths)
 
     def path(self, symbol: str) -> str:
-        """The campaign's path of a published symbol."""
+        """The campaign's path for a published symbol."""
         return dict(self.paths)[symbol]
 
 
 @dataclass(frozen=True)
 class Fly:
-    """One flight: nominal but for these values by path."""
+    """One simulation: nominal except for these values by path."""
 
     values: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
 class Search:
-    """One search with its published settings; of several names the first that this installation knows.
+    """One search with its published settings; names: method names, of which the first installed one is used.
 
-    options it does not know are left out (its defaults are the published settings); start in the case's order.
+    Options that the method does not have are left out, since its defaults are the published settings. start: in the
+    case's order of parameters.
     """
 
     title: str
@@ -63,12 +64,12 @@ class Search:
 
 @dataclass(frozen=True)
 class Corners:
-    """The lowest of all corners of the box."""
+    """The lowest value at the corners of the box."""
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """One parameter over its bounds, the others nominal: does d_min rise or fall?"""
+    """One parameter over its range, the others nominal: whether d_min rises or falls."""
 
     symbol: str
 
@@ -79,9 +80,9 @@ Trend = Literal["rises", "falls"]
 
 @dataclass(frozen=True)
 class Model:
-    """What the reconstructed model gives: value, its tolerance, and the place of it within `place` of each range.
+    """The known result of the reconstructed model: value and tolerance, point and allowed fraction of each range.
 
-    What is None is not stated. must: the product is held to it.
+    None means not stated. must: whether a disagreement is an error.
     """
 
     value: float | Trend | None = None
@@ -93,9 +94,9 @@ class Model:
 
 @dataclass(frozen=True)
 class Result:
-    """One published number (or one of the reconstruction alone, where `published` is None).
+    """One published number; if `published` is None, a number of the reconstruction only.
 
-    quantity: d_min [m] or the symbol of a parameter of the worst case. variant: another campaign than the case's.
+    quantity: d_min [m] or the symbol of a parameter of the worst case. variant: the campaign, if not the case's.
     """
 
     table: str
@@ -117,14 +118,14 @@ class Result:
 
 
 def at(case: Case, values: tuple[float, ...]) -> Fly:
-    """A flight at this point, given in the case's order."""
+    """A simulation at this point, given in the case's order of parameters."""
     return Fly(tuple((path, value) for (_, path), value in zip(case.paths, values, strict=True)))
 
 
 def parameters(worst: Result, table: str, values: tuple[float, ...]) -> Iterator[Result]:
-    """The rows of a table of worst-case parameters: one per parameter, found by the search behind `worst`."""
+    """The rows of a table of worst-case parameters: one per parameter, from the search of `worst`."""
     model = worst.model
-    for symbol, value, expected in zip(worst.case.symbols, values, _places(worst), strict=True):
+    for symbol, value, expected in zip(worst.case.symbols, values, _coordinates(worst), strict=True):
         yield replace(
             worst,
             table=table,
@@ -139,19 +140,19 @@ def parameters(worst: Result, table: str, values: tuple[float, ...]) -> Iterator
         )
 
 
-def _places(worst: Result) -> tuple[float | None, ...]:
+def _coordinates(worst: Result) -> tuple[float | None, ...]:
     at = worst.model.at if worst.model is not None else None
     return at if at is not None else (None,) * len(worst.case.symbols)
 
 
 def genetic(start: tuple[float, ...] | None = None) -> Search:
-    """Population 20, crossover 0.8, roulette selection, 100 generations: 20 evaluations before them, 18 new in each."""
+    """Population 20, crossover 0.8, roulette selection, 100 generations: 20 initial evaluations, 18 per generation."""
     options = (("population", 20), ("crossover_fraction", 0.8), ("selection", "roulette"), ("generations", 100))
     return Search("GA", ("genetic",), 2020, options, start)
 
 
 def clustering(samples: int, evaluations: int) -> Search:
-    """GLOBAL with UNIRANDI, stopped at the published number of evaluations where there is one."""
+    """GLOBAL with UNIRANDI, stopped at the published number of evaluations if there is one."""
     return Search("GLOBAL", ("global_clustering",), evaluations, (("samples", samples), ("local", "unirandi")))
 
 
@@ -160,7 +161,7 @@ def direct(iterations: int, evaluations: int) -> Search:
 
 
 def hybrid(iterations: int, evaluations: int) -> Search:
-    """DIRECT as published for itself, then SQP from its best point alone, for which there is room."""
+    """DIRECT with its published settings, then SQP from its best point, with 2000 further evaluations."""
     budget = evaluations + 2000
     options = (("iterations", iterations), ("share", evaluations / budget), ("centres", 1))
     return Search("H-DIRECT", ("hybrid_direct",), budget, options)

@@ -1,6 +1,6 @@
-"""Writes rows for people and programs: text for a terminal, Markdown, JSON. All three hold the same.
+"""Writes the rows as text for a terminal, as Markdown and as JSON, all with the same content.
 
-Start reading at `document`; `TITLES` says what each table is.
+Start reading at `document`; `TITLES` has the titles of the tables.
 """
 
 from __future__ import annotations
@@ -41,10 +41,11 @@ TITLES = {
 HEADINGS = ("", "Published", "Ours", "Difference", "Model", "Evaluations", "Time", "Agrees")
 
 INTRODUCTION = (
-    "Published: S. Srikanthakumar's values. Model: what the reconstructed model is known to give; gains and geometry "
-    "that the source leaves out were fitted to its results, so that agreement of a nominal or worst case is a fit. A "
-    "row agrees when ours is within the tolerance of the model's value and, where a place with a share stands, within "
-    "that share of each range of the place; – where no tolerance is stated. Evaluations and times: published / ours."
+    "Published: S. Srikanthakumar's values. Model: known values of the reconstructed model. Gains and geometry that "
+    "the source leaves out were fitted to its results, so agreement of a nominal or worst case shows the quality of "
+    "the fit. A row agrees if ours is within the tolerance of the model's value and, if the model column gives a point "
+    "and a percentage, within that percentage of each range of the point; – if no tolerance is stated. Evaluations "
+    "and times: published / ours."
 )
 
 
@@ -59,7 +60,7 @@ def document(made: Reproduction) -> JsonObject:
 
 
 def counts(made: Reproduction) -> dict[str, int]:
-    """How many rows agree, do not, state no tolerance, are not available; and how many break what must hold."""
+    """Numbers of rows that agree, disagree, have no tolerance, are not available, and that must agree but do not."""
     rows = made.rows
     return {
         "rows": len(rows),
@@ -72,18 +73,18 @@ def counts(made: Reproduction) -> dict[str, int]:
 
 
 def summary(made: Reproduction) -> str:
-    """One sentence for the end."""
+    """The summary sentence."""
     n = counts(made)
-    held = "every row that must agree does" if n["broken"] == 0 else f"{n['broken']} rows that must agree do not"
+    held = "all rows that must agree do" if n["broken"] == 0 else f"{n['broken']} rows that must agree do not"
     return (
-        f"{n['rows']} rows: {n['agree']} agree, {n['disagree']} do not, {n['undecided']} state no tolerance, "
-        f"{n['not_available']} not available; {held}. "
-        f"{made.seconds:.1f} s, and {made.compile_seconds:.1f} s to compile or load the loops."
+        f"{n['rows']} rows: {n['agree']} agree, {n['disagree']} disagree, {n['undecided']} have no tolerance, "
+        f"{n['not_available']} are not available; {held}. "
+        f"Computed in {made.seconds:.1f} s, plus {made.compile_seconds:.1f} s to compile or load the loops."
     )
 
 
 def print_text(made: Reproduction, console: Console) -> None:
-    """Tables for a terminal, notes below each."""
+    """Print tables for a terminal, with notes below each."""
     for table, rows in _tables(made):
         shown = Table(title=escape(table), title_justify="left", expand=False)
         for i, heading in enumerate(HEADINGS):
@@ -93,26 +94,26 @@ def print_text(made: Reproduction, console: Console) -> None:
             style = "red" if row.broken else "yellow" if row.agrees is False else "dim" if not row.available else ""
             shown.add_row(*(escape(cell) for cell in _cells(row, notes, "\n")), style=style)
         console.print(shown)
-        for note, sign in notes.items():
-            console.print(Text(f"  {sign}) {note}", style="dim"))
+        for note, letter in notes.items():
+            console.print(Text(f"  {letter}) {note}", style="dim"))
         console.print()
     console.print(Text(INTRODUCTION, style="dim"))
     console.print(Text(summary(made), style="red" if counts(made)["broken"] else "bold"))
 
 
 def markdown(made: Reproduction) -> str:
-    """The same as Markdown."""
+    """The tables and notes as Markdown."""
     lines = ["# Published and reproduced", "", INTRODUCTION, "", summary(made), ""]
     for table, rows in _tables(made):
         notes = _notes(rows)
         lines += [f"## {table}", "", f"| {' | '.join(HEADINGS)} |", "|---|" + "---:|" * 6 + "---|"]
         lines += [f"| {' | '.join(_cells(row, notes, '<br>'))} |" for row in rows]
-        lines += ["", *(f"{sign}) {note}  " for note, sign in notes.items()), ""]
+        lines += ["", *(f"{letter}) {note}  " for note, letter in notes.items()), ""]
     return "\n".join(lines)
 
 
 def _tables(made: Reproduction) -> Iterator[tuple[str, list[Row]]]:
-    """The rows by what a reader looks at together: a table, all nominal cases, all curves, all samples."""
+    """The rows grouped for display: by table, in the text, curves, Monte Carlo samples, reconstruction."""
     groups: dict[str, list[Row]] = {}
     for row in made.rows:
         groups.setdefault(_group(row), []).append(row)
@@ -124,11 +125,11 @@ def _group(row: Row) -> str:
         return f"Table {row.table}. {TITLES[row.table]}"
     if row.table.startswith("figure"):
         return "Monte Carlo" if row.method else "Whether d_min rises or falls with one parameter, the others nominal"
-    return "In the text" if row.table.startswith("section") else "Of the reconstructed models alone, not published"
+    return "In the text" if row.table.startswith("section") else "Reconstructed models only, not published"
 
 
 def _notes(rows: list[Row]) -> dict[str, str]:
-    """Notes by text, lettered in their order."""
+    """A letter for each distinct note, by its text."""
     found = dict.fromkeys(row.note for row in rows if row.note)
     return {note: _letter(i) for i, note in enumerate(found)}
 

@@ -1,7 +1,7 @@
 """Published results of the ground robots: case 1 (unicycle, static obstacle) and case 2 (Pioneer 3-DX, intruder).
 
-Source: the thesis's tables 4.1, 4.2, 5.1 to 5.5, sections 3.2.4, 3.3.5 and chapter 6, figures 3.7, 3.8, 3.20 to 3.27;
-the models' own values are those of the reconstruction. Start reading at `RESULTS`.
+Source: the thesis's tables 4.1, 4.2, 5.1 to 5.5, sections 3.2.4, 3.3.5 and chapter 6, figures 3.7, 3.8, 3.20 to 3.27.
+The models' values come from the reconstruction. Start reading at `RESULTS`.
 """
 
 from __future__ import annotations
@@ -44,15 +44,15 @@ PIONEER = Case(
     ),
 )
 
-# Case 1: every search ends within 2 % of each range of the corner; the value there is 0.9417402 m, held to 2e-6 m.
+# Case 1: every search ends within 2 % of each range of the corner; the value there is 0.9417402 m, tolerance 2e-6 m.
 CORNER = (6.0, 0.06)
 AT_CORNER = Model(0.9417402, None, CORNER, PLACE)
 NO_MINIMUM = (
-    "no such local minimum in this model: d_min falls steadily with m and J, and the descent goes on to the corner "
-    "[6, 0.06]; the published one probably comes with reading d_min at the integrator's samples"
+    "no such local minimum in this model: d_min falls steadily with m and J, and the descent continues to the corner "
+    "[6, 0.06]; the published one is probably due to sampling d_min only at the integrator's steps"
 )
 
-# Case 2: the corner's value is held to 0.005 m, the global searches to 0.01 m of it.
+# Case 2: the tolerance is 0.005 m for the corner's value, 0.01 m for the global searches.
 PIONEER_CORNER = (34.0, 0.48, 0.9, 0.1, 3.8, 0.02, 0.5, -0.5)
 AT_PIONEER_CORNER = Model(5.895, 0.01, PIONEER_CORNER)
 FIRST_START = (20.0, 1.0, 0.2, 0.2, 0.6, 0.03, 0.0, 0.0)
@@ -85,7 +85,7 @@ def _unicycle() -> list[Result]:
         Result("5.3", "value at [4, 0.04]", case, at(case, (4.0, 0.04)), None, model=Model(0.9466278, 2e-6)),
         Result("figure 6.1", "Monte Carlo, 1000 runs", case, monte_carlo(1000), 0.9398, note="compared by value only"),
         Result("figure 3.7", "d_min over m", case, Sweep("m"), None, model=Model("falls"),
-               note="published without a direction: a small variation, in a nonlinear form"),
+               note="published without a direction, as a small nonlinear variation"),
         Result("figure 3.8", "d_min over J", case, Sweep("J"), "falls", model=Model("falls")),
     ]  # fmt: skip
 
@@ -97,7 +97,7 @@ def _pioneer() -> list[Result]:
                model=AT_PIONEER_CORNER),
         Result("5.4", "GLOBAL", case, clustering(200, 1112), 5.8719, None, evaluations=1112, time="5 h 20 min",
                model=AT_PIONEER_CORNER,
-               note="by chance: of 8 other seeds 6 ended within 0.01 m of the corner, 2 stayed 0.04 and 0.10 m above"),
+               note="depends on the seed: of 8 others, 6 ended within 0.01 m of the corner, 2 0.04 and 0.10 m above"),
         Result("5.4", "GA", case, genetic(), 5.8758, None, time="2 h 26 min", model=AT_PIONEER_CORNER, note=CHANCE),
     ]  # fmt: skip
     values = (
@@ -107,9 +107,9 @@ def _pioneer() -> list[Result]:
     )
     other = (
         "no such local minimum in this model: d_min still falls with I_e there (6.92 m at 0.204, 6.86 m at 0.6), and "
-        "the descent goes on"
+        "the descent continues"
     )
-    stuck = "in this model the descent from here ends at the corner with dy = +0.5, a local minimum of 5.932 m"
+    stuck = "in this model the descent from this start ends at the corner with dy = +0.5, a local minimum of 5.932 m"
     return [
         Result("5.4", "nominal", case, Fly(), 7.6668, model=Model(7.628, 0.005), note="section 3.3.5 prints 7.668"),
         Result("4.2", "fmincon, case 1", case, sqp(FIRST_START), 6.8164, FIRST_POINT,
@@ -117,7 +117,7 @@ def _pioneer() -> list[Result]:
         Result("4.2", "fmincon, case 2", case, sqp(SECOND_START), 5.8722, PIONEER_CORNER,
                model=Model(5.895, 0.01, PIONEER_CORNER, PLACE, must=False), note=stuck),
         Result("4.2", "value at the point of case 1", case, at(case, FIRST_POINT), 6.8164,
-               model=Model(6.9166, must=False), note="no tolerance stated: this point was only softly part of the fit"),
+               model=Model(6.9166, must=False), note="no tolerance stated: this point had a low weight in the fit"),
         Result("4.2", "value at the point of case 2", case, at(case, PIONEER_CORNER), 5.8722,
                model=Model(5.895, 0.005)),
         Result("4.2", "lowest of all corners", case, Corners(), None,
@@ -127,7 +127,7 @@ def _pioneer() -> list[Result]:
                note="section 5.5.2"),
         *(row for result, point in zip(found, values, strict=True) for row in parameters(result, "5.5", point)),
         Result("figure 6.2", "Monte Carlo, 5000 runs", case, monte_carlo(5000), 6.43,
-               note="compared by value only; the reconstruction's own samples, of three seeds, gave 6.057 to 6.200 m"),
+               note="compared by value only; the reconstruction's samples with three seeds gave 6.057 to 6.200 m"),
         Result("reconstruction", "case 2, no avoidance, nominal", case, Fly((("avoider.eta", 0.0),)), None,
                model=Model(4.78, 0.02)),
         Result("reconstruction", "case 2, no avoidance, at the worst corner", case,

@@ -1,8 +1,9 @@
-"""Is a campaign's step small enough? Random points flown at the step and at half of it.
+"""Checks whether a campaign's step is small enough: simulates random points at the step and at half of it.
 
-A point exceeds when the two differ by more than the validate stage allows: a share of d_min or a tenth of the margin,
-whichever is less. Where a campaign cannot keep that everywhere, its notes say how often and why, in a paragraph that
-begins "Step adequacy: up to 12 of 200 random points exceed the tolerance" (`declared`). Start reading at `adequacy`.
+A point exceeds the tolerance if both differ by more than the validate stage allows: a fraction of d_min or a tenth of
+the margin, whichever is less. A campaign that cannot meet this everywhere states in its notes how often and why, in a
+paragraph that begins "Step adequacy: up to 12 of 200 random points exceed the tolerance" (`declared`). Start reading at
+`adequacy`.
 """
 
 from __future__ import annotations
@@ -23,17 +24,17 @@ from worker.systems.closed_loop.system import ClosedLoop
 
 POINTS = 200
 SEED = 2**21
-"""The stream of these points, apart from those of every stage."""
+"""The random stream of these points, distinct from those of the stages."""
 
 DECLARED = re.compile(r"Step adequacy: up to (\d+) of (\d+) random points exceed the tolerance")
 
 
 @dataclass(frozen=True)
 class Adequacy:
-    """How far flights at half the step differ from those at the step.
+    """Differences between simulations at half the step and at the step.
 
-    largest, median: [unit of the criterion]; at: the point of the largest, by path; exceeding, differing: points beyond
-    tolerance, and those that end ok at one step only; declared: share of points that the notes allow for, None for 0.
+    largest, median: [unit of the criterion]; at: the point of the largest, by path; exceeding: number of points beyond
+    the tolerance; differing: number of points ok at one step only; declared: fraction of points allowed by the notes.
     """
 
     campaign: str
@@ -49,12 +50,12 @@ class Adequacy:
 
     @property
     def ok(self) -> bool:
-        """Whether no more points exceed than the notes say."""
+        """Whether no more points exceed the tolerance than the notes allow."""
         return self.exceeding + self.differing <= (self.declared or 0.0) * self.points
 
 
 def adequacy(name: str, loop: ClosedLoop, points: int = POINTS) -> Adequacy:
-    """Fly random points of the box at the campaign's step and at half of it, on one thread."""
+    """Simulate random points of the box at the campaign's step and at half of it, on one thread."""
     campaign, problem = loop.campaign, Problem(loop.campaign, loop)
     random = np.random.default_rng(np.random.SeedSequence(campaign.seed, spawn_key=(SEED,)))
     unit = random.random((points, problem.dimension))
@@ -79,7 +80,7 @@ def adequacy(name: str, loop: ClosedLoop, points: int = POINTS) -> Adequacy:
 
 
 def declared(campaign: Campaign) -> float | None:
-    """The share of random points that the notes say may exceed the tolerance; None where they say nothing."""
+    """The fraction of random points that may exceed the tolerance according to the notes; None if not stated."""
     found = DECLARED.search(" ".join(campaign.notes.split()))
     return None if found is None else int(found[1]) / int(found[2])
 
@@ -96,11 +97,11 @@ def of_library(names: Sequence[str] = ()) -> list[Adequacy]:
 
 
 def sentence(found: Adequacy) -> str:
-    """What was found, for a reader."""
-    said = "" if found.declared is None else f" (its notes allow for {100 * found.declared:g} %)"
-    apart = f"; {found.differing} end well at one of them only" if found.differing else ""
+    """The result as a sentence."""
+    allowed = "" if found.declared is None else f" (its notes allow {100 * found.declared:g} %)"
+    apart = f"; {found.differing} succeed at one of the two steps only" if found.differing else ""
     return (
         f"{'ok ' if found.ok else 'NOT'} {found.campaign}: at half its step of {found.step:g} s, {found.exceeding} of "
-        f"{found.points} random points differ beyond tolerance{said}{apart}; largest {found.largest:.3g}, "
+        f"{found.points} random points exceed the tolerance{allowed}{apart}; largest {found.largest:.3g}, "
         f"median {found.median:.2g}"
     )

@@ -87,9 +87,9 @@ def _raised(search: Search, budget: Budget) -> dict[str, Any] | None:
         return None
     usual = method.options()
     changed = {f.name: getattr(options, f.name) for f in fields(options)}
-    told = {name: v for name, v in changed.items() if name in search.options or v != getattr(usual, name)}
+    stated = {name: v for name, v in changed.items() if name in search.options or v != getattr(usual, name)}
     asked = search.model_dump(mode="json")
-    return asked | {"evaluations": evaluations, "options": told}
+    return asked | {"evaluations": evaluations, "options": stated}
 
 
 def carried(old: Campaign, new: Campaign, store: MemoryStore) -> dict[int, Columns]:

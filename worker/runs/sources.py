@@ -94,31 +94,31 @@ def code() -> Code:
 
 def _meaning(content: bytes) -> str:
     """A digest of a module by its syntax tree; of a compiled module, by its bytes. 16 hexadecimal digits."""
-    told: list[str] = []
+    tokens: list[str] = []
     try:
-        _told(ast.parse(content), told)
+        _tokens(ast.parse(content), tokens)
     except (SyntaxError, ValueError):
         return hashlib.sha256(content).hexdigest()[:16]
-    return hashlib.sha256("\0".join(told).encode("utf-8", "surrogatepass")).hexdigest()[:16]
+    return hashlib.sha256("\0".join(tokens).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
-def _told(node: Any, told: list[str]) -> None:
+def _tokens(node: Any, tokens: list[str]) -> None:
     """A syntax tree without positions, comments and strings that stand alone; the same in every version of Python."""
     if isinstance(node, ast.AST):
-        told.append(type(node).__name__)
+        tokens.append(type(node).__name__)
         for name in node._fields:
             value = getattr(node, name, None)
             if value is not None and value != [] and name != "ctx":
-                told.append(name)
-                _told(value, told)
-        told.append(")")
+                tokens.append(name)
+                _tokens(value, tokens)
+        tokens.append(")")
     elif isinstance(node, list):
         for item in node:
             if not (isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant)):
-                _told(item, told)
-        told.append("]")
+                _tokens(item, tokens)
+        tokens.append("]")
     else:
-        told.append(repr(node))
+        tokens.append(repr(node))
 
 
 def _ours() -> Iterator[tuple[str, Path]]:

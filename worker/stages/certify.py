@@ -31,7 +31,7 @@ STREAM = 2**21
 
 BLOCK = 4096
 MOST_DRAWS = 20
-"""At most so many draws, including excluded ones, per requested sample: a limit for scenarios that rarely hold."""
+"""The largest number of draws, including excluded ones, per requested sample: limits scenarios that rarely hold."""
 
 
 @dataclass
@@ -91,8 +91,8 @@ def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn
 
 def _of_grid(index: Any, points: int, dimension: int) -> Floats:
     """Points of the full grid by index; the last parameter varies fastest."""
-    places = np.stack(np.unravel_index(index, (points,) * dimension), axis=1)
-    return np.asarray(places / (points - 1))
+    indices = np.stack(np.unravel_index(index, (points,) * dimension), axis=1)
+    return np.asarray(indices / (points - 1))
 
 
 def _rows(columns: Columns, first: int, last: int) -> Columns:

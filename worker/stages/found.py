@@ -1,4 +1,4 @@
-"""The stages that exist: every module of this folder that has an attribute `stage`."""
+"""Discovers the stages: every module of this folder with an attribute `stage`."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from worker.stages.parts.outcome import Stage
 
 @cache
 def stages() -> dict[str, Stage]:
-    """Every stage by its kind; two of one kind are an error."""
+    """Every stage by its kind; a duplicate kind is an error."""
     found: dict[str, Stage] = {}
     for info in pkgutil.iter_modules(worker.stages.__path__):
         if info.ispkg or info.name == __name__.rpartition(".")[2]:
             continue
         stage = importlib.import_module(f"worker.stages.{info.name}").stage
         if stage.kind in found:
-            raise ValueError(f"worker.stages.{info.name} declares {stage.kind!r}, which another module declares too")
+            raise ValueError(
+                f"worker.stages.{info.name} declares {stage.kind!r}, which another module already declares"
+            )
         found[stage.kind] = stage
     return found

@@ -53,7 +53,7 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
     driven = drive(context, position, search, asked.evaluations, method.repeats)
     minima.sort(key=lambda m: _place(m, space.starts))
     result = _result(context, method, options, driven, minima)
-    return Outcome(result.model_copy(update={"members": members.told(driven.columns) if driven.columns else []}))
+    return Outcome(result.model_copy(update={"members": members.rows(driven.columns) if driven.columns else []}))
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Sensitivity: each parameter over its bounds, the others nominal; Morris and Sobol indices where asked for.
+"""Sensitivity: each parameter over its bounds, the others nominal; Morris and Sobol indices if requested.
 
 Srikanthakumar, chapter 3: d_min against each parameter. One at a time shows main effects near the nominal point and
 no interactions; the indices (`worker.stages.parts.indices`) cover the whole box.

@@ -1,4 +1,4 @@
-"""Validate: simulate every distinct worst case again by other means before anything is claimed about it.
+"""Validate: simulate every distinct worst case again by independent means before anything is claimed about it.
 
 First `worker.stages.parts.findings` distinguishes the worst cases, polishes them and evaluates their neighbours; then
 each is confirmed at half the step and with the reference integrator (`confirm`), as are the violations that any stage
@@ -77,8 +77,8 @@ def _labelled(finding: Finding, label: str) -> Finding:
 
 
 def _budget(context: Context) -> int:
-    """At most: distinguishing the worst cases, and of all that are kept, and of as many that turn up on the way, the
-    neighbours, slices and the boundary."""
+    """The budget: distinguishing the worst cases, plus neighbours, slices and boundary for all that are kept and for as
+    many found meanwhile."""
     stages = context.campaign.stages
     each = stages.validate_.neighbours + boundary.most(context.problem.dimension)
     return stages.findings.evaluations + 2 * stages.findings.at_most * each
@@ -101,7 +101,7 @@ def _gathered(context: Context, driven: Driven, found: findings.Found, unfinishe
 
 
 def _finding(context: Context, i: int, found: findings.Found, case: Validation) -> Finding:
-    """The worst case in basin `i`, validated; its label is given once all are sorted."""
+    """The worst case in basin `i`, validated; it gets its label when all are sorted."""
     problem, basin = context.problem, found.basins[i]
     evidence, searched = found.of(basin), context.searched
     known = [
@@ -128,8 +128,8 @@ def _finding(context: Context, i: int, found: findings.Found, case: Validation) 
 def _unrepresented(
     context: Context, polished: Sequence[Finding], also: Sequence[tuple[offered.Stored, Validation]], positions: range
 ) -> list[Finding]:
-    """Findings besides the polished ones: the worst confirmed violation where none of them is confirmed, and the lowest
-    evaluation that drew its own noise where it is lower than all of them."""
+    """Findings besides the polished ones: the worst confirmed violation if none of them is confirmed, and the lowest
+    evaluation with its own noise if it is lower than all of them."""
     found = []
     if also and not any(f.validation is not None and f.validation.violates for f in polished):
         found.append(_stored(context, *also[0]))
@@ -167,7 +167,7 @@ def _stored(context: Context, at: offered.Stored, case: Validation) -> Finding:
 
 
 def _curves(context: Context, named: Sequence[Finding]) -> Iterator[Curve]:
-    """All slices: through the nominal point, where sensitivity was asked for, and through the findings."""
+    """All slices: through the nominal point, if sensitivity was requested, and through the findings."""
     for result in context.results.values():
         if isinstance(result, SensitivityResult):
             yield from result.curves

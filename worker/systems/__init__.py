@@ -1,1 +1,1 @@
-"""What can be evaluated: the seam is `base`, the closed loop of components is one of the systems behind it."""
+"""Systems that can be evaluated: `base` is the interface, `closed_loop` and `simulators` implement it."""

@@ -1,7 +1,7 @@
-"""The interface between a campaign and what can be evaluated: parameters in, values of results and reasons out.
+"""The interface of systems that a campaign can evaluate: parameters in, result values and reasons out.
 
-Everything above (problem, stages, verdicts, runs) is written against `System`; the closed loop of components is one,
-a simulator of another package is another. Start reading at `System`.
+Problem, stages, verdicts and runs use only `System`. The closed loop of components implements it, and so does every
+simulator of another package. Start reading at `System`.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from worker.search.base import Batch
 Floats = NDArray[np.float64]
 Seeds = NDArray[np.int64]
 Reasons = dict[int, str]
-"""By row of a batch: why it is not ok."""
+"""By row of a batch: why the evaluation failed or was excluded."""
 
 Condition = Literal["closest approach", "motion", "avoidance"]
-"""What shows that an encounter took place, as the checks of a verdict are named."""
+"""Evidence that an encounter took place, by the names of the verdict's checks."""
 
 
 class CampaignUnusable(ValueError):
-    """The campaign cannot be run with what this installation has; the message says why."""
+    """The campaign cannot be run on this installation; the message gives the reasons."""
 
     def __init__(self, problems: Sequence[Wrong]) -> None:
         self.problems = list(problems)
@@ -41,8 +41,8 @@ class CampaignUnusable(ValueError):
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number that a system takes: path in a campaign, unit, nominal value, its own limits, one line of text, and
-    its symbol in print, if it has one."""
+    """An input of a system: path in a campaign, unit, nominal value, limits, one line of text, and the printed symbol,
+    if any."""
 
     path: str
     unit: str
@@ -55,7 +55,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Result:
-    """One number that an evaluation gives: name, title, short name of the quantity, unit, and which end is worse."""
+    """An output of an evaluation: name, title, short name of the quantity, unit, and which end is worse."""
 
     name: str
     title: str
@@ -66,9 +66,9 @@ class Result:
 
 @dataclass(frozen=True)
 class Realised:
-    """Which realisations of its noise every evaluation simulates, and how they combine.
+    """The noise realisations that every evaluation simulates, and how their costs combine.
 
-    random: whether a seed changes an evaluation at all.
+    random: whether the seed affects an evaluation at all.
     """
 
     seeds: tuple[int, ...] = (0,)
@@ -82,7 +82,7 @@ class Realised:
 
 @dataclass(frozen=True)
 class Comparison:
-    """One case evaluated by other means: which, the cost or why there is none, the step [s] where it has one."""
+    """One case evaluated by an independent means: its name, the cost or why there is none, the step [s] if any."""
 
     kind: Literal["half_step", "integrator", "again"]
     name: str
@@ -93,27 +93,27 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Confirmed:
-    """A case evaluated again as the campaign asks, and by every other means that the system has."""
+    """A case evaluated again as in the campaign, and by every independent means that the system has."""
 
     cost: float | None
     comparisons: tuple[Comparison, ...]
     step: float | None = None
-    """Of the first [s]; None for a system without a step."""
+    """The step of the first evaluation [s]; None for a system without a step."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a system shows of the encounter in the nominal case."""
+    """Evidence of the encounter in the nominal case."""
 
     closest: ClosestApproach
     moved: float | None
-    """Length of the path [m]; None for one without rows."""
+    """Length of the path [m]; None for a trace without rows."""
     unseen: Unseen
 
 
 @dataclass(frozen=True)
 class Scope:
-    """The words of a verdict's scope: what is evaluated, its settings (empty for none), and what it was made of."""
+    """The text of a verdict's scope: what is evaluated, its settings (may be empty), and its version."""
 
     what: Said
     settings: Said
@@ -122,25 +122,25 @@ class Scope:
 
 @dataclass(frozen=True)
 class Words:
-    """The words of sentences for an evaluation, and for what confirms it."""
+    """Terms used in sentences for an evaluation and its confirmation."""
 
     one: str
     agree: str
-    """All other means agree, as an open clause: `the step-halving check and DOP853 agree`."""
+    """The clause for agreement: `the step-halving check and DOP853 agree`."""
     disagrees: str
     every: str
     """`all integrations`."""
     again: str
     """`simulated again at half the step and with the reference integrator`."""
     reference: str
-    """The means with which random evaluations are compared."""
+    """The means that random evaluations are compared with."""
     check: str = "validation"
-    """The name of the verdict's check of the confirmation."""
+    """The name of the verdict's check that covers the confirmation."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What provenance stores of a system besides its digest; None where it has none of it."""
+    """Settings that provenance stores besides the system's digest; None if not applicable."""
 
     lanes: int | None = None
     step: float | None = None
@@ -149,112 +149,111 @@ class Settings:
 
 
 class System(ABC):
-    """What a campaign can be asked of.
+    """A system that a campaign can evaluate.
 
-    A *vector* is one set of all parameters (size,), in their units and in the order of `parameters`; a system may keep
-    further numbers of its own behind them, which `nominal` has too. *Costs* are results that are lower when worse: a
-    result that is worse when high counts with its sign changed. An evaluation depends on its vector (and seed) alone,
-    never on the batch that it is in.
+    A *vector* is one set of all parameters (size,), in their units and in the order of `parameters`; a system may
+    append further numbers, which `nominal` then includes. *Costs* are results where lower is worse: a result that is
+    worse when high changes its sign. An evaluation depends only on its vector and seed, never on its batch.
     """
 
     parameters: tuple[Parameter, ...]
     nominal: Floats
     """The vector of nominal values (size,), size >= len(parameters)."""
     results: tuple[Result, ...]
-    """Those of a batch's columns: first the one that decides, which is worse when low; each name once."""
+    """The results in the order of a batch's columns; the first one decides and is worse when low. Names are unique."""
     realisations: Realised = Realised()
     repeatable: bool = True
-    """Whether the same vector and seed give the same bits in every process on machines of one kind."""
+    """Whether the same vector and seed give the same bits in every process on the same kind of machine."""
     block: int = 0
-    """Rows that are best evaluated together; threads are given whole blocks. 0: one call at a time."""
+    """Preferred number of rows per call; threads get whole blocks. 0: no concurrent calls."""
     shows: tuple[Condition, ...] = ()
-    """What `encounter` can show; a check is left out of the verdict where it is not among these."""
+    """The evidence that `encounter` can give; the verdict has only these checks of the encounter."""
     settings: Settings = Settings()
     cost: float | None = None
-    """Time of one evaluation as measured over the latest batch [s]; None before the first. Batches are made as long as
-    can be stored, shown and cancelled in time."""
+    """Time per evaluation as measured over the latest batch [s]; None before the first. The batch size follows from it,
+    so that progress and cancellation stay prompt."""
 
     @property
     @abstractmethod
     def digest(self) -> str:
-        """Identifies everything that could change a number, but the vector, the seeds and the machine."""
+        """Identifies everything that could change a result, except the vector, the seeds and the machine."""
 
     @property
     @abstractmethod
     def scope(self) -> Scope:
-        """What a verdict holds for, in words."""
+        """The text of a verdict's scope."""
 
     @property
     @abstractmethod
     def words(self) -> Words:
-        """How sentences speak of its evaluations."""
+        """Terms for its evaluations in sentences."""
 
     @property
     def caveat(self) -> str:
-        """What "cleared" must say besides of what was not shown, as sentences; usually nothing."""
+        """Sentences that a "cleared" verdict must add about what was not checked; empty by default."""
         return ""
 
     @abstractmethod
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         """Evaluate vectors (m, size): costs (m, k) for k results, NaN unless ok, status (m,), and the reasons.
 
-        Under the realisations that the campaign states, or each vector under the one of its own seed: seeds (m,).
-        An evaluation that does not succeed is a status with a reason; what raises ends the run.
+        By default under the realisations that the campaign states; with seeds (m,), each vector under its own seed. A
+        failed evaluation is a status with a reason; an exception ends the run.
         """
 
     @abstractmethod
     def confirm(
         self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
     ) -> list[Confirmed]:
-        """Evaluate vectors (m, size) again, and by other means; seeds: of those that drew their own noise.
+        """Evaluate vectors (m, size) again and by independent means; seeds: those of vectors with their own noise.
 
-        Once cancelled, those until then: fewer than m.
+        When cancelled, it returns the results until then: fewer than m.
         """
 
     @abstractmethod
     def compare(
         self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
     ) -> list[Comparison]:
-        """Evaluate vectors (m, size), all of which have a cost, by the strongest of the other means alone.
+        """Evaluate vectors (m, size), all of which have a cost, by the strongest independent means only.
 
-        Once cancelled, those until then: fewer than m.
+        When cancelled, it returns the results until then: fewer than m.
         """
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
-        """The columns over time that show one case; None for a system that gives none.
+        """Time histories of one case; None for a system without traces.
 
-        values: parameters by path, what is left out is nominal. Raises KeyError for an unknown path.
+        values: parameters by path; missing ones are nominal. Raises KeyError for an unknown path.
         """
         return None
 
     def encounter(self, nominal: Trace | None) -> Shown | None:
-        """What shows that the encounter took place in the nominal case, of which this is the trace; None for nothing.
+        """Evidence that the encounter took place in the nominal case with this trace; None if there is none.
 
-        May evaluate: the nominal case without avoidance, say.
+        It may run evaluations, such as the nominal case without avoidance.
         """
         return None
 
-    def warm(self) -> None:  # noqa: B027  usually there is nothing to do
-        """Whatever is done once before the first evaluation, so that its time is not counted as work."""
+    def warm(self) -> None:  # noqa: B027  optional
+        """Prepare the first evaluation, such as by compiling, so that this time is not counted as evaluation time."""
 
     @property
     def source(self) -> Path | None:
-        """The file of plain Python that an evaluation executes; None for a system that has none to show."""
+        """The Python file that an evaluation executes; None for a system without one."""
         return None
 
     def bars(self) -> list[tuple[str, Said]]:
-        """What bars "cleared" whatever is evaluated: the code of the check and the sentence; usually nothing."""
+        """Reasons that rule out "cleared" for any result: the check's code and the sentence; empty by default."""
         return []
 
-    def close(self) -> None:  # noqa: B027  usually there is nothing to give back
-        """Give back what it holds: processes, files."""
+    def close(self) -> None:  # noqa: B027  optional
+        """Release resources such as processes and files."""
 
     @property
     def names(self) -> dict[str, int]:
-        """Where in a vector each parameter is, by path."""
+        """The index of each parameter in a vector, by path."""
         return {p.path: k for k, p in enumerate(self.parameters)}
 
 
 def in_own_sign(results: Sequence[Result], costs: Floats) -> Floats:
-    """Costs (m, k), all of them lower when worse, as the results' values in their own sign."""
+    """Costs (m, k), where lower is worse, as the results' values in their own sign."""
     return np.stack([0.0 - c if r.worse == "high" else c for c, r in zip(costs.T, results, strict=True)], 1)

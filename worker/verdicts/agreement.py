@@ -18,11 +18,11 @@ from worker.problem.problem import Problem
 from worker.verdicts.evidence import Evidence
 
 AT_MOST = 0.2
-"""The largest fraction of nominal minus worst that counts as agreement, whatever a campaign asks for."""
+"""The largest fraction of nominal minus worst that counts as agreement, whatever the campaign states."""
 GLOBAL_LEAST, LOCAL_LEAST = 25, 3
 """Evaluations per parameter below which a global or a local method has not searched."""
 FLAT = 1e-6
-"""The criterion does not vary when all evaluations lie within this fraction of its size."""
+"""The criterion does not vary if all evaluations are within this fraction of its size."""
 
 
 def agreement(problem: Problem, evidence: Evidence) -> Check:
@@ -82,8 +82,8 @@ def _agreed(counted: Sequence[SearchResult], evidence: Evidence, worst: float, n
             "move the nominal values away from the worst case",
         )
     apart = max(s.best.cost - worst for s in counted if s.best is not None)
-    places = listed([finding(label) for label in sorted({str(_finding_of(s, evidence)) for s in counted})])
-    return _check(True, reached, " agree on the worst case (", places, ") within ", number(apart, unit, "apart"))
+    labels = listed([finding(label) for label in sorted({str(_finding_of(s, evidence)) for s in counted})])
+    return _check(True, reached, " agree on the worst case (", labels, ") within ", number(apart, unit, "apart"))
 
 
 def _check(ok: bool, *said: Part) -> Check:

@@ -92,7 +92,7 @@ def _validated(problem: Problem, evidence: Evidence) -> Check:
 
 
 def _distances(problem: Problem) -> list[Check]:
-    """What rules out "cleared" whatever is evaluated: that a vehicle inside an obstacle would count as clear."""
+    """Checks that rule out "cleared" for any result, such as that a vehicle inside an obstacle counts as clear."""
     return [Check(code=code, ok=False, said=said) for code, said in problem.system.bars()]
 
 

@@ -63,7 +63,7 @@ def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> Ve
     if evidence.violation is not None:
         return VerdictWord.VIOLATED
     cleared = all(c.ok for c in found)
-    # The invariant, whatever the checks are made of.
+    # The invariant, independent of the checks.
     if cleared and (evidence.lowest is None or evidence.lowest <= problem.threshold or evidence.violating):
         raise AssertionError(
             f"every check holds although a stored evaluation has {evidence.lowest}, at or below {problem.threshold}"

@@ -56,7 +56,7 @@ def stated(problem: Problem, checks: list[Check]) -> list[Said]:
 
 
 def _without_advice(said: Said) -> Said:
-    """What was found, without the advice: up to the first semicolon."""
+    """The sentence without the advice: up to the first semicolon."""
     for i, span in enumerate(said):
         if isinstance(span, Text) and ";" in span.text:
             return say(said[:i], span.text.partition(";")[0])
@@ -119,7 +119,7 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
     if not by:
         choose = "; choose parameters that the encounter depends on"
         return False, say("no uncertain parameter changes ", quantity, choose)
-    parameters = problem.signs
+    parameters = problem.symbols
     without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= FLAT * by]
     said = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")
     return True, say(said, "; no effect along the slices of ", listed(without)) if without else said

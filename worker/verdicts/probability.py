@@ -80,7 +80,7 @@ def _excluded(evidence: Evidence) -> list[Check]:
 
 
 def _advice(sample: Sample) -> Said:
-    """What to do about a bound above the ceiling: more samples help only where few of them violate."""
+    """Advice on a bound above the ceiling: more samples help only if few of them violate."""
     if sample.violations > CEILING * sample.samples:
         drawn = count(sample.samples, "samples")
         return say(count(sample.violations, "violations"), " of its ", drawn, " samples violate the criterion")

@@ -60,7 +60,7 @@ def sentence(
 
 def scope(problem: Problem) -> Said:
     """The scope of the sentence: the system with its conditions, bounds and settings."""
-    held, paths = problem.system.scope, problem.signs
+    held, paths = problem.system.scope, problem.symbols
     units = {p.path: p.unit for p in problem.system.parameters}
     bounds = [say(paths[r.path], " ", number(r.low), " to ", number(r.high, units[r.path])) for r in problem.ranges]
     settings = say("; ", held.settings) if held.settings else ()

@@ -1,1 +1,1 @@
-"""The tables' history (Alembic). `migrate` in `backend.db.engine` is the only caller."""
+"""The schema migrations (Alembic). `migrate` in `backend.db.engine` is the only caller."""

@@ -1,4 +1,4 @@
-"""Alembic's environment: runs on the connection that it is given, so that the caller's lock covers it.
+"""The Alembic environment: runs on the caller's connection, under the caller's lock.
 
 SQLite cannot alter most of a table; batch mode rebuilds it instead (Alembic, "Running Batch Migrations for SQLite").
 """

@@ -1,1 +1,1 @@
-"""What every other room of the 3D view needs: its address, the run's setting, flights, axes, colours, and parts."""
+"""Shared by all packages of the 3D view: address, the run's setting, flights, axes, colours, and parts."""

@@ -1,6 +1,6 @@
-"""What a view's address says beside the run: `/view/R-0001/F2/t/3.2/cam/chase/dark`. Start reading at `parse`.
+"""Parses a view's address: `/view/R-0001/F2/t/3.2/cam/chase/dark`.
 
-In the path, because the viewer's socket keeps the page's path and drops its query.
+The state is in the path, because the viewer's socket keeps the page's path but drops its query.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ Camera = Literal["overview", "encounter", "top", "side", "chase", "intruder"]
 CAMERAS: tuple[Camera, ...] = ("overview", "encounter", "top", "side", "chase", "intruder")
 
 KEY = r"[0-9a-f]{8}-[0-9a-f]{4}-4[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}"
-"""A random UUID (RFC 9562, version 4) in small letters, by which a page steers the viewer that it has opened."""
+"""A random UUID (RFC 9562, version 4) in lower case, with which a page controls the viewer that it opened."""
 FLIGHT = r"nominal|F[1-9][0-9]{0,2}"
 
 
 @dataclass(frozen=True)
 class Address:
-    """Start time [s], theme, camera, and which flight is shown beside the nominal one."""
+    """Start time [s], theme, camera, and the flight shown with the nominal one."""
 
     time: float | None = None
-    """None: at the closest approach."""
+    """None starts at the closest approach."""
     dark: bool = False
     camera: Camera = "overview"
     flight: str = "F1"
     """A finding's label; "nominal" for the nominal flight alone."""
     key: str | None = None
-    """By which the page that opened it may steer it; None: nobody may."""
+    """The key with which a page controls the view; None if it cannot be controlled."""
 
 
 def parse(rest: str) -> Address:
-    """Read the part of the path behind the run; raises `ValueError` for what is not understood."""
+    """Parse the path after the run; raises `ValueError` for unknown parts."""
     parts = [part for part in rest.split("/") if part]
     address = Address()
     while parts:

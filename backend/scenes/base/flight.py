@@ -1,4 +1,4 @@
-"""A flight as the scene needs it, from a stored trace or from a live answer. Start reading at `Flight`."""
+"""A flight for the scene, from a stored trace or a live simulation. Start reading at `Flight`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from campaigns.results.trace import TraceColumn
 Floats = NDArray[np.float64]
 
 ROWS = 800
-"""A drawn flight has at most so many points."""
+"""Maximum number of points of a drawn flight."""
 
 _POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 _TRACK = re.compile(r"obstacle\.([0-9]+)\.x")
@@ -30,19 +30,19 @@ _TRACK = re.compile(r"obstacle\.([0-9]+)\.x")
 
 @dataclass(frozen=True)
 class Closest:
-    """The closest approach: when [s], how near, where, and where the obstacle was, as drawn."""
+    """The closest approach: time [s], value, position and obstacle position in scene coordinates."""
 
     time: float
     value: float
     position: Floats
     obstacle: Floats
     number: int = 0
-    """Which obstacle it was."""
+    """The number of the obstacle."""
 
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """Poses over time [s], [m], [rad] and the separation; only rows whose pose is finite. Places are as drawn."""
+    """Poses over time [s], [m], [rad] and separation; only rows with a finite pose. In scene coordinates."""
 
     axes: Axes
     time: Floats
@@ -52,17 +52,17 @@ class Flight:
     """(m, 3): roll, pitch, yaw in the flight's own axes."""
     separation: Floats
     tracks: dict[int, Floats]
-    """Where the centre of each moving obstacle was (m, 3), by its number."""
+    """The track of the centre of each moving obstacle (m, 3), by its number."""
     parameters: dict[str, float]
-    """What this flight was flown with, by path; what is left out is nominal."""
+    """The parameters of this flight by path; omitted ones are nominal."""
     closest: Closest | None
     cost: float | None
     status: str
     reason: str
     seed: int | None = None
-    """Of the noise realisation that it shows; None where nothing is random."""
+    """Seed of its noise realisation; None without randomness."""
     seeds: int = 1
-    """Of how many realisations it is the lowest."""
+    """The number of realisations of which it is the lowest."""
 
     def at(self, time: float) -> tuple[Floats, Floats, float]:
         """Position, turn (w, x, y, z), separation at a time [s]: linear between rows, held before and after."""
@@ -71,15 +71,15 @@ class Flight:
         return _between(time, self.time, self.position), self.axes.attitude(rotation), separation
 
     def obstacle(self, number: int, time: float) -> Floats:
-        """Where the centre of a moving obstacle was at a time."""
+        """The centre of a moving obstacle at a time."""
         return _between(time, self.time, self.tracks[number])
 
     def velocity(self, time: float) -> Floats:
-        """Velocity over ground at a time (3,), as drawn [m/s]: how fast the stored place changes, wind included."""
+        """Velocity over ground at a time (3,) in scene coordinates [m/s], including wind."""
         return _between(time, self.time, self._velocity)
 
     def obstacle_velocity(self, number: int, time: float) -> Floats:
-        """Velocity of a moving obstacle's centre at a time (3,), as drawn [m/s]."""
+        """Velocity of a moving obstacle's centre at a time (3,) in scene coordinates [m/s]."""
         return _between(time, self.time, self._track_velocities[number])
 
     @property
@@ -97,8 +97,8 @@ class Flight:
 
 
 def rate(time: Floats, rows: Floats) -> Floats:
-    """Change of rows (m, k) over time (m,), at each of them: the slope of the parabola through a row and its two
-    neighbours, of the line at the ends. Rows at one and the same time share their slope."""
+    """Derivative of rows (m, k) with respect to time (m,): the slope of the parabola through a row and its two
+    neighbours, of the line at the ends. Rows at the same time share their slope."""
     distinct, first = np.unique(time, return_index=True)
     if len(distinct) < 2:
         return np.zeros_like(rows)
@@ -112,7 +112,7 @@ def _between(time: float, times: Floats, rows: Floats) -> Floats:
 
 
 def from_stored(row: Any) -> Flight | None:
-    """The flight of a row of the table of traces."""
+    """The flight of a row of the traces table."""
     data = results.table(row)
     with readable("a flight of this run"):
         head, described = TraceHead.model_validate(row.meta), [TraceColumn.model_validate(c) for c in row.columns]
@@ -122,7 +122,7 @@ def from_stored(row: Any) -> Flight | None:
 
 
 def from_live(answer: Mapping[str, Any]) -> Flight | None:
-    """The flight of an answer of the simulation process; None when it never left the ground."""
+    """The flight of a response of the simulation process; None if it has no motion."""
     columns = {name: np.array(values, dtype=np.float64) for name, values in answer["data"].items()}
     described = [TraceColumn.model_validate(column) for column in answer["columns"]]
     return _flight(described, columns, TraceHead.model_validate(answer["meta"]))

@@ -1,4 +1,4 @@
-"""How the obstacles of a scene are drawn. Start reading at `undeclared`."""
+"""The default look of obstacles."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ __all__ = ["ObstacleLook", "undeclared"]
 
 
 def undeclared(names: Mapping[str, float]) -> ObstacleLook:
-    """How an obstacle is drawn that declares nothing, as snapshots of earlier versions have them.
+    """The look of an obstacle that declares none, as in snapshots of earlier versions.
 
-    Its shape is by which of the parameters length, width, height and radius it has.
+    Its shape depends on which of the parameters length, width, height and radius it has.
     """
     angle = "angle" if "angle" in names else ""
     height = "height" if "height" in names else ""

@@ -1,6 +1,6 @@
-"""Which noise realisation a flight is simulated under again: its own, where it drew one, else those of the campaign.
+"""The noise realisation with which a flight is repeated: its own if it drew one, else those of the campaign.
 
-The certify stage draws a realisation with every flight; a finding among those has its seed stored. Read `draws`.
+The certify stage draws one realisation per flight; a finding among these has its seed stored.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ WHOLE = 2**53
 
 @dataclass(frozen=True)
 class Noise:
-    """One realisation, by its seed or by the number of the draw it came with; neither: those the campaign states."""
+    """One realisation, by its seed or by the index of its draw; if neither is given, those of the campaign."""
 
     seed: int | None = None
     draw: int | None = None
-    """From 0 within the certify stage."""
+    """Index from 0 within the certify stage."""
 
     @property
     def request(self) -> dict[str, int]:
-        """For the simulation process."""
+        """The fields of the request to the simulation process."""
         given = {"seed": self.seed, "draw": self.draw}
         return {name: value for name, value in given.items() if value is not None}
 
@@ -34,10 +34,10 @@ STATED = Noise()
 
 
 def draws(reader: sa.Connection, run_id: int, document: JsonObject) -> dict[int, int]:
-    """How many of the first evaluations of a stage each drew a realisation of their own, {position: count}.
+    """The number of leading evaluations of a stage that each drew their own realisation, {position: count}.
 
-    A stage reports it when it ends. One that has not ended has drawn at least what was asked for before it begins its
-    grid; without noise a realisation changes nothing.
+    A stage reports it when it ends. Until then it has drawn at least the requested number before it starts its grid;
+    without noise a realisation has no effect.
     """
     query = sa.select(Stage.position, Stage.result).where(Stage.run_id == run_id, Stage.kind == "certify")
     asked = document.get("stages", {}).get("certify") or {}

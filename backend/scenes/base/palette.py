@@ -16,15 +16,15 @@ def rgb(colour: str) -> Rgb:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
-def shade(colour: Rgb, share: float) -> Rgb:
-    """The colour at that share of its brightness."""
-    red, green, blue = (int(share * part) for part in colour)
+def shade(colour: Rgb, fraction: float) -> Rgb:
+    """The colour at that fraction of its brightness."""
+    red, green, blue = (int(fraction * part) for part in colour)
     return red, green, blue
 
 
 def linear(colour: Rgb) -> Rgb:
-    """The colour as viser wants those of single points and segments: it takes them for linear light, where it takes one
-    colour for a whole node as it is. Source: IEC 61966-2-1 (sRGB)."""
+    """Convert sRGB to linear light (IEC 61966-2-1): viser interprets colours of single points and segments as linear,
+    but the colour of a whole node as sRGB."""
 
     def part(byte: int) -> int:
         share = byte / 255
@@ -35,7 +35,7 @@ def linear(colour: Rgb) -> Rgb:
 
 @dataclass(frozen=True)
 class Palette:
-    """One theme; flights by role, methods by the token that the catalogue gives them."""
+    """One theme: colours of flights by role, of methods by their token in the catalogue."""
 
     background: str
     grid: str

@@ -1,6 +1,6 @@
-"""One thing in a viewer, in its scene or in its panel, as the viewer drives it. Start reading at `Part`.
+"""The interface between a viewer and the parts of its scene and panel.
 
-A new tab or layer is a `Part` in a file of its own, added by `Panel`.
+A new tab or layer is a `Part` in its own file, added by `Panel`.
 """
 
 from __future__ import annotations
@@ -13,38 +13,38 @@ from backend.scenes.base.palette import Palette
 
 
 class Part:
-    """What is not overridden does nothing. All but `stop` are called by one thread at a time, in one picture."""
+    """Methods do nothing unless overridden. All but `stop` are called by one thread at a time, within one frame."""
 
     def moved(self, time: float) -> None:
-        """Another time is shown [s]."""
+        """The displayed time has changed [s]."""
 
     def changed(self) -> None:
-        """Flights, findings or evaluations are others than before, or others are shown."""
+        """Flights, findings, evaluations or the selection have changed."""
 
     def paint(self, palette: Palette) -> None:
-        """The theme is another one now."""
+        """The theme has changed."""
 
     def stop(self) -> None:
-        """The visitor is gone: begin nothing more."""
+        """The visitor has disconnected: start no further work."""
 
 
 class Driver(Protocol):
-    """The viewer as its parts ask things of it, from any thread."""
+    """The viewer's interface for its parts, callable from any thread."""
 
     def drawing(self) -> AbstractContextManager[None]:
-        """One change of scene and panel: nobody else changes them meanwhile, and it is seen at once."""
+        """Group changes of scene and panel: exclusive, and shown in one frame."""
 
     def moved(self, time: float) -> None:
-        """Show everything at this time [s]."""
+        """Update all parts to this time [s]."""
 
     def look_from(self, camera: Camera | None) -> None:
-        """Look from there; from None: stay, and follow nothing."""
+        """Set the camera; None keeps the position and stops following."""
 
     def shown(self) -> None:
-        """What is to be seen of the flights has changed."""
+        """The visible layers of the flights have changed."""
 
     def changed(self) -> None:
-        """Flights, findings or evaluations are others than before, or others are shown."""
+        """Flights, findings, evaluations or the selection have changed."""
 
     def wake(self) -> None:
-        """There is something to do for the viewer's own thread."""
+        """Wake the viewer's own thread."""

@@ -1,4 +1,4 @@
-"""What the API says of an open 3D view. Start reading at `ViewChange`."""
+"""The API schemas of an open 3D view. Start reading at `ViewChange`."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Point = tuple[Finite, Finite, Finite]
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 5.0)
 VALUE, NONE = "value", "none"
-"""Axes of the parameter space that are no parameter: the criterion's value, and none."""
+"""Axes of the parameter space that are not parameters: the criterion's value, and none."""
 
 
 class Eye(Schema):
-    """A place of the visitor's own to look from, and what is looked at, as drawn [m]."""
+    """A free camera: position and target in scene coordinates [m]."""
 
     position: Point
     target: Point
 
 
 class Layers(Schema):
-    """What is drawn."""
+    """The visible layers."""
 
     nominal: bool
     finding: bool
@@ -41,13 +41,13 @@ class Layers(Schema):
     field: bool
     """The avoider's field."""
     space: bool
-    """The parameter space in place of the flights."""
+    """The parameter space instead of the flights."""
     axes: tuple[str, str, str]
-    """Of the parameter space: paths of uncertain parameters, `value` for the criterion's, or `none`."""
+    """Axes of the parameter space: paths of uncertain parameters, `value` for the criterion's value, or `none`."""
 
 
 class LayersChange(Given):
-    """What is to be drawn otherwise; what is left out stays."""
+    """Changes of the visible layers; omitted fields stay unchanged."""
 
     nominal: bool | None = None
     finding: bool | None = None
@@ -62,34 +62,34 @@ class LayersChange(Given):
 
 
 class ViewChange(Given):
-    """What is to be shown otherwise; what is left out stays. Going to a time stops the play unless told to."""
+    """A change of a view; omitted fields stay unchanged. Setting a time pauses playback unless `playing` is set."""
 
     flight: Annotated[str, Field(pattern=rf"^({FLIGHT})$")] | None = None
     """A finding's label; `nominal` for the nominal flight alone."""
     time: Annotated[Finite, Field(ge=0)] | None = None
-    """[s] since the start; held at the horizon."""
+    """[s] since the start; clipped to the horizon."""
     step: Finite | None = None
-    """[s] from `time`, or from the time shown; held at start and horizon."""
+    """[s] relative to `time`, or to the displayed time; clipped to start and horizon."""
     passing: bool = False
-    """The time is pointed at in passing: a view that plays goes on and leaves it."""
+    """The time is only hovered: a view that is playing ignores it."""
     closest: bool = False
     """Go to the closest approach of the worst flight shown."""
     camera: Camera | None = None
     eye: Eye | None = None
-    """A place of one's own instead of a camera by name."""
+    """A free camera instead of a named one."""
     playing: bool | None = None
     speed: Finite | None = None
-    """Seconds of the flight in a second: 0.25, 0.5, 1, 2 or 5."""
+    """Playback speed: 0.25, 0.5, 1, 2 or 5."""
     theme: Theme | None = None
     panel: bool | None = None
-    """Show the view's own panel, or fold it."""
+    """Show or fold the view's own panel."""
     layers: LayersChange | None = None
     what_if: dict[str, Finite] | None = None
     """Simulate the case with these uncertain parameters by path, the others nominal, and draw it as the what-if.
 
-    `POST /runs/{run}/flights` draws it, too, and answers with its numbers."""
+    `POST /runs/{run}/flights` also draws it, and returns its numbers."""
     what_if_seed: Annotated[int, Field(ge=0, lt=MAX_SEED)] | None = None
-    """The noise seed of that flight, as a finding reports the one it drew; null for those that the campaign states."""
+    """The noise seed of that flight, such as that of a finding; null for those of the campaign."""
 
     @model_validator(mode="after")
     def _one_time(self) -> ViewChange:
@@ -120,23 +120,23 @@ class ViewState(Schema):
     """What an open view shows: `camera` is null once the visitor has moved it, `time` is [s] since the start."""
 
     opened: float
-    """When this view was opened [s since 1970]; one whose socket was lost is opened anew, as its address says."""
+    """Time at which this view was opened [s since 1970]; after a lost connection it is reopened from its address."""
     revision: int
-    """Grows with everything that is shown otherwise, and from one view of a key to the next."""
+    """Increases with every change of the display, and from one view of a key to the next."""
     flight: str
     time: float
     camera: Camera | None
     eye: Eye | None
-    """Where the visitor looks from; null where `camera` says it."""
+    """The free camera; null if `camera` is set."""
     playing: bool
     speed: float
     theme: Theme
     panel: bool
-    """Whether its panel was last shown or folded by a page; where no page has, one that a page opened is folded."""
+    """Whether a page last showed or folded its panel; initially folded in a view that a page opened."""
     layers: Layers
     what_if: dict[str, float] | None
-    """The parameters of the what-if flight that is drawn; null where there is none."""
+    """The parameters of the drawn what-if flight; null if there is none."""
     what_if_seed: int | None
-    """Its noise seed, where it has one of its own; null for those that the campaign states."""
+    """Its noise seed; null for those of the campaign."""
     what_if_source: WhatIfSource | None
-    """Who chose it: a page, or the visitor by a click on an evaluation in the parameter space."""
+    """Its source: a page, or a click of the visitor on an evaluation in the parameter space."""

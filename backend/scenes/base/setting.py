@@ -1,4 +1,4 @@
-"""What a scene shows before anything has flown, and what the run has found so far. Start reading at `load`."""
+"""The fixed part of a scene, from the campaign, and the progress of the run. Start reading at `load`."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ class Uncertain:
 
 
 class UnknownParameterError(ValueError):
-    """The campaign has no such uncertain parameter, or not with that value; the message says what is allowed."""
+    """An unknown uncertain parameter or a value outside its bounds; the message states what is allowed."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """The scene's fixed part [m], as drawn, and what the viewer says of it."""
+    """The fixed part of a scene in scene coordinates [m], with its labels."""
 
     run: str
     title: str
@@ -64,16 +64,16 @@ class Setting:
     vehicle: str
     start: Floats
     goal: Floats | None
-    """None where the flight has no goal but a course to keep."""
+    """None if the vehicle has no goal but follows a course."""
     course: Floats | None
-    """Where the course would lead within the horizon, without a conflict."""
+    """The end of the course at the horizon, without a conflict."""
     values: dict[str, float]
     """The nominal values of all parameters by path."""
     moving: list[bool]
-    """Of each obstacle, whether it moves by itself."""
+    """Whether each obstacle moves."""
     threshold: float
     to_surface: bool
-    """Whether the criterion's distances end at obstacles' surfaces, not at their centres."""
+    """Whether the criterion measures to obstacles' surfaces, not to their centres."""
     quantity: str
     unit: str
     horizon: float
@@ -81,28 +81,28 @@ class Setting:
     methods: list[tuple[int, str, str]]
     """Position, name and title of each search stage."""
     drawn: Looks = field(default_factory=Looks)
-    """How its methods, obstacles and vehicle are drawn."""
+    """The looks of its methods, obstacles and vehicle."""
     obstacles: tuple[str, ...] = ()
     """The component of each obstacle."""
 
     @property
     def decimals(self) -> int:
-        """Decimals that show the threshold, and so every value near it, with four digits."""
+        """Decimals that show the threshold, and thus values near it, with four digits."""
         size = abs(self.threshold)
         return 4 if size == 0 else max(0, min(8, 3 - math.floor(math.log10(size) + 1e-12)))
 
     def look(self, number: int) -> ObstacleLook | None:
-        """How the obstacle of that number is drawn; None where it does not declare it."""
+        """The look of an obstacle; None if it declares none."""
         return self.drawn.obstacle(self.obstacles[number]) if number < len(self.obstacles) else None
 
     def free(self, radius: float) -> float:
-        """Radius about the centre of a round obstacle of that radius that must stay free [m]."""
+        """Radius that must stay free about the centre of a round obstacle of that radius [m]."""
         body = self.values.get("criterion.body_radius", 0.0)
         return radius + body + self.threshold if self.to_surface else self.threshold
 
 
 def drawable(reader: sa.Connection, run_id: int) -> Campaign:
-    """The campaign of a run that has a scenario to draw; 404 for none."""
+    """The campaign of a run with a scenario; 404 if it has none."""
     asked = campaign(reader, run_id)
     if asked.scenario is None:
         text = f"{run_name(run_id)} evaluates a simulator, which provides no trace: it has no 3D view"
@@ -111,7 +111,7 @@ def drawable(reader: sa.Connection, run_id: int) -> Campaign:
 
 
 def load(reader: sa.Connection, run_id: int) -> Setting:
-    """The setting of a run; 404 for none, and for a run of a simulator, which has no flight to be drawn."""
+    """The setting of a run; 404 if there is no such run, or it evaluates a simulator, which has no flight to draw."""
     asked = drawable(reader, run_id)
     catalogue = described(reader, run_id)
     known = {} if catalogue is None else parameters(asked, catalogue)
@@ -147,7 +147,7 @@ def load(reader: sa.Connection, run_id: int) -> Setting:
 
 
 def _given(asked: Campaign) -> dict[str, float]:
-    """What the campaign itself says, by path, whether its components are known here or not."""
+    """The values that the campaign itself gives, by path, also for unknown components."""
     scenario = asked.given_scenario
     groups = {"start": scenario.start, "goal": scenario.goal}
     groups |= {f"obstacles.{i}": part.parameters for i, part in enumerate(scenario.obstacles)}
@@ -162,7 +162,7 @@ def _moving(asked: Campaign, catalogue: Catalogue | None) -> list[bool]:
 
 
 def _axes(reader: sa.Connection, run_id: int, vehicle: ComponentEntry | None) -> Axes:
-    """Of what has flown; before that, those of the vehicle as the catalogue of today has it."""
+    """The axes of a stored trace; before there is one, those of the vehicle in the current catalogue."""
     flown = reader.scalar(sa.select(Trace.meta).where(Trace.run_id == run_id).limit(1))
     return axes_of((flown or {}).get("frame") or (vehicle.frame if vehicle else None))
 
@@ -174,7 +174,7 @@ def _place(values: Mapping[str, float], prefix: str, axes: Axes) -> Floats | Non
 
 
 def _climbs(asked: Campaign, catalogue: Catalogue | None, axes: Axes) -> float:
-    """What a positive climb does to z: it goes up in the axes that the avoider is written for, whatever flies it."""
+    """The sign of z for a positive climb: up in the axes of the avoider, for any vehicle."""
     avoider = None if catalogue is None else catalogue.component("avoider", asked.given_scenario.avoider.component)
     return 1.0 if ((avoider.written_in if avoider else "") or axes.frame) == "enu" else -1.0
 
@@ -193,7 +193,7 @@ def _course(values: Mapping[str, float], axes: Axes, horizon: float, climbs: flo
 
 
 def _uncertain(asked: Campaign, known: Mapping[str, tuple[ParameterEntry, float]]) -> list[Uncertain]:
-    """None where a component is not known (any more)."""
+    """Parameters of unknown components are omitted."""
     if not known.keys() >= asked.uncertain.keys():
         return []
     rows = [(path, bounds, *known[path]) for path, bounds in asked.uncertain.items()]
@@ -210,27 +210,27 @@ def _methods(asked: Campaign, catalogue: Catalogue | None) -> list[tuple[int, st
 
 
 class Progress:
-    """What a run has found, looked at again and again while it runs."""
+    """The results of a run so far, polled while it is active."""
 
     def __init__(self, setting: Setting, run_id: int, shown: str = WORST) -> None:
-        """`shown` is the flight beside the nominal one."""
+        """`shown` is the flight shown with the nominal one."""
         self._setting, self._run_id, self.shown = setting, run_id, shown
         self.flights: dict[str, Flight] = {}
         self.findings: dict[str, dict[str, float]] = {}
         """{label: {path: value}}"""
         self.seeds: dict[str, int] = {}
-        """Of the findings that drew a noise realisation of their own."""
+        """Noise seeds of the findings that drew their own realisation."""
         self.curves = {position: Improvements() for position, _, _ in setting.methods}
         self.over = False
         self._seen: JsonObject = {}
 
     @property
     def choices(self) -> list[str]:
-        """What may be shown beside the nominal flight, or the nominal flight alone."""
+        """The flights that can be selected: findings, or the nominal flight alone."""
         return [*self.findings, NOMINAL]
 
     def show(self, label: str, reader: sa.Connection) -> None:
-        """Have another flight beside the nominal one; the one before is forgotten."""
+        """Select another flight to be shown with the nominal one."""
         if self.shown != NOMINAL:
             self.flights.pop(self.shown, None)
             self._seen.pop(self.shown, None)
@@ -238,7 +238,7 @@ class Progress:
         self.look(reader)
 
     def look(self, reader: sa.Connection) -> bool:
-        """Read what is new; whether there was anything."""
+        """Read new results; true if there are any."""
         before = self._state()
         self.over = reader.scalar(sa.select(Run.state).where(Run.id == self._run_id)) in ENDED
         shown = sa.select(Trace.name, Trace.meta).where(

@@ -1,1 +1,1 @@
-"""The parameter space in place of the flights: a run's evaluations as points."""
+"""The parameter space, shown instead of the flights: a run's evaluations as points."""

@@ -1,4 +1,4 @@
-"""Draws a run's parameter space in place of the flights: box, names and bounds, points, marks. Read `CloudDrawn`."""
+"""Draws a run's parameter space instead of the flights: box, axes, points, marks."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from backend.scenes.drawing.colours import colours
 from backend.scenes.drawing.world import World
 
 SIDE = 0.62
-"""The box's side, as a share of the scene's."""
+"""Side of the box as a fraction of the scene's."""
 POINT = 0.011
-"""A point's size and that of other marks, as a share of the box's side."""
+"""Sizes of points and marks as fractions of the box's side."""
 SIGN = 0.015
-"""Half the size of the sign of an evaluation without a value, as a share of the box's side."""
+"""Half the size of the symbol of an evaluation without a value, as a fraction of the box's side."""
 CROSS: Floats = np.array([((-x, -y, -1.0), (x, y, 1.0)) for x in (-1.0, 1.0) for y in (-1.0, 1.0)]) / np.sqrt(3)
-"""The diagonals of a cube: a cross from every side."""
+"""The diagonals of a cube: a cross from every direction."""
 _TIPS = np.array([*np.eye(3), *-np.eye(3)])
 DIAMOND: Floats = np.array([(a, b) for a, b in combinations(_TIPS, 2) if a @ b == 0.0])
 """The edges of an octahedron."""
@@ -30,21 +30,21 @@ NAME = "/space"
 
 
 class CloudDrawn:
-    """Stands where the flights stand, so that the same cameras see it."""
+    """Drawn at the position of the flights, so that the same cameras show it."""
 
     def __init__(self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette) -> None:
         self._scene, self._setting, self._world, self.palette = server.scene, setting, world, palette
         self._root: Any = self._scene.add_frame(NAME, show_axes=False, visible=False)
         self.points: Floats = np.empty((0, 3))
-        """Where the evaluations are in the scene (n, 3) [m]."""
+        """Positions of the evaluations in the scene (n, 3) [m]."""
 
     @property
     def side(self) -> float:
-        """Of the box [m]."""
+        """Side of the box [m]."""
         return SIDE * self._world.frame.span
 
     def _at(self, shares: Any) -> Floats:
-        """A place of the unit cube in the scene."""
+        """Convert a position in the unit cube to scene coordinates."""
         found: Floats = self._world.frame.middle + self.side * (np.asarray(shares, dtype=np.float64) - 0.5)
         return found
 
@@ -53,7 +53,7 @@ class CloudDrawn:
         self._root.visible = visible
 
     def draw(self, cloud: Cloud, picked: Axes) -> None:
-        """Draw all of it anew."""
+        """Redraw everything."""
         visible = self._root.visible
         self._root.remove()
         self._root = self._scene.add_frame(NAME, show_axes=False, visible=visible)
@@ -64,7 +64,7 @@ class CloudDrawn:
         self._criterion(picked)
 
     def _box(self, picked: Axes) -> None:
-        """Its edges; along three of them the axes' names and the numbers at their bounds."""
+        """Draw the edges; along three of them the titles and bounds of the axes."""
         corners = np.array(list(product((0.0, 1.0), repeat=3)))
         edges = [(a, b) for a in corners for b in corners if a.sum() < b.sum() and np.abs(b - a).sum() == 1]
         self._lines("box", self._at(edges), self.palette.section, 1.5)
@@ -84,7 +84,7 @@ class CloudDrawn:
                 )
 
     def _evaluations(self, cloud: Cloud, picked: Axes) -> None:
-        """Points in the colour of their value; crosses for what failed, hollow diamonds for what was excluded."""
+        """Draw points in the colour of their value, crosses for failed and hollow diamonds for excluded evaluations."""
         costs, status = cloud.costs, np.array([one.status for one in cloud.drawn])
         ok = (status == "ok") & np.isfinite(costs)
         low, high = cloud.range or (0.0, 1.0)
@@ -101,13 +101,13 @@ class CloudDrawn:
             )
 
     def _signs(self, part: str, points: Floats, sign: Floats) -> None:
-        """The same sign of lines (k, 2, 3) at every point, where there are any."""
+        """Draw the same symbol of lines (k, 2, 3) at every point."""
         if len(points):
             lines = points[:, None, None] + SIGN * self.side * sign
             self._lines(part, lines.reshape(-1, 2, 3), self.palette.soft, 1.4)
 
     def _marks(self, cloud: Cloud, picked: Axes) -> None:
-        """The nominal case and the findings as labelled balls."""
+        """Draw the nominal case and the findings as labelled balls."""
         taken: list[Floats] = []
         for label, (parameters, cost) in cloud.marks.items():
             at = self._at(place(picked, parameters, cost))
@@ -126,12 +126,12 @@ class CloudDrawn:
             taken.append(at)
 
     def _criterion(self, picked: Axes) -> None:
-        """Where the criterion's value is an axis, the plane at its threshold, outlined and named."""
+        """If the criterion's value is an axis, draw the labelled outline of the plane at its threshold."""
         threshold = self._setting.threshold
         for k, axis in enumerate(picked):
             if axis is None or axis.path:
                 continue
-            share = axis.share({}, threshold)
+            share = axis.fraction({}, threshold)
             if not 0.0 <= share <= 1.0:
                 continue
             others = [i for i in range(3) if i != k]
@@ -143,7 +143,7 @@ class CloudDrawn:
             self._scene.add_label(f"{NAME}/criterion/label", text, position=ring[1], anchor="bottom-left")
 
     def pick(self, one: Evaluation, picked: Axes) -> None:
-        """Mark the evaluation that is flown."""
+        """Mark the picked evaluation."""
         at = self._at(place(picked, one.parameters, one.cost))
         self._ball("picked", at, 1.9 * POINT, self.palette.what_if)
         text = one.status if one.cost is None else f"{one.cost:.{self._setting.decimals}f} {self._setting.unit}"
@@ -175,7 +175,7 @@ class CloudDrawn:
 
 
 def _beside(name: str, share: float) -> tuple[tuple[float, float, float], Any]:
-    """Where along its edge of the box something of an axis is written, and on which side of that place."""
+    """Position and anchor of an axis label along its edge of the box."""
     away = 0.1 if share == 0.5 else 0.05
     if name == "x":
         return (share, -away, 0.0), "top-center"

@@ -1,6 +1,6 @@
-"""A run's stored evaluations as points of its parameter space: where they stand, which one a ray meets.
+"""A run's stored evaluations as points of its parameter space: their positions, and picking by a ray.
 
-Start reading at `load`; `drawn` draws it, `tab` is its part of the panel.
+Start reading at `load`; `drawn` draws the points, `tab` is the part of the panel.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from backend.scenes.base.setting import NOMINAL, Setting
 Floats = NDArray[np.float64]
 
 MOST = 6000
-"""About so many evaluations are drawn, the lowest of every search among them."""
+"""Approximate number of drawn evaluations, including the lowest of every search."""
 LEAST = 400
-"""Of each stage, whatever the others have."""
+"""Minimum number of each stage."""
 REACH = 0.02
-"""A click meets a point within this angle from it [rad]."""
+"""Maximum angle between a click and its point [rad]."""
 SAME = 0.004
-"""Points within this angle of each other are behind one another: the nearest is meant [rad]."""
+"""Points within this angle of each other are considered aligned: the nearest is picked [rad]."""
 
 
 @dataclass(frozen=True)
@@ -43,41 +43,41 @@ class Evaluation:
     cost: float | None
     parameters: dict[str, float]
     noise: Noise = STATED
-    """The realisation that it simulated."""
+    """The noise realisation that it used."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Evaluations that are drawn, and how many there are."""
+    """The drawn evaluations, and the total number."""
 
     drawn: list[Evaluation]
     marks: dict[str, tuple[dict[str, float], float | None]]
     """The nominal case and the findings: parameters and cost by label."""
     total: int
     failed: int
-    """Timeouts among them."""
+    """Includes timeouts."""
     excluded: int
 
     @property
     def costs(self) -> Floats:
-        """(n,); NaN where there is none."""
+        """(n,); NaN without a cost."""
         return np.array([np.nan if one.cost is None else one.cost for one in self.drawn])
 
     @property
     def range(self) -> tuple[float, float] | None:
-        """Lowest and highest value drawn, those of the marks among them."""
+        """Lowest and highest drawn value, including those of the marks."""
         marked = [cost for _, cost in self.marks.values() if cost is not None]
         known = np.concatenate([self.costs, marked])
         known = known[np.isfinite(known)]
         return (float(known.min()), float(known.max())) if known.size else None
 
     def count(self, *statuses: str) -> int:
-        """How many of those drawn have one of these statuses."""
+        """The number of drawn evaluations with one of these statuses."""
         return sum(one.status in statuses for one in self.drawn)
 
 
 def load(reader: sa.Connection, run_id: int, setting: Setting, nominal: float | None) -> Cloud:
-    """What is stored now; `nominal` is the cost of the nominal flight, where it is known."""
+    """The stored evaluations; `nominal` is the cost of the nominal case, if known."""
     stages = reader.scalar(
         sa.select(sa.func.count()).select_from(Stage).where(Stage.run_id == run_id, Stage.evaluations > 0)
     )
@@ -97,7 +97,7 @@ def load(reader: sa.Connection, run_id: int, setting: Setting, nominal: float | 
 
 
 def _drawn(found: Evaluations, own: Mapping[int, int]) -> list[Evaluation]:
-    """Those that thinning has left, and every failure that is told with its reason."""
+    """The evaluations that remain after thinning, and every failure with a stored reason."""
     called = {s.position: f"{s.position} · {s.kind}{f' · {s.method}' if s.method else ''}" for s in found.stages}
     drawn: dict[tuple[int, int], Evaluation] = {}
 
@@ -134,14 +134,14 @@ class Axis:
         """With its unit."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
-    def share(self, parameters: Mapping[str, float], cost: float | None) -> float:
-        """Where on the axis something stands, 0 at its low end; NaN where it has no value."""
+    def fraction(self, parameters: Mapping[str, float], cost: float | None) -> float:
+        """The position on the axis, 0 at its low end; NaN without a value."""
         value = parameters.get(self.path, np.nan) if self.path else (np.nan if cost is None else cost)
         return (value - self.low) / (self.high - self.low) if self.high > self.low else 0.5 + 0.0 * value
 
 
 def axes(setting: Setting, cloud: Cloud) -> dict[str, Axis]:
-    """Every axis that there is by its title: the uncertain parameters, then the criterion's value."""
+    """All axes by title: the uncertain parameters, then the criterion's value."""
     low, high = cloud.range or (0.0, 0.0)
     value = Axis(setting.quantity or "value", setting.unit, low, high)
     found = [Axis(one.path, one.unit, one.low, one.high, one.path) for one in setting.uncertain]
@@ -149,26 +149,26 @@ def axes(setting: Setting, cloud: Cloud) -> dict[str, Axis]:
 
 
 Axes = Sequence[Axis | None]
-"""Along x, y and z; None where there is none."""
+"""The axes along x, y and z; None if not used."""
 
 
 NO_VALUE = -0.08
-"""Where on the criterion's axis evaluations without a value stand."""
+"""Position of evaluations without a value on the criterion's axis."""
 
 
 def places(cloud: Cloud, picked: Axes) -> Floats:
-    """Every drawn evaluation in the unit cube (n, 3); an axis that is not there stands at its middle."""
+    """The positions of all drawn evaluations in the unit cube (n, 3); the centre for an unused axis."""
     return np.array([place(picked, one.parameters, one.cost) for one in cloud.drawn]).reshape(-1, 3)
 
 
 def place(picked: Axes, parameters: Mapping[str, float], cost: float | None) -> list[float]:
-    """Something in the unit cube."""
-    shares = [0.5 if axis is None else axis.share(parameters, cost) for axis in picked]
+    """The position of one case in the unit cube."""
+    shares = [0.5 if axis is None else axis.fraction(parameters, cost) for axis in picked]
     return [NO_VALUE if np.isnan(share) else share for share in shares]
 
 
 def met(points: Floats, origin: Any, direction: Any) -> int | None:
-    """Which of these points (n, 3) a ray from the eye meets: the nearest on the screen, in front of those behind it."""
+    """The point (n, 3) that a camera ray picks: the nearest on the screen, the front one if aligned."""
     if len(points) == 0:
         return None
     ray = np.asarray(direction, dtype=np.float64)

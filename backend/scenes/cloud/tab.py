@@ -1,4 +1,4 @@
-"""The tab of the parameter space: which axes, the legend, and the evaluation that a click flies. Read `CloudTab`."""
+"""The tab of the parameter space: axes, legend, and simulation of the clicked evaluation."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ from backend.scenes.panel import tables
 NOTHING = "–"
 """No axis."""
 PATIENCE = 5.0
-"""While a run goes on, its evaluations are read again after this time at the soonest [s]."""
+"""Minimum interval between reads of the evaluations of an active run [s]."""
 TOWARDS = (0.55, -0.75, 0.38)
-"""From the box to the camera."""
+"""Direction from the box to the camera."""
 
 
 Take = Callable[[Flight, int | None], None]
-"""Has a flight drawn as the what-if, with the seed of its own noise realisation; None: those of the campaign."""
+"""Callback that draws a flight as the what-if, with its noise seed; None for those of the campaign."""
 
 
 class CloudTab(Part):
-    """Reads the stored evaluations when it is shown first; the newest click is flown, whatever was overtaken is not."""
+    """Reads the stored evaluations when first shown; simulates the newest click and drops superseded ones."""
 
     def __init__(
         self,
@@ -63,13 +63,13 @@ class CloudTab(Part):
         self._drawn = CloudDrawn(server, setting, world, world.palette)
         self._cloud: Cloud | None = None
         self._read, self._whole = 0.0, False
-        """When the evaluations were read last [s]; whether the run was over then."""
+        """Time of the last read [s], and whether the run had ended then."""
         self._visible = self._stopped = False
         self._picked: Evaluation | None = None
         self._along: Axes = (None, None, None)
         self._before: Camera | None = None
         self._own: Pose | None = None
-        """Where the camera stood when the flights were shown last: a place by name, or the visitor's own."""
+        """The last camera of the flights: named, or the visitor's own."""
         self._panel(server.gui)
         self._loads: Latest[None] = Latest(lambda _: self._load())
         self._flies: Latest[Evaluation] = Latest(self._fly)
@@ -95,7 +95,7 @@ class CloudTab(Part):
             one.on_update(lambda _: self._redraw())
 
     def show(self, visible: bool) -> None:
-        """Show the parameter space in place of the flights, or the flights again; the camera goes along."""
+        """Switch between parameter space and flights, including the camera."""
         with self._driver.drawing():
             if visible == self._visible:
                 return
@@ -119,7 +119,7 @@ class CloudTab(Part):
 
     @property
     def on(self) -> bool:
-        """Whether the parameter space is to be seen."""
+        """Whether the parameter space is visible."""
         return self._visible
 
     @property
@@ -129,7 +129,7 @@ class CloudTab(Part):
         return x, y, z
 
     def have(self, on: bool | None, along: tuple[str, str, str] | None) -> None:
-        """Show it with these axes; None leaves it as it is. Raises `UnknownParameterError`."""
+        """Change visibility and axes; None leaves them unchanged. Raises `UnknownParameterError`."""
         titles = {path: title for title, path in self._paths.items()}
         if along is not None:
             unknown = next((path for path in along if path not in titles), None)
@@ -141,7 +141,7 @@ class CloudTab(Part):
             self.show(on)
 
     def changed(self) -> None:
-        """Read the evaluations again, where they are shown and there may be new ones."""
+        """Read the evaluations again if they are visible and may have changed."""
         due = self._progress.over or time.monotonic() - self._read > PATIENCE
         if self._visible and due and not self._whole:
             self._loads.ask(None)
@@ -152,14 +152,14 @@ class CloudTab(Part):
         self._redraw()
 
     def stop(self) -> None:
-        """Read, fly and draw nothing more."""
+        """Stop reading, simulating and drawing."""
         self._loads.stop()
         self._flies.stop()
         with self._driver.drawing():
             self._stopped = True
 
     def _look(self) -> None:
-        """From where the whole box is seen."""
+        """Move the camera to a view of the whole box."""
         direction = np.array(TOWARDS) / np.linalg.norm(TOWARDS)
         half = 0.62 * self._drawn.side
         corners = np.array([(x, y, z) for x in (-half, half) for y in (-half, half) for z in (-half, half)])
@@ -201,7 +201,7 @@ class CloudTab(Part):
         self._flies.ask(one)
 
     def _fly(self, one: Evaluation) -> None:
-        """Fly it with the parameters as stored, bit by bit, and hold the result against what is stored."""
+        """Simulate it with the bit-identical stored parameters, and compare with the stored result."""
         try:
             answer = self._live.fly(self._setting.document, self._setting.digest, one.parameters, ROWS, one.noise)
         except LiveError as error:

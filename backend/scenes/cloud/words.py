@@ -1,4 +1,4 @@
-"""What the panel says of the parameter space and of the evaluation that was flown again. Start reading at `outcome`."""
+"""The panel's texts on the parameter space and on a repeated evaluation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TABLE = (
 
 
 def legend(cloud: Cloud, setting: Setting, dark: bool) -> str:
-    """The colours with their numbers and the criterion, how many evaluations are drawn, which marks there are."""
+    """The legend: colour scale with criterion, number of drawn evaluations, marks."""
     drawn, quantity = len(cloud.drawn), setting.quantity or "value"
     said = f"{drawn} of {cloud.total} evaluations" + (
         ", the lowest of every search among them." if drawn < cloud.total else "."
@@ -61,12 +61,12 @@ def _scale(cloud: Cloud, setting: Setting, quantity: str, dark: bool) -> str:
 
 
 def flying(one: Evaluation) -> str:
-    """Which evaluation was clicked."""
+    """The text while the clicked evaluation is simulated."""
     return _head(one) + note("Simulating it again …")
 
 
 def outcome(one: Evaluation, answer: Mapping[str, Any], setting: Setting) -> str:
-    """What is stored and what it gave when it was flown again, with all digits, and whether both are the same."""
+    """The stored and the repeated result at full precision, and whether they are identical."""
     stored = f"{one.cost!r} {setting.unit}" if one.cost is not None else one.status
     cost = answer["cost"]
     again = f"{cost!r} {setting.unit}" if cost is not None else f"{answer['status']}"
@@ -81,11 +81,11 @@ def _verdict(one: Evaluation, answer: Mapping[str, Any]) -> str:
     cost = answer["cost"]
     if one.cost is not None and cost is not None:
         if one.cost == cost:
-            return "✓ Identical, bit by bit."
-        return f"✕ Not the same: they differ by {abs(cost - one.cost):.3g}."
+            return "✓ Bit-identical."
+        return f"✕ Not identical: they differ by {abs(cost - one.cost):.3g}."
     if one.status == answer["status"]:
-        return f"✓ The same: {answer['status']}. {answer['reason']}"
-    return f"✕ Not the same. {answer['reason']}"
+        return f"✓ Identical: {answer['status']}. {answer['reason']}"
+    return f"✕ Not identical. {answer['reason']}"
 
 
 def _head(one: Evaluation) -> str:

@@ -1,1 +1,1 @@
-"""How a browser comes to its viewer, and how the page steers it."""
+"""Connects a browser to its viewer, and lets the page control it."""

@@ -1,8 +1,7 @@
-"""What a page may send to its viewer: camera, values of the panel, clicks in the scene; nothing large, no flood.
+"""The messages that a page may send to its viewer: camera, panel values, clicks; limited in size and rate.
 
-viser would also take files into memory, messages for features that the viewer does not use, and new values for any
-attribute of a panel's element. A frame holds one message of msgpack (viser 1.1.1, `WebsocketClientWorker.ts`). Start
-reading at `refusal`.
+viser itself would also accept files, messages for unused features, and new values for any attribute of a panel element.
+A frame holds one msgpack message (viser 1.1.1, `WebsocketClientWorker.ts`).
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ import time
 from viser import _messages
 
 LARGEST = 65_536
-"""Of one message; a camera has 0.3 kB [bytes]."""
+"""Maximum size of a message; a camera has 0.3 kB [bytes]."""
 
 ALLOWED = (
     _messages.ViewerCameraMessage,
@@ -23,11 +22,11 @@ ALLOWED = (
 )
 
 RATE, BURST = 200.0, 400.0
-"""Messages a second, and at once; a page sends at most about 120 a second (viser's own throttles)."""
+"""Maximum message rate and burst; a page sends at most about 120 per second (viser's own throttling)."""
 
 
 class Pace:
-    """Has a sender wait who sends faster than that, so that the service's event loop is free for others."""
+    """Delays a sender that exceeds the rate, so that the event loop stays responsive."""
 
     def __init__(self, rate: float = RATE, burst: float = BURST) -> None:
         """rate: in 1/s."""
@@ -35,7 +34,7 @@ class Pace:
         self._left, self._at = burst, time.monotonic()
 
     async def wait(self) -> None:
-        """Returns when one more message may be taken."""
+        """Return when one more message is allowed."""
         now = time.monotonic()
         self._left, self._at = min(self._burst, self._left + (now - self._at) * self._rate) - 1, now
         if self._left < 0:
@@ -43,14 +42,14 @@ class Pace:
 
 
 def refusal(message: bytes | str) -> str:
-    """Why the relay must not pass this on, at most 123 bytes as a socket's close reason; empty where it may."""
+    """The reason to refuse a message, at most 123 bytes as in a socket's close frame; empty if it is allowed."""
     if isinstance(message, str):
         return "messages must be msgpack, not text"
     if len(message) > LARGEST:
         return f"a message has at most {LARGEST} bytes"
     try:
         given = _messages.Message.deserialize(message)
-    except Exception:  # whatever a reader of arbitrary bytes may raise
+    except Exception:  # decoding arbitrary bytes may raise any exception
         return "not a message of viser"
     if not isinstance(given, ALLOWED):
         return f"{type(given).__name__[:60]} is not allowed here"

@@ -1,6 +1,6 @@
-"""GET and PATCH /runs/{run}/views/{key}: the page that has opened a 3D view steers it. Start reading at `change_view`.
+"""GET and PATCH /runs/{run}/views/{key}: the page that opened a 3D view controls it.
 
-The key is the page's own, in the address of the view; it is good for whoever opened that view and for its run alone.
+The page generates the key, which is part of the view's address; it is valid only for the view's visitor and run.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from backend.runs.service import number
 from backend.runs.tombstones import refuse_purged
 from backend.scenes.base.address import KEY
 from backend.scenes.base.schemas import ViewChange, ViewState
-from backend.scenes.base.setting import UnknownParameterError
+from backend.scenes.base.setting import UnknownParameterError, drawable
 from backend.scenes.control.viewers import Handle, Viewers
 from backend.scenes.viewer.viewer import GoneError, UnknownFlightError, Viewer
 from campaigns.runs import run_name
 
 router = APIRouter(tags=["views"])
 
-Key = Annotated[str, Path(pattern=f"^{KEY}$", description="Of the view: a UUID (version 4) in its address.")]
+Key = Annotated[str, Path(pattern=f"^{KEY}$", description="The key of the view: a UUID (version 4) in its address.")]
 Wait = Annotated[float, Query(ge=0, le=30, description="How long to wait for the view to open [s].")]
 Since = Annotated[
     int | None,
     Query(
         ge=0,
         le=LARGEST_WHOLE,
-        description="A revision that is known: the answer comes once the view shows something else, at the latest "
-        "after `wait`; at once where no such view is open.",
+        description="A known revision: the response is sent once the view has changed, at the latest "
+        "after `wait`; immediately if no such view is open.",
     ),
 ]
 
@@ -43,7 +43,7 @@ Since = Annotated[
 async def get_view(
     run: RunName, key: Key, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0, since: Since = None
 ) -> ViewState:
-    """What an open 3D view shows now, or as soon as it shows something new."""
+    """The state of an open 3D view, now or after its next change."""
     handle = Handle(visitor, number(run), key)
     if since is not None:
         await request.app.state.viewers.news(handle, since, wait)
@@ -58,7 +58,7 @@ async def get_view(
 async def change_view(
     run: RunName, key: Key, given: ViewChange, request: Request, visitor: CurrentVisitor, wait: Wait = 0.0
 ) -> ViewState:
-    """Show something else in an open 3D view: `/view/RUN/key/KEY/`. The answer says what it shows then."""
+    """Change an open 3D view, `/view/RUN/key/KEY/`; returns its new state."""
     return await _answer(request, Handle(visitor, number(run), key), wait, lambda viewer: viewer.steer(given))
 
 
@@ -66,7 +66,7 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
     viewers: Viewers = request.app.state.viewers
     viewer = await viewers.find(handle, wait)
     if viewer is None:
-        await capacities(request).views.run(lambda: _purged(request, handle))
+        await capacities(request).views.run(lambda: _without_view(request, handle))
         full = viewers.full(handle.visitor)
         raise _full(full) if full and not viewers.stopping.is_set() else _gone(handle)
     try:
@@ -79,10 +79,11 @@ async def _answer(request: Request, handle: Handle, wait: float, ask: Callable[[
         raise RefusedError(422, "unknown-parameter", str(error)) from None
 
 
-def _purged(request: Request, handle: Handle) -> None:
-    """410 where the run is gone for good: its page need not try again."""
+def _without_view(request: Request, handle: Handle) -> None:
+    """Raise 410 if the run was purged, 404 if it has no 3D view, so that its page stops retrying."""
     with read(request.app.state.engine) as reader:
         refuse_purged(reader, handle.run_id)
+        drawable(reader, handle.run_id)
 
 
 def _full(why: str) -> RefusedError:

@@ -1,7 +1,7 @@
-"""Carries a browser's socket to a viser server of its own on loopback, and ends that server with the socket.
+"""Relays a browser's socket to its own viser server on loopback, and ends that server with the socket.
 
-viser has no login and no Origin check, so its server takes nobody but this relay, known by a secret; and its public
-share tunnel is closed. A page may send only what `allowed` lists. Two private names of viser are used for that: its
+viser has no login and no Origin check, so its server accepts only this relay, which presents a secret; its public share
+tunnel is disabled. A page may send only the messages listed in `allowed`. This uses two private names of viser, whose
 version is pinned. Start reading at `relay`.
 """
 
@@ -31,14 +31,14 @@ SECRET = "X-Clearance-Relay"
 GOING_AWAY = 1001
 REFUSED = 1008
 CHECK_PERIOD = 15.0
-"""How often it is checked that the visitor may still come in [s]."""
-rich.reconfigure(quiet=True)  # viser prints a banner for every server, whatever it is told
+"""Interval at which the visitor's access is checked again [s]."""
+rich.reconfigure(quiet=True)  # viser prints a banner for every server, which cannot be disabled
 assert viser.__version__ == "1.1.1", "the private names used here are those of viser 1.1.1"
 wakeful.install()
 
 
 def open_server(secret: str) -> viser.ViserServer:
-    """A viser server on a free loopback port that takes only connections with the secret in their header."""
+    """A viser server on a free loopback port that accepts only connections with the secret in their header."""
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     sockets: Any = server._websock_server
     sockets.unregister_handler(_messages.ShareUrlRequest)
@@ -54,7 +54,7 @@ def open_server(secret: str) -> viser.ViserServer:
 
 
 class RefusedMessageError(Exception):
-    """The socket is closed, because of what was sent or by whom; the message is the reason."""
+    """A message or its sender is not allowed: the socket is closed with this reason."""
 
 
 async def relay(
@@ -63,9 +63,9 @@ async def relay(
     opened: Callable[[Viewer], None],
     viewers: Viewers,
 ) -> None:
-    """Serve one viewer until its browser goes or the service stops, and clear everything away.
+    """Serve one viewer until its browser disconnects or the service stops, then clean up.
 
-    `opened` is called with it once its browser has it.
+    `opened` is called with the viewer once its browser is connected.
     """
     thread = partial(to_thread.run_sync, limiter=viewers.threads)
     secret = secrets.token_urlsafe(32)
@@ -96,7 +96,7 @@ async def relay(
 
 
 async def _carry(socket: WebSocket, back: websockets.ClientConnection, stopping: asyncio.Event) -> tuple[int, str]:
-    """Both directions, until either end closes, the visitor is refused or the service stops: how to close, and why."""
+    """Relay both ways until either end closes, access ends or the service stops; returns close code and reason."""
 
     async def up() -> None:
         pace = Pace()

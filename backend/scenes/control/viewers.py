@@ -1,6 +1,6 @@
-"""The viewers that are open: how many, and which of them a page may steer. Start reading at `Viewers`.
+"""The registry of open viewers: their number, and which of them a page may control.
 
-Only ever used on the event loop.
+Used only on the event loop.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ THREADS = 8
 
 @dataclass(frozen=True)
 class Handle:
-    """A viewer as a page knows it: its own key is good for its visitor and its run alone."""
+    """Identifies a viewer: a page's key is valid only for its visitor and run."""
 
     visitor: Visitor
     run_id: int
@@ -28,21 +28,21 @@ class Handle:
 
 
 class Viewers:
-    """Counts the viewers that are open, and finds those that were opened with a key."""
+    """Counts the open viewers, and finds those that were opened with a key."""
 
     def __init__(self, most: int, most_each: int) -> None:
-        """most, most_each: how many may be open at a time, in all and of one session or token."""
+        """most, most_each: maximum number of open viewers, in total and per session or token."""
         self.open, self.most, self.most_each = 0, most, most_each
         self.threads = CapacityLimiter(THREADS)
-        """Those that build and clear viewers away."""
+        """The threads that create and close viewers."""
         self._of: Counter[str] = Counter()
         self.stopping = asyncio.Event()
-        """Set when all of them are to end."""
+        """Set when all viewers must end."""
         self.steered: dict[Handle, Viewer] = {}
         self._changed = asyncio.Event()
 
     def enter(self, visitor: Visitor) -> bool:
-        """Whether there is room for one more of this visitor, which then counts."""
+        """Reserve a viewer for this visitor; false if a limit is reached."""
         if self.full(visitor):
             return False
         self.open += 1
@@ -50,14 +50,14 @@ class Viewers:
         return True
 
     def leave(self, visitor: Visitor) -> None:
-        """One of this visitor is gone."""
+        """Release a viewer of this visitor."""
         self.open -= 1
         self._of[visitor.key] -= 1
         if not self._of[visitor.key]:
             del self._of[visitor.key]
 
     def full(self, visitor: Visitor) -> str:
-        """Why there is no room for one more of this visitor; empty where there is."""
+        """The limit that is reached for this visitor; empty if there is none."""
         if self.open >= self.most:
             return f"{self.most} 3D views are open, which is the limit"
         if self._of[visitor.key] >= self.most_each:
@@ -65,25 +65,25 @@ class Viewers:
         return ""
 
     def stop(self) -> None:
-        """End all of them, and let none in any more."""
+        """End all viewers, and accept no new ones."""
         self.most = 0
         self.stopping.set()
         self._tell()
 
     def offer(self, handle: Handle, viewer: Viewer) -> None:
-        """From now on this key leads to this viewer; where it led to another one, the newer is meant."""
+        """Register a viewer under its key; replaces an older one with the same key."""
         self.steered[handle] = viewer
         loop = asyncio.get_running_loop()
 
         def ring() -> None:
-            with contextlib.suppress(RuntimeError):  # the loop is over: nobody waits
+            with contextlib.suppress(RuntimeError):  # the loop has ended, so there are no waiters
                 loop.call_soon_threadsafe(self._tell)
 
         viewer.on_news = ring
         self._tell()
 
     def withdraw(self, handle: Handle, viewer: Viewer) -> None:
-        """The viewer is gone; a newer one of the same key stays."""
+        """Unregister the viewer; a newer one with the same key stays."""
         if self.steered.get(handle) is viewer:
             del self.steered[handle]
         self._tell()
@@ -100,13 +100,13 @@ class Viewers:
         return found
 
     async def news(self, handle: Handle, since: int, wait: float) -> Viewer | None:
-        """The viewer with this key once it shows something else than at that revision, at the latest after `wait` [s].
+        """The viewer with this key once it has changed since that revision, at the latest after `wait` [s].
 
-        None as soon as it is gone.
+        None as soon as it is closed.
         """
         deadline = asyncio.get_running_loop().time() + wait
         while True:
-            changed = self._changed  # before looking: what comes meanwhile is not missed
+            changed = self._changed  # before the check, so that no change in between is missed
             viewer = self.steered.get(handle)
             remaining = deadline - asyncio.get_running_loop().time()
             if viewer is None or viewer.revision != since or remaining <= 0 or self.stopping.is_set():

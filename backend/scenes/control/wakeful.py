@@ -1,8 +1,8 @@
-"""Mends a wake-up that viser 1.1.1 can lose, after which a viewer would show nothing new any more.
+"""Works around a lost wake-up in viser 1.1.1, after which a viewer would no longer be updated.
 
-viser sets an `asyncio.Event` from other threads before it does so on its loop. Where the first falls between a waiter's
-look at the flag and its entry among those who wait, the second finds the flag set and wakes nobody, and so does every
-later one. Start reading at `Wakeful`.
+viser sets an `asyncio.Event` from another thread before it sets it on its loop. If the first call comes between a
+waiter's check of the flag and its registration, the second call finds the flag set and wakes no waiter; so does every
+later one.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from viser.infra._async_message_buffer import AsyncMessageBuffer
 
 
 class Wakeful(asyncio.Event):
-    """An event whose `set` on the loop wakes whoever waits, set or not; from another thread it only sets."""
+    """An event whose `set` on the loop always wakes all waiters; from another thread it only sets the flag."""
 
     _value: bool
     _waiters: Any
 
     def set(self) -> None:
-        """Set it; the caller in another thread calls this again on the loop, as viser does."""
+        """Set the flag; a caller in another thread must call this again on the loop, as viser does."""
         self._value = True
         try:
             asyncio.get_running_loop()
@@ -40,5 +40,5 @@ def _wakeful(buffer: AsyncMessageBuffer, *given: Any, **named: Any) -> None:
 
 
 def install() -> None:
-    """Have all message buffers made from now on wake reliably; more than once does no harm."""
+    """Patch all message buffers created from now on; idempotent."""
     AsyncMessageBuffer.__init__ = _wakeful  # type: ignore[assignment, method-assign]

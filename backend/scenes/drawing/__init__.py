@@ -1,1 +1,1 @@
-"""What stands and flies in a scene, and from where it is seen."""
+"""The objects of a scene, and its cameras."""

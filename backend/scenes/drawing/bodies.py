@@ -1,6 +1,6 @@
-"""What an obstacle is in one flight: its shape, its place, its track. Start reading at `body_of`.
+"""An obstacle in one flight: its shape, position and track. Start reading at `body_of`.
 
-Two flights may differ in it: an intruder that gives way answers the vehicle, and an obstacle's own parameters may be
+It can differ between flights: a cooperative intruder reacts to the vehicle, and an obstacle's parameters may be
 uncertain.
 """
 
@@ -20,7 +20,7 @@ from backend.scenes.base.looks import ObstacleLook, undeclared
 Floats = NDArray[np.float64]
 
 ALIKE = 2e-3
-"""Tracks that differ by less than this share of the scene cannot be told apart in it."""
+"""Tracks that differ by less than this fraction of the scene cannot be distinguished."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,18 +31,18 @@ class Body:
     kind: Literal["round", "cylinder", "box"]
     size: tuple[float, ...]
     place: Floats
-    """Its centre; of a moving one, where it starts."""
+    """Its centre; for a moving obstacle, at the start."""
     turn: Floats
-    """w, x, y, z of its own axes."""
+    """Orientation as w, x, y, z."""
     flight: Flight | None = None
-    """Of a moving one, the flight whose track is its way."""
+    """For a moving obstacle, the flight that contains its track."""
 
     def at(self, time: float) -> Floats:
         """Its centre at a time [s]."""
         return self.place if self.flight is None else self.flight.obstacle(self.number, time)
 
     def heading(self, time: float) -> Floats:
-        """Where it moves to at a time [s]; where it has come to rest, where it came from; zero for what never moves."""
+        """Direction of motion at a time [s]; after it has stopped, the last one; zero if it never moves."""
         if self.flight is None:
             return np.zeros(3)
         steps = np.diff(self.track, axis=0)
@@ -54,17 +54,17 @@ class Body:
         return step
 
     def velocity(self, time: float) -> Floats:
-        """Of its centre at a time (3,) [m/s]; zero for what never moves."""
+        """Of its centre at a time (3,) [m/s]; zero if it never moves."""
         return np.zeros(3) if self.flight is None else self.flight.obstacle_velocity(self.number, time)
 
     @property
     def track(self) -> Floats:
-        """Where its centre goes (m, 3); one point where it stands."""
+        """The track of its centre (m, 3); one point if static."""
         return self.place[None] if self.flight is None else self.flight.tracks[self.number]
 
     @property
-    def reach(self) -> float:
-        """How far it extends from its centre at most [m]."""
+    def extent(self) -> float:
+        """Maximum extent from its centre [m]."""
         if self.kind == "round":
             return self.size[0]
         if self.kind == "cylinder":
@@ -72,7 +72,7 @@ class Body:
         return float(np.linalg.norm(self.size)) / 2
 
     def surface(self, place: Floats, centre: Floats) -> Floats:
-        """The point of its surface nearest to a place (3,), while its centre is there (3,)."""
+        """The point of its surface nearest to `place` (3,), with its centre at `centre` (3,)."""
         away = place - centre
         if self.kind == "round":
             return centre + self.size[0] * _direction(away)
@@ -97,14 +97,14 @@ class Body:
 
 
 def _direction(vector: Floats) -> Floats:
-    """Of length 1; along x where there is none."""
+    """The unit vector; along x for the zero vector."""
     length = float(np.linalg.norm(vector))
     found: Floats = vector / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
     return found
 
 
 def _outline(at: Floats, half: Floats) -> Floats:
-    """The nearest point of a box's outline, in its own axes; a box in the plane has no height, and no faces there."""
+    """The nearest point of a box's outline, in its own axes; a planar box has no top and bottom faces."""
     held: Floats = np.clip(at, -half, half)
     if (held != at).any():
         return held
@@ -115,7 +115,7 @@ def _outline(at: Floats, half: Floats) -> Floats:
 
 
 def _apart(one: Body, other: Body) -> float:
-    """How far the ways of two bodies are apart at most, while both are flown [m]."""
+    """Maximum distance between the tracks of two bodies while both are defined [m]."""
     if one.flight is None or other.flight is None:
         return float(np.linalg.norm(one.place - other.place))
     if one.flight is other.flight:
@@ -126,22 +126,22 @@ def _apart(one: Body, other: Body) -> float:
 
 
 def bodies_of(looks: Sequence[ObstacleLook | None], values: Mapping[str, float], flight: Flight) -> list[Body]:
-    """The obstacles of these looks as that flight has them; `values` are the nominal parameters by path."""
+    """The obstacles of these looks in that flight; `values` are the nominal parameters by path."""
     given = {**values, **flight.parameters}
     return [body_of(number, given, flight.axes, flight, look) for number, look in enumerate(looks)]
 
 
 def nearest(bodies: list[Body], place: Floats, time: float) -> Body | None:
-    """The one whose centre is nearest to a place at a time [s]."""
+    """The body whose centre is nearest to a position at a time [s]."""
     return min(bodies, key=lambda body: float(np.linalg.norm(body.at(time) - place)), default=None)
 
 
 def body_of(
     number: int, values: Mapping[str, float], axes: Axes, flight: Flight | None, look: ObstacleLook | None = None
 ) -> Body:
-    """The obstacle of that number with these parameters by path, along its track in that flight where it moves.
+    """The obstacle of that number with these parameters by path; a moving one follows its track in that flight.
 
-    Its shape is that of its look, the usual one of its parameters where it declares none.
+    Its shape is that of its look, or derived from its parameters if it declares none.
     """
     prefix = f"obstacles.{number}."
 

@@ -1,7 +1,7 @@
-"""Where the cameras stand, and what they look at. Start reading at `pose`.
+"""Positions and targets of the cameras. Start reading at `pose`.
 
-Overview, top and side hold the whole scene; encounter the closest approach; chase flies behind the vehicle and intruder
-behind the obstacle that comes closest, so those two move with the time.
+Overview, top and side show the whole scene, encounter the closest approach; chase follows the vehicle and intruder the
+closest obstacle, so these two move with time.
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from backend.scenes.base.flight import Closest
 
 Floats = NDArray[np.float64]
 Pose = tuple[Floats, Floats]
-"""Where a camera stands and what it looks at [m]."""
+"""Position and target of a camera [m]."""
 
 FIELD_OF_VIEW = np.radians(40.0)
 ASPECT = 1.1
-"""Width by height that the scene has to fit into, while no browser has said what it has."""
+"""Default aspect ratio (width by height), until a browser reports its own."""
 MOVING: tuple[Camera, ...] = ("chase", "intruder")
-"""Those that go with the time."""
+"""Cameras that move with time."""
 TOWARDS = {
     "overview": (-0.25, -0.75, 0.8),
     "encounter": (-0.35, -0.7, 0.75),
     "top": (0.0, -1e-3, 1.0),
     "side": (0.0, -1.0, 0.12),
 }
-"""From what is looked at to the camera."""
+"""Directions from target to camera."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What holds everything: its middle, points of it (n, 3), what must stay free, and the length of a vehicle [m]."""
+    """The scene for a camera: centre, points (n, 3), what must stay free, and the length of a vehicle [m]."""
 
     middle: Floats
     points: Floats
@@ -44,7 +44,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Sight:
-    """The flight that is looked at, at one time."""
+    """The observed flight at one time."""
 
     vehicle: Floats
     forward: Floats
@@ -57,9 +57,9 @@ class Sight:
 
 
 def pose(camera: Camera, scene: Scene, sight: Sight | None, aspect: float = ASPECT) -> Pose:
-    """Where the camera stands and what it looks at; the overview where there is nothing of what it asks for.
+    """Position and target of the camera; falls back to the overview if its subject does not exist.
 
-    aspect: width by height of the picture.
+    aspect: width by height of the viewport.
     """
     if sight is not None and camera == "chase":
         return _behind(sight, scene.unit)
@@ -85,14 +85,14 @@ def _behind(sight: Sight, unit: float) -> Pose:
 
 
 def _from_obstacle(vehicle: Floats, obstacle: Floats, free: float, unit: float) -> Pose:
-    """Behind the obstacle as the vehicle sees it, outside what must stay free, over it onto the vehicle."""
+    """Behind the obstacle as seen from the vehicle, outside what must stay free, looking at the vehicle."""
     towards = level(vehicle - obstacle)
     back = 1.6 * free + 3.0 * unit
     return obstacle - back * towards + np.array([0.0, 0.0, 0.55 * back]), vehicle
 
 
 def level(direction: Floats) -> Floats:
-    """The horizontal part of a direction, one long; straight ahead (north) where it has none."""
+    """The horizontal unit vector of a direction; north if it is vertical."""
     flat = direction * (1.0, 1.0, 0.0)
     length = float(np.linalg.norm(flat))
     if length < 1e-6 * max(float(np.linalg.norm(direction)), 1e-9):
@@ -101,7 +101,7 @@ def level(direction: Floats) -> Floats:
 
 
 def distance(points: Floats, direction: Floats, aspect: float = ASPECT) -> float:
-    """How far off a camera must stand in that direction to see all these points about what it looks at [m]."""
+    """Distance at which a camera in that direction sees all these points around its target [m]."""
     right = np.cross((0.0, 0.0, 1.0), direction)
     right /= np.linalg.norm(right)
     up = np.cross(direction, right)

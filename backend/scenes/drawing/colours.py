@@ -1,7 +1,7 @@
 """Colours of values, as on the pages: viridis (S. van der Walt and N. Smith, matplotlib 1.5; CC0), a part of it.
 
-The lowest values are farthest from the ground in both themes; it tells values apart for the colour-blind and in grey.
-Start reading at `colours`; the pages have theirs in `frontend/src/run/space/colours.ts`.
+The lowest values contrast most with the background in both themes; values remain distinguishable with colour blindness
+and in grey. The pages' version is `frontend/src/run/space/colours.ts`.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ VIRIDIS = np.array(
     ],
     dtype=np.float64,
 )
-"""Every tenth of it."""
+"""The scale in steps of a tenth."""
 
 PART = {False: (0.0, 0.58), True: (1.0, 0.41)}
-"""Which part is used, from the lowest value to the highest, in the light theme and in the dark one."""
+"""The part of the scale used from lowest to highest value, in the light and in the dark theme."""
 
 
-def colours(shares: ArrayLike, dark: bool) -> NDArray[np.uint8]:
-    """Red, green, blue (..., 3) of shares (...) of the range of values, 0 at the lowest; beyond it its ends'."""
+def colours(fractions: ArrayLike, dark: bool) -> NDArray[np.uint8]:
+    """Red, green, blue (..., 3) for fractions (...) of the value range, 0 for the lowest; clipped to the range."""
     start, end = PART[dark]
-    at = (start + np.clip(np.asarray(shares, dtype=np.float64), 0.0, 1.0) * (end - start)) * (len(VIRIDIS) - 1)
+    at = (start + np.clip(np.asarray(fractions, dtype=np.float64), 0.0, 1.0) * (end - start)) * (len(VIRIDIS) - 1)
     known = np.arange(len(VIRIDIS))
     return np.stack([np.interp(at, known, VIRIDIS[:, k]) for k in range(3)], axis=-1).round().astype(np.uint8)
 
 
 def gradient(dark: bool, turned: bool = False, steps: int = 8) -> str:
     """The scale as a CSS background from left (lowest) to right; `turned` where the highest values stand out."""
-    shares = np.linspace(0.0, 1.0, steps + 1)
-    found = colours(1.0 - shares if turned else shares, dark)
+    fractions = np.linspace(0.0, 1.0, steps + 1)
+    found = colours(1.0 - fractions if turned else fractions, dark)
     return f"linear-gradient(90deg,{','.join(f'rgb({r},{g},{b})' for r, g, b in found.tolist())})"

@@ -1,6 +1,6 @@
 """Draws one flight: its line, the vehicle at a time, the closest approach with its ruler. Start reading at `Drawn`.
 
-In space a flight has a shadow on the ground and stems at even times, so that heights can be read.
+A spatial flight has a shadow on the ground and stems at equal intervals, so that heights can be read.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ Anchor = Literal["bottom-left", "bottom-right", "center-left", "center-right", "
 
 
 MESHES = {"robot": shapes.unicycle, "two_wheels": shapes.pioneer, "aircraft": shapes.aircraft}
-"""Of vehicles, by the name that their look has."""
+"""Meshes of vehicles, by the name in their look."""
 DOTS = 9
-"""About so many dots are on a path, and in space as many stems under it."""
+"""Approximate number of dots on a path, and of stems under a spatial one."""
 
 
 @dataclass(frozen=True)
 class Style:
-    """How one role of flight looks.
+    """The style of a role of flights.
 
-    Flights that coincide stay apart by `layer`: a higher one is drawn over a lower one, with a thinner line. Its label
-    stands off the closest approach by `label`, or beyond the obstacle.
+    Coincident flights are separated by `layer`: a higher one is drawn over a lower one, with a thinner line. Its label
+    is offset from the closest approach by `label`, or placed beyond the obstacle.
     """
 
     key: str
@@ -45,21 +45,21 @@ class Style:
 
 
 class Drawn:
-    """A flight in the scene; drawn again in place when it changes."""
+    """A flight in the scene; redrawn in place when it changes."""
 
     def __init__(self, server: viser.ViserServer, setting: Setting, world: World, style: Style) -> None:
         self._scene, self._setting, self._world, self.style = server.scene, setting, world, style
         self.flight: Flight | None = None
         self.bodies: list[Body] = []
-        """The obstacles as this flight had them."""
+        """The obstacles of this flight."""
         self.visible = True
-        """Whether it is to be seen once there is one."""
+        """Whether the flight is visible once it exists."""
         self._root = self._scene.add_frame(f"/flights/{style.key}", show_axes=False, visible=False)
         self._vehicle: Any = None
         self.trail = Trail(server, f"/flights/{style.key}", (5.0, 3.0, 2.0)[style.layer])
 
     def draw(self, flight: Flight, time: float) -> None:
-        """Show this flight instead of the one before, the vehicle where it is at that time."""
+        """Replace the flight, with the vehicle at its position at that time."""
         dots = np.arange(0.0, flight.time[-1] + 1e-9, shapes.even_step(self._setting.horizon, DOTS))
         self.trail.draw(flight.time, flight.position + self._lift, dots, self.style.colour, self._world.frame.unit)
         if not self._setting.planar:
@@ -74,12 +74,12 @@ class Drawn:
         self.move(time)
 
     def clear(self) -> None:
-        """Show no flight until there is another one."""
+        """Show no flight until the next one is drawn."""
         self.flight, self.bodies = None, []
         self._root.visible = False
 
     def restyle(self, time: float, title: str | None = None, colour: str | None = None) -> None:
-        """The same flight under another name or in another colour."""
+        """Change the title or the colour of the flight."""
         self.style = replace(self.style, title=title or self.style.title, colour=colour or self.style.colour)
         if colour is not None:
             self._vehicle = None
@@ -87,17 +87,17 @@ class Drawn:
             self.draw(self.flight, time)
 
     def place(self, time: float) -> Any:
-        """Where the vehicle is drawn at a time (3,); only while there is a flight."""
+        """The drawn position of the vehicle at a time (3,); requires a flight."""
         assert self.flight is not None
         return self.flight.at(time)[0] + self._lift
 
     @property
     def seen(self) -> bool:
-        """Whether there is a flight and it is to be seen."""
+        """Whether there is a flight and it is visible."""
         return self.visible and self.flight is not None
 
     def move(self, time: float) -> None:
-        """Put the vehicle where it is at that time [s]."""
+        """Move the vehicle to its position at that time [s]."""
         if self.flight is not None:
             position, turn, _ = self.flight.at(time)
             self._vehicle.position = position + self._lift
@@ -111,11 +111,11 @@ class Drawn:
 
     @property
     def _lift(self) -> Any:
-        """Off the ground in the plane, the flights above one another."""
+        """Offset above the ground that separates planar flights."""
         return np.array([0.0, 0.0, 0.004 * self._world.frame.span * (1 + self.style.layer) * self._setting.planar])
 
     def _stand(self, flight: Flight, dots: Any) -> None:
-        """Its shadow on the ground, and stems down to it at even times."""
+        """Draw the shadow on the ground, and stems down to it at equal intervals."""
         shadow = flight.position * (1.0, 1.0, 0.0) + (0.0, 0.0, self._world.ground)
         self._line("shadow", shapes.dashed(shadow, self._world.frame.span / 140), 1.5)
         feet = [flight.at(time)[0] for time in dots]
@@ -149,7 +149,7 @@ class Drawn:
         return frame
 
     def _closest(self, closest: Closest | None) -> None:
-        """Balls at the ends of the distance where the flight came closest, and a ruler that says how close."""
+        """Draw the closest approach: balls at both ends of the distance, and a labelled ruler."""
         if closest is None:
             for part in ("closest", "closest-obstacle", "ruler", "label"):
                 self._scene.remove_by_name(self._name(part))
@@ -164,7 +164,7 @@ class Drawn:
 
     @property
     def _body(self) -> float | None:
-        """Radius of the vehicle's body as this flight had it [m]; None where distances end at obstacles' centres."""
+        """Radius of the vehicle's body in this flight [m]; None if distances are measured to obstacles' centres."""
         if not self._setting.to_surface or self.flight is None:
             return None
         return {**self._setting.values, **self.flight.parameters}.get("criterion.body_radius", 0.0)
@@ -174,14 +174,14 @@ class Drawn:
         self._scene.add_icosphere(self._name(part), radius, rgb(colour), position=place, cast_shadow=False)
 
     def _label_place(self, closest: Closest) -> tuple[Any, Anchor]:
-        """Where the label stands, on the side where it covers neither the obstacle nor another flight's label."""
+        """The position of the label, on the side where it covers neither the obstacle nor another label."""
         across = closest.obstacle - closest.position
         away: Literal["left", "right"] = "right" if across[0] >= 0 else "left"
         if self.style.label == "beyond":
             beyond = across / max(float(np.linalg.norm(across)), 1e-9)
             place = closest.obstacle + 1.4 * self._setting.threshold * beyond
             return place, "center-left" if away == "right" else "center-right"
-        # Off the vehicle, and apart where two flights come closest at the same place.
+        # Away from the vehicle, and separate if two flights are closest at the same position.
         side = (1.0 if self.style.label == "bottom" else -1.0) * self._world.frame.unit
         place = (
             closest.position
@@ -198,7 +198,7 @@ class Drawn:
 
 
 def ruler(closest: Closest, bodies: Sequence[Body], radius: float | None) -> tuple[Floats, Floats]:
-    """Both ends of the distance of the closest approach, at the vehicle and at the obstacle (3,), as it is measured.
+    """Both ends (3,) of the measured distance of the closest approach, at the vehicle and at the obstacle.
 
     From the edge of the vehicle's body of that radius to the obstacle's surface; None: between the centres.
     """
@@ -207,13 +207,13 @@ def ruler(closest: Closest, bodies: Sequence[Body], radius: float | None) -> tup
     body = bodies[closest.number]
     end = body.surface(closest.position, closest.obstacle if body.kind == "round" else body.place)
     apart = closest.position - end
-    # The edge that faces the surface; of a vehicle whose centre is inside the obstacle, the one that is deepest.
+    # The edge that faces the surface; if the vehicle's centre is inside the obstacle, the deepest edge.
     edge = -radius if closest.value + radius >= 0.0 else radius
     return closest.position + edge * apart / max(float(np.linalg.norm(apart)), 1e-9), end
 
 
 def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:
-    """By which corner the label of an obstacle hangs, so that it leads away from the labels of these flights."""
+    """The anchor corner of an obstacle's label, so that it points away from the labels of these flights."""
     closest = next((one.flight.closest for one in flights if one.flight and one.flight.closest), None)
     if closest is None:
         return f"{edge}-center"
@@ -221,7 +221,7 @@ def anchor_of(flights: Sequence[Drawn], edge: Literal["top", "bottom"]) -> Any:
 
 
 def _shape(setting: Setting) -> tuple[shapes.Mesh, shapes.Mesh]:
-    """The vehicle's two meshes: those of its look; without one an aircraft in space, else a robot."""
+    """The vehicle's two meshes: those of its look, or by default an aircraft in space, else a robot."""
     look = setting.drawn.vehicle(setting.vehicle)
     mesh = look.mesh if look is not None else "robot" if setting.planar else "aircraft"
     return MESHES[mesh]()

@@ -1,4 +1,4 @@
-"""The flights of a scene: the nominal one, a finding beside it, a what-if, and the obstacles. Read `Flights`."""
+"""The flights of a scene (the nominal one, a finding, a what-if) and the obstacles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from backend.scenes.drawing.world import World
 
 
 class Flights(Part):
-    """Draws them and knows which is which; what it is not told to draw anew stays."""
+    """Draws the flights by role; only changed ones are redrawn."""
 
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, progress: Progress
@@ -37,7 +37,7 @@ class Flights(Part):
         self.time = 0.0
 
     def stored(self) -> bool:
-        """Draw what the run has stored by now; whether there was anything new."""
+        """Draw the flights stored so far; true if there are new ones."""
         progress = self._progress
         wanted = {NOMINAL: self.nominal} | ({} if self.alone else {progress.shown: self.chosen})
         new = {
@@ -55,7 +55,7 @@ class Flights(Part):
         return bool(new)
 
     def choose(self) -> None:
-        """The progress shows another finding, or none, beside the nominal flight."""
+        """Draw the finding that is selected now, or none."""
         self.chosen.clear()
         self.chosen.restyle(self.time, title=called(self._progress.shown))
         if not self.stored():
@@ -70,12 +70,12 @@ class Flights(Part):
         self.obstacles.update(self.every, self.time)
 
     def trail(self, so_far: bool) -> None:
-        """Draw the paths alike from end to end, or what is flown so far stronger."""
+        """Draw the paths uniformly, or emphasise the part so far."""
         for drawn in self.every:
             drawn.trail.show(so_far, self.time, None if drawn.flight is None else drawn.place(self.time))
 
     def moved(self, time: float) -> None:
-        """Put vehicles and obstacles where they are at that time [s]."""
+        """Move vehicles and obstacles to their positions at that time [s]."""
         self.time = time
         for drawn in self.every:
             drawn.move(time)
@@ -90,17 +90,17 @@ class Flights(Part):
 
     @property
     def alone(self) -> bool:
-        """Whether the nominal flight is shown without a finding beside it."""
+        """Whether the nominal flight is shown without a finding."""
         return self._progress.shown == NOMINAL
 
     @property
     def lead(self) -> Drawn | None:
-        """The flight that the cameras go with: the finding, else the nominal one; of those seen where any is."""
+        """The flight that cameras follow: the finding, else the nominal one; a visible one if there is any."""
         flown = [drawn for drawn in (self.chosen, self.nominal, self.what_if) if drawn.flight is not None]
         return next((drawn for drawn in flown if drawn.visible), flown[0] if flown else None)
 
     def sight(self, time: float) -> Sight | None:
-        """That flight at a time [s]."""
+        """The state of that flight at a time [s]."""
         lead = self.lead
         if lead is None or lead.flight is None:
             return None
@@ -110,11 +110,11 @@ class Flights(Part):
             vehicle=lead.place(time),
             forward=rotated(turn, np.array([1.0, 0.0, 0.0])),
             obstacle=None if body is None else body.at(time),
-            reach=0.0 if body is None else body.reach,
+            reach=0.0 if body is None else body.extent,
             closest=closest,
         )
 
 
 def called(shown: str) -> str:
-    """What a chosen flight is called."""
+    """The title of a selected flight."""
     return "Worst" if shown == WORST else shown

@@ -1,6 +1,6 @@
 """Draws the obstacles with their safety radius, moving ones along their tracks. Start reading at `Obstacles`.
 
-Where flights differ in an obstacle, each has its own; where they agree, it is drawn once.
+If flights differ in an obstacle, each has its own; otherwise it is drawn once.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from backend.scenes.drawing.world import World
 
 @dataclass(eq=False)
 class _Group:
-    """One obstacle as some flights have it."""
+    """One obstacle in the state shared by some flights."""
 
     name: str
     body: Body
     members: list[Drawn] = field(default_factory=list)
     own: bool = False
-    """Whether other flights have it otherwise."""
+    """Whether it differs in other flights."""
     titles: list[str] = field(default_factory=list)
-    """What its flights were called when it was drawn."""
+    """The titles of its flights when it was drawn."""
     nodes: list[Any] = field(default_factory=list)
     root: Any = None
     heading: Any = None
@@ -46,7 +46,7 @@ class _Group:
         return [one.style.title for one in self.members]
 
     def takes_over(self, before: dict[str, _Group], span: float) -> bool:
-        """Go on with what is drawn already, where that looks the same; it is no longer among those before."""
+        """Reuse an existing drawing that looks the same, and remove it from `before`."""
         old = before.get(self.name)
         if old is None or old.own != self.own or old.members != self.members or old.titles != self.called:
             return False
@@ -72,7 +72,7 @@ class Obstacles:
         self._groups: list[_Group] = []
 
     def update(self, drawn: Sequence[Drawn], time: float) -> None:
-        """Draw them anew, as the flights that there are now have them, where they are at that time [s]."""
+        """Redraw the obstacles of the current flights at that time [s]."""
         before = {group.name: group for group in self._groups}
         self._groups = self._grouped([one for one in drawn if one.flight is not None])
         new = [group for group in self._groups if not group.takes_over(before, self._world.frame.span)]
@@ -85,24 +85,24 @@ class Obstacles:
         self.move(time)
 
     def move(self, time: float) -> None:
-        """Put those that move where they are at that time [s]."""
+        """Move the moving obstacles to their positions at that time [s]."""
         for group in self._groups:
             group.move(time)
 
     def show(self) -> None:
-        """Show those of which a flight is shown."""
+        """Show the obstacles of visible flights."""
         for group in self._groups:
             for node in group.nodes:
                 node.visible = group.visible
 
     def moving(self) -> Iterator[tuple[Body, Rgb]]:
-        """Those to be seen that move, each with its colour."""
+        """The visible moving obstacles, each with its colour."""
         for group in self._groups:
             if group.visible and group.body.flight is not None:
                 yield group.body, shade(self._colour(group), 0.8)
 
     def paint(self, palette: Palette, time: float) -> None:
-        """The same in other colours."""
+        """Apply the colours of another theme."""
         self._palette = palette
         for group in self._groups:
             for node in group.nodes:
@@ -116,7 +116,7 @@ class Obstacles:
         found: list[_Group] = []
         for number, moving in enumerate(self._setting.moving):
             same: list[_Group] = []
-            if not flown and not moving:  # where one that moves will be, only a flight can say
+            if not flown and not moving:  # the track of a moving obstacle is part of a flight
                 same = [_Group(f"/obstacles/{number}", self._body(number, None))]
             for one in flown:
                 body = self._body(number, one)
@@ -152,11 +152,11 @@ class Obstacles:
         self._label(group)
 
     def _colour(self, group: _Group) -> Rgb:
-        """Its flight's where flights differ in it."""
+        """The colour of its flight if flights differ in it."""
         return rgb(group.members[0].style.colour if group.own else self._palette.obstacle)
 
     def _flat(self, group: _Group, colour: Rgb) -> None:
-        """In the plane: a body some way up, the disc that must stay free, its edge dashed."""
+        """Draw a planar obstacle: a body of some height, and the disc that must stay free with a dashed edge."""
         unit, name, body = self._world.frame.unit, group.name, group.body
         height = 1.2 * unit
         if body.flight is None:
@@ -177,7 +177,7 @@ class Obstacles:
         self._solids.line(f"{name}/ring", ring, rgb(self._palette.ink))
 
     def _solid(self, group: _Group, colour: Rgb) -> None:
-        """In space: the body itself, and what must stay free as a wire frame where that is a ball or a capsule."""
+        """Draw a spatial obstacle: the body, and what must stay free as a wire frame if it is a ball or a capsule."""
         unit, name, body = self._world.frame.unit, group.name, group.body
         if body.kind == "box":
             self._solids.box(f"{group.name}/body", body.size, 0.0, group.body.turn, colour)
@@ -190,14 +190,14 @@ class Obstacles:
             return
         elif body.size[0] > 0.2 * unit:
             self._solids.ball(f"{name}/body", body.size[0], colour, opacity=0.45)
-        if body.flight is None and body.reach <= 0.2 * unit:
+        if body.flight is None and body.extent <= 0.2 * unit:
             self._solids.ball(f"{name}/core", 0.2 * unit, colour)
         free = 0.0 if self._setting.to_surface and body.kind == "box" else self._setting.free(body.size[0])
         if free > 0:
             self._solids.ball(f"{name}/safety", free, colour, wireframe=True, opacity=0.25)
 
     def _track(self, group: _Group, colour: Rgb) -> None:
-        """What says that it moves: its way in dashes, and a sign that looks along it."""
+        """Draw the motion: a dashed track, and an arrow along it."""
         name, span, unit = group.name, self._world.frame.span, self._world.frame.unit
         lift = np.array([0.0, 0.0, 0.003 * span if self._setting.planar else 0.0])
         dashes = shapes.dashed(group.body.track + lift, span / 70)
@@ -228,9 +228,9 @@ class Obstacles:
             words.append(f"{setting.quantity or 'limit'} > {setting.threshold:g} {setting.unit}")
         if not words:
             return
-        # Below its safety radius; where flights differ in it and both are near, the second stands above.
+        # Below its safety radius; if flights differ in it and both are near, the second label is above.
         second = "-" in group.name
-        off = setting.threshold + (body.reach if setting.to_surface else 0.0)
+        off = setting.threshold + (body.extent if setting.to_surface else 0.0)
         off += body.size[1] / 2 if body.kind == "cylinder" else 0.0
         off = off if second else -off
         self._scene.add_label(
@@ -243,7 +243,7 @@ class Obstacles:
 
 
 def _longer(one: Body, other: Body) -> bool:
-    """Whether one is known for longer than the other."""
+    """Whether the track of one lasts longer than that of the other."""
     if one.flight is None or other.flight is None:
         return False
     return bool(one.flight.time[-1] > other.flight.time[-1])

@@ -21,7 +21,7 @@ class Mesh(NamedTuple):
 
 
 def unicycle() -> tuple[Mesh, Mesh]:
-    """Hull and wheels of a small robot that looks along x, standing on z = 0, one unit long."""
+    """Hull and wheels of a small robot that faces along x, standing on z = 0, one unit long."""
     plan = np.array([(-0.42, -0.26), (0.12, -0.26), (0.5, 0.0), (0.12, 0.26), (-0.42, 0.26)])
     hull = prism(plan, 0.1, 0.34)
     wheels = [_wheel(np.array([-0.1, side * 0.32, 0.18])) for side in (-1.0, 1.0)]
@@ -39,7 +39,7 @@ def pioneer() -> tuple[Mesh, Mesh]:
 
 
 def aircraft() -> tuple[Mesh, Mesh]:
-    """Fuselage with wing, and tail with fin, of a small aircraft that looks along x, up z, one unit long."""
+    """Fuselage with wing, and tail with fin, of a small aircraft that faces along x, z up, one unit long."""
     profile = np.array([(0.5, 0.0), (0.47, 0.03), (0.32, 0.06), (0.02, 0.06), (-0.3, 0.03), (-0.5, 0.015), (-0.5, 0.0)])
     fuselage = revolved(profile)
     fuselage = Mesh(fuselage.vertices[:, (2, 0, 1)], fuselage.faces)
@@ -53,7 +53,7 @@ def aircraft() -> tuple[Mesh, Mesh]:
 
 
 def arrow() -> Mesh:
-    """A flat head of an arrow along x, one unit long, its base in the origin."""
+    """A flat arrow head along x, one unit long, its base at the origin."""
     return prism(np.array([(0.0, -0.32), (1.0, 0.0), (0.0, 0.32)]), -0.03, 0.03)
 
 
@@ -67,7 +67,7 @@ def arrow_lines(start: Floats, end: Floats, head: float) -> Floats:
 
 
 def capsule(radius: float, height: float) -> Mesh:
-    """What lies within `radius` of an upright line of that height about the origin."""
+    """A capsule: all points within `radius` of a vertical line of that height about the origin."""
     turn = np.linspace(0, np.pi / 2, 7)
     cap = radius * np.column_stack([np.sin(turn), np.cos(turn)])
     up, down = cap, cap[::-1] * (1.0, -1.0)
@@ -109,14 +109,14 @@ def _wheel(centre: Floats, radius: float = 0.18) -> Mesh:
 
 
 def join(meshes: list[Mesh]) -> Mesh:
-    """Several meshes as one."""
+    """Merge several meshes."""
     offsets = np.cumsum([0, *(len(m.vertices) for m in meshes[:-1])])
     faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
     return Mesh(np.vstack([m.vertices for m in meshes]), np.vstack(faces))
 
 
 def circle(centre: Floats, radius: float, dashes: int | None = None, steps: int = 96) -> Floats:
-    """A horizontal circle as line segments (n, 2, 3); with `dashes`, every other stretch is left out."""
+    """A horizontal circle as line segments (n, 2, 3); with `dashes`, alternate segments are omitted."""
     angles = np.linspace(0, 2 * np.pi, steps + 1)
     points = centre + radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(steps + 1)])
     segments = polyline(points)
@@ -127,7 +127,7 @@ def circle(centre: Floats, radius: float, dashes: int | None = None, steps: int 
 
 
 def rounded(centre: Floats, size: Sequence[float], turn: Floats, radius: float, dashes: int = 24) -> Floats:
-    """What is `radius` away from a horizontal rectangle of that length and width, dashed; turned by w, x, y, z."""
+    """The dashed offset curve at `radius` from a horizontal rectangle of that size; rotated by w, x, y, z."""
     quarter = np.linspace(0, np.pi / 2, 25)
     corners = []
     for k, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
@@ -145,7 +145,7 @@ def polyline(points: Floats) -> Floats:
 
 
 def dashed(points: Floats, dash: float, most: int = 400) -> Floats:
-    """A way (m, 3) as dashes (n, 2, 3) of a length and gaps as long; longer ones where there would be too many."""
+    """A path (m, 3) as dashes (n, 2, 3) with gaps of equal length; longer ones if there would be too many."""
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     whole = float(lengths[-1])
     if whole <= 0.0:
@@ -158,7 +158,7 @@ def dashed(points: Floats, dash: float, most: int = 400) -> Floats:
 
 
 def even_step(span: float, count: float) -> float:
-    """The 1, 2 or 5 times a power of ten that divides a span into about so many."""
+    """The step of 1, 2 or 5 times a power of ten that divides a span into about `count` parts."""
     raw = span / count
     power = 10.0 ** np.floor(np.log10(raw))
     return float(min((1.0, 2.0, 5.0, 10.0), key=lambda m: abs(np.log(m * power / raw))) * power)

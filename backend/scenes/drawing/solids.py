@@ -1,4 +1,4 @@
-"""Bodies and lines of an obstacle in the scene, none of which casts a shadow. Start reading at `Solids`."""
+"""Draws bodies and lines of an obstacle, without shadows."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from backend.scenes.drawing.world import LINE
 
 
 class Solids:
-    """Draws by name; what had the name before is replaced."""
+    """Draws by name; replaces a node of the same name."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene = server.scene
 
     def line(self, name: str, segments: Any, colour: Rgb, width: float = LINE) -> Any:
-        """Segments (n, 2, 3), so many pixels wide."""
+        """Segments (n, 2, 3) with a line width in pixels."""
         return self._scene.add_line_segments(
             name, segments.astype(np.float32), colour, thickness=width, thickness_units="screen"
         )
@@ -27,7 +27,7 @@ class Solids:
     def ball(
         self, name: str, radius: float, colour: Rgb, opacity: float | None = None, wireframe: bool = False
     ) -> None:
-        """A ball about the origin of what it belongs to."""
+        """A ball about the origin of its parent node."""
         self._scene.add_icosphere(
             name, radius, colour, opacity=opacity, wireframe=wireframe, cast_shadow=False, receive_shadow=False
         )
@@ -66,7 +66,7 @@ class Solids:
     def cylinder(
         self, name: str, radius: float, height: float, colour: Rgb, opacity: float, lift: float | None = None
     ) -> None:
-        """An upright cylinder; without a lift it stands on the ground."""
+        """An upright cylinder; on the ground unless lifted."""
         self._scene.add_cylinder(
             name,
             radius=radius,

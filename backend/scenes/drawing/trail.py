@@ -1,4 +1,4 @@
-"""The path of one flight with dots at even times; what is flown so far stronger, if wanted. Read `Trail`."""
+"""Draws the path of one flight with dots at equal intervals, optionally with the part so far emphasised."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from backend.scenes.drawing import shapes
 Floats = NDArray[np.float64]
 
 PIECES = 24
-"""What is flown grows by whole pieces of the path and one that is drawn anew: little is sent with each picture."""
+"""The part so far consists of whole pieces and one that is redrawn, so that little is sent per frame."""
 THIN = 1.0
-"""Width of the path where what is flown is drawn stronger [pixels]."""
+"""Width of the path behind the emphasised part [pixels]."""
 
 
 class Trail:
-    """Drawn below the scene's node of its flight, which shows and hides it."""
+    """Drawn under the node of its flight, which controls its visibility."""
 
     def __init__(self, server: viser.ViserServer, root: str, width: float) -> None:
         self._scene, self._root, self._width = server.scene, root, width
@@ -32,7 +32,7 @@ class Trail:
         self._last: Any = None
 
     def draw(self, time: Floats, points: Floats, dots: Floats, colour: str, size: float) -> None:
-        """A path through points (m, 3) at times (m,) [s], dots at other times; `size` is a vehicle's length [m]."""
+        """Draw a path through points (m, 3) at times (m,) [s], with dots; `size` is a vehicle's length [m]."""
         self._time, self._points, self._colour = time, points, colour
         self._path = self._line("path", points, THIN if self._so_far else self._width)
         places = np.column_stack([np.interp(dots, time, points[:, k]) for k in range(3)])
@@ -47,7 +47,7 @@ class Trail:
         self._redraw_pieces()
 
     def show(self, so_far: bool, time: float, place: Floats | None) -> None:
-        """The whole path alike, or what is flown at that time, with the vehicle at that place, stronger."""
+        """Draw the whole path uniformly, or emphasise the part up to that time and position."""
         self._so_far = so_far
         if self._path is not None:
             self._path.thickness = THIN if so_far else self._width
@@ -56,7 +56,7 @@ class Trail:
             self.move(time, place)
 
     def move(self, time: float, place: Floats) -> None:
-        """What is flown ends at that time [s], at that place."""
+        """End the emphasised part at that time [s] and position."""
         if not self._pieces:
             return
         flown = int(np.searchsorted(self._time, time, side="right"))
@@ -70,7 +70,7 @@ class Trail:
 
     @property
     def _length(self) -> int:
-        """Rows from the beginning of a piece to that of the next."""
+        """Number of rows per piece."""
         return max(1, -(-len(self._points) // PIECES))
 
     def _redraw_pieces(self) -> None:

@@ -1,8 +1,8 @@
-"""Velocities as arrows: of the vehicles and of what moves in their way, over ground, and relative. Read `Vectors`.
+"""Draws velocities as arrows: of vehicles and moving obstacles, over ground and relative. Start reading at `Vectors`.
 
-An arrow is as long as the way flown in `ahead` seconds at that velocity, the same number for all arrows of a scene, so
-that it can be read off. The relative velocity is the vehicle's minus that of the obstacle whose centre is nearest: were
-both to keep theirs, that is the way the vehicle would take as seen from the obstacle.
+The length of an arrow is the distance travelled in `ahead` seconds, the same for all arrows of a scene. The relative
+velocity is the vehicle's minus that of the obstacle with the nearest centre: at constant velocities it is the vehicle's
+path as seen from the obstacle.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ from backend.scenes.drawing.world import World
 Floats = NDArray[np.float64]
 
 LENGTH = 2.5
-"""About so many vehicles' lengths long is the arrow of a typical velocity."""
+"""Approximate length of the arrow of a typical velocity [vehicle lengths]."""
 HEAD = 0.3
-"""Length of an arrow's head; a shorter arrow is left out [vehicles' lengths]."""
+"""Length of an arrow's head; shorter arrows are omitted [vehicle lengths]."""
 WIDTH = 3.5
-"""[pixels]"""
+"""Line width [pixels]."""
 
 
 @dataclass(frozen=True)
 class Speeds:
-    """Of one flight at one time [m/s]: over ground, and relative to the nearest obstacle."""
+    """Speeds of one flight at one time [m/s]: over ground, and relative to the nearest obstacle."""
 
     ground: float
     relative: float | None
@@ -43,7 +43,7 @@ class Speeds:
 
 
 def speeds(drawn: Drawn, time: float) -> Speeds:
-    """Of a flight that there is, at a time [s]."""
+    """The speeds of a drawn flight at a time [s]."""
     assert drawn.flight is not None
     relative = relative_velocity(drawn, time)
     ground = float(np.linalg.norm(drawn.flight.velocity(time)))
@@ -58,7 +58,7 @@ def relative_velocity(drawn: Drawn, time: float) -> Floats | None:
 
 
 class Vectors(Part):
-    """The arrows of all flights that are to be seen."""
+    """The arrows of all visible flights."""
 
     def __init__(
         self, server: viser.ViserServer, setting: Setting, world: World, palette: Palette, flights: Flights
@@ -72,7 +72,7 @@ class Vectors(Part):
 
     @property
     def ahead(self) -> float | None:
-        """An arrow is the way of so many seconds; None before there is a flight."""
+        """Time over which an arrow shows the distance travelled [s]; None without a flight."""
         flights = [drawn.flight for drawn in self._flights.every if drawn.flight is not None]
         typical = max((flight.typical_speed for flight in flights), default=0.0)
         return shapes.even_step(LENGTH * self._world.frame.unit, typical) if typical > 0 else None
@@ -84,7 +84,7 @@ class Vectors(Part):
         self.moved(self._time)
 
     def moved(self, time: float) -> None:
-        """Draw them as they are at that time [s]."""
+        """Draw the arrows at that time [s]."""
         self._time = time
         ahead = self.ahead
         self._arrows("velocity", self._velocities(time, ahead) if self.velocity and ahead else [])
@@ -100,7 +100,7 @@ class Vectors(Part):
         self._label(end, f"v rel {np.linalg.norm(relative):.{self.decimals}f} m/s")
 
     def changed(self) -> None:
-        """Draw them for the flights that there are now."""
+        """Draw the arrows for the current flights."""
         self.moved(self._time)
 
     def paint(self, palette: Palette) -> None:
@@ -111,14 +111,14 @@ class Vectors(Part):
 
     @property
     def decimals(self) -> int:
-        """Decimals of a speed: those that a typical one needs for three digits."""
+        """Decimals of a speed, so that a typical one has three significant digits."""
         flights = [drawn.flight for drawn in self._flights.every if drawn.flight is not None]
         fastest = max((flight.typical_speed for flight in flights), default=0.0)
         return 1 if fastest >= 10 else 2 if fastest >= 1 else 3
 
     @property
     def _lift(self) -> Floats:
-        """Over the hull of what drives in the plane."""
+        """Above the hull of a planar vehicle."""
         return np.array([0.0, 0.0, 0.6 * self._world.frame.unit * self._setting.planar])
 
     def _velocities(self, time: float, ahead: float) -> list[tuple[Floats, Floats, Rgb]]:
@@ -133,7 +133,7 @@ class Vectors(Part):
         return found
 
     def _arrows(self, kind: str, found: list[tuple[Floats, Floats, Rgb]]) -> None:
-        """Draw these arrows instead of those before, anew only where there are others."""
+        """Replace the arrows; redraw only if they have changed."""
         head = HEAD * self._world.frame.unit
         long = [one for one in found if np.linalg.norm(one[1] - one[0]) > head]
         if not long:

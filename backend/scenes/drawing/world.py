@@ -1,7 +1,4 @@
-"""Draws what no flight changes: ground, start and goal or course, north; and knows the box that holds everything.
-
-Start reading at `World`.
-"""
+"""Draws the fixed part of a scene: ground, start and goal or course, north; and computes the bounding box."""
 
 from __future__ import annotations
 
@@ -23,10 +20,10 @@ from backend.scenes.drawing.cameras import Scene
 Floats = NDArray[np.float64]
 
 ROOTS = ("flights", "obstacles", "tracks", "start", "goal", "north", "vectors", "field")
-"""Below these the scene of the flights stands, but for the ground and a course."""
+"""Parent nodes of the flight scene, except the ground and a course."""
 
 LEAST_HEIGHT = 0.04
-"""A scene lower than this share of its span has no scale of heights."""
+"""A scene lower than this fraction of its span has no height scale."""
 
 LINE = 2.0
 """Width of a drawn line [pixels]."""
@@ -34,17 +31,17 @@ LINE = 2.0
 
 @dataclass(frozen=True)
 class Frame:
-    """The box that holds everything: its middle, its sides and the largest of them [m]."""
+    """The bounding box: centre, sides and longest side [m]."""
 
     middle: Floats
     sides: Floats
     span: float
     unit: float
-    """The length of a vehicle and of other small signs [m]: to be seen, and no longer than what must stay free."""
+    """The drawn length of a vehicle and of small symbols [m]: visible, and at most what must stay free."""
 
     @classmethod
     def around(cls, points: Sequence[Floats], threshold: float) -> Frame:
-        """The box of these points (..., 3); never empty."""
+        """The bounding box of these points (..., 3); never empty."""
         stacked = np.vstack([np.atleast_2d(p) for p in points])
         low, high = stacked.min(axis=0), stacked.max(axis=0)
         span = max(float((high - low).max()), 1e-3)
@@ -60,13 +57,13 @@ class World:
         self._roots: list[Any] = [server.scene.add_frame(f"/{name}", show_axes=False) for name in ROOTS]
         self._flat: dict[str, Any] = {}
         self._scale: list[Any] = []
-        """The nodes of the scale of heights."""
+        """The nodes of the height scale."""
         self._visible = True
         self._background()
         self.fit([])
 
     def show(self, visible: bool) -> None:
-        """Show or hide the whole scene of the flights, whoever has drawn it."""
+        """Show or hide the whole scene of the flights."""
         self._visible = visible
         for node in (*self._roots, *self._flat.values()):
             node.visible = visible
@@ -79,11 +76,11 @@ class World:
 
     @property
     def whole(self) -> Scene:
-        """What a camera has to hold."""
+        """What a camera must show."""
         return Scene(self.frame.middle, self._points, self._setting.threshold, self.frame.unit)
 
     def fit(self, flights: Sequence[Flight]) -> None:
-        """Draw it so that it holds these flights, and everything that stands in their way."""
+        """Redraw with a box that contains these flights and their obstacles."""
         points = list(self._reach(flights))
         self.frame = Frame.around(points, self._setting.threshold)
         self._points = np.vstack([np.atleast_2d(p)[:: max(1, len(np.atleast_2d(p)) // 50)] for p in points])
@@ -109,7 +106,7 @@ class World:
         for number, moving in enumerate(setting.moving):
             if not moving:
                 body = body_of(number, setting.values, setting.axes, None, setting.look(number))
-                far = setting.free(body.reach) if setting.to_surface else max(setting.threshold, body.reach)
+                far = setting.free(body.extent) if setting.to_surface else max(setting.threshold, body.extent)
                 yield from (body.place - far, body.place + far)
         for flight in flights:
             yield flight.position
@@ -136,7 +133,7 @@ class World:
         )
 
     def _places(self) -> None:
-        """Start: a ring. Goal: a ring within a ring. Both named. A course: a line to where it would lead."""
+        """Start: a labelled ring. Goal: two labelled concentric rings. Course: a line to its end."""
         setting, unit = self._setting, self.frame.unit
         for name, place, colour, rings in (
             ("start", setting.start, self.palette.soft, (0.35,)),
@@ -154,7 +151,7 @@ class World:
             self._flat["course"].visible = self._visible
 
     def _north(self) -> None:
-        """An arrow on the ground, in the corner of the box: aircraft scenes are north up."""
+        """An arrow on the ground in the corner of the box, because aircraft scenes are north up."""
         length = 1.5 * self.frame.unit
         foot = np.array([*(self.frame.middle[:2] - 0.5 * self.frame.sides[:2]), self.ground])
         tip = foot + np.array([0.0, length, 0.0])
@@ -174,7 +171,7 @@ class World:
         self._name("/north/label", "N", foot + 1.45 * (tip - foot), "bottom-center")
 
     def _heights(self) -> None:
-        """A pole in the corner of the box with a scale of heights over the scenario's origin, not over the grid."""
+        """A pole in the corner of the box with a height scale relative to the scenario's origin, not to the grid."""
         for node in self._scale:
             node.remove()
         self._scale = []
@@ -182,7 +179,7 @@ class World:
         if top - self.ground < LEAST_HEIGHT * self.frame.span:
             return
         step = shapes.even_step(top - self.ground, 3)
-        marks = step * np.arange(np.ceil(self.ground / step), np.floor(top / step) + 1) + 0.0  # no minus before a zero
+        marks = step * np.arange(np.ceil(self.ground / step), np.floor(top / step) + 1) + 0.0  # avoid a negative zero
         x, y = self.frame.middle[:2] + 0.5 * self.frame.sides[:2] * (-1.0, 1.0)
         pole = [((x, y, self.ground), (x, y, max(top, float(marks[-1]))))] if len(marks) else []
         ticks = [((x, y, z), (x + length, y, z)) for z in marks]

@@ -1,4 +1,4 @@
-"""Does the newest of what is asked, and only that. Start reading at `Latest`."""
+"""Processes only the newest request."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ _log = logging.getLogger(__name__)
 
 
 class Latest(Generic[Asked]):
-    """One thread that works on the newest request; what is overtaken while it works is never begun.
+    """One thread that processes the newest request; requests superseded while it works are dropped.
 
-    So answers cannot come out of order, and there is never a backlog.
+    Responses therefore cannot arrive out of order, and there is no backlog.
     """
 
     def __init__(self, work: Callable[[Asked], None]) -> None:
@@ -25,13 +25,13 @@ class Latest(Generic[Asked]):
         threading.Thread(target=self._loop, name="what-if", daemon=True).start()
 
     def ask(self, request: Asked) -> None:
-        """Work on this next, instead of whatever was to be next."""
+        """Process this next, replacing the waiting request."""
         with self._changed:
             self._asked = [request]
             self._changed.notify()
 
     def stop(self) -> None:
-        """Begin nothing more."""
+        """Start no further requests."""
         with self._changed:
             self._stopped = True
             self._changed.notify()

@@ -1,7 +1,7 @@
-"""Live flights: asks a child process that flies one case at a time, so that no simulation runs in the service itself.
+"""Live simulations in a child process, one case at a time, so that none runs in the service itself.
 
-One process for all viewers, started with the first question and again after it failed; requests and answers are one
-line of JSON each (`worker/processes/live.py`). Start reading at `Live.fly`.
+One process serves all viewers. It starts with the first request and restarts after a failure; requests and responses
+are one line of JSON each (`worker/processes/live.py`). Start reading at `Live.fly`.
 """
 
 from __future__ import annotations
@@ -27,27 +27,27 @@ ROOT = Path(__file__).parents[3]
 COMMAND = (sys.executable, "-P", "-m", "worker.processes.live")
 
 LIMIT = 5.0
-"""How long a flight may take [s]."""
+"""Time limit of a simulation [s]."""
 
 MOST_STARTS = 3
-"""How many times one question may find that the code changed, each time asked of another process."""
+"""Number of times that one request is retried in a new process because the code has changed."""
 
 FIRST_LIMIT = 20.0
-"""How long the first flight of a campaign may take: its loop may have to be compiled [s]."""
+"""Time limit of a campaign's first simulation, which may include compilation [s]."""
 
 _log = logging.getLogger(__name__)
 
 
 class LiveError(RuntimeError):
-    """A flight could not be made; the message is a sentence for the viewer."""
+    """A simulation is not possible; the message is shown in the viewer."""
 
 
 class _StaleError(LiveError):
-    """The process had loaded other code than there is now, and ended before it flew."""
+    """The process ended before simulating, because its code was outdated."""
 
 
 class FlightRefusedError(LiveError):
-    """The simulation process works and says that this flight cannot be made."""
+    """The simulation process rejected this case."""
 
 
 @dataclass
@@ -59,7 +59,7 @@ class _Asked:
 
 
 class Live:
-    """The child process as its users see it; safe to use from any thread."""
+    """The interface to the child process; thread-safe."""
 
     def __init__(
         self, command: Sequence[str] = COMMAND, limit: float = LIMIT, first_limit: float = FIRST_LIMIT
@@ -77,9 +77,9 @@ class Live:
         rows: int,
         noise: Noise = STATED,
     ) -> JsonObject:
-        """One flight with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
+        """Simulate with these parameters, the others nominal: status, cost, columns, data, meta. Raises `LiveError`.
 
-        digest: of the campaign, by which its first flight is known.
+        digest: of the campaign, to recognise its first simulation.
         """
         return self._answered(digest, {"campaign": campaign, "parameters": parameters, "rows": rows} | noise.request)
 
@@ -92,9 +92,9 @@ class Live:
         places: Sequence[tuple[float, float]],
         noise: Noise = STATED,
     ) -> JsonObject:
-        """What the avoider asks for at places of the plane of the vehicle's height, at a time [s] of that flight.
+        """The avoider's demand at positions in the plane at the vehicle's height, at a time [s] of that flight.
 
-        Places, demands: in the flight's own axes; what comes is told in `worker/processes/live.py`. Raises `LiveError`.
+        All in the flight's axes; the response is described in `worker/processes/live.py`. Raises `LiveError`.
         """
         asked = {"kind": "field", "campaign": campaign, "parameters": parameters, "time": time, "places": list(places)}
         return self._answered(digest, asked | noise.request)
@@ -119,7 +119,7 @@ class Live:
         return child.wait(asked)
 
     def close(self) -> None:
-        """End the child; later questions are refused."""
+        """End the child; later requests are refused."""
         with self._lock:
             self._closed = True
             if self._child is not None:
@@ -127,10 +127,10 @@ class Live:
 
 
 class _Child:
-    """One life of the process. Its thread starts it and reads from it until it ends.
+    """One instance of the process. Its thread starts it and reads from it until it ends.
 
-    The thread must be the one that starts it: Linux sends the signal that tells a child of its parent's end when the
-    starting thread ends.
+    The reading thread must also start it: Linux sends the parent-death signal to the child when the starting thread
+    ends.
     """
 
     def __init__(self, command: Sequence[str]) -> None:
@@ -148,7 +148,7 @@ class _Child:
         self._started.wait()
 
     def ask(self, request: Mapping[str, Any], asked: _Asked) -> _Asked:
-        """Send a request off."""
+        """Send a request."""
         number = next(self._numbers)
         line = json.dumps({"id": number, **request}, allow_nan=False).encode() + b"\n"
         with self._lock:
@@ -166,7 +166,7 @@ class _Child:
         return asked
 
     def wait(self, asked: _Asked) -> JsonObject:
-        """The answer; ends the child when the request it is working on takes longer than it may."""
+        """The response; ends the child if the current request exceeds its time limit."""
         while True:
             remaining = self._remaining()
             if remaining <= 0 and not asked.answer.done():
@@ -177,7 +177,7 @@ class _Child:
                 continue
 
     def end(self, why: str, failure: type[LiveError] = LiveError) -> None:
-        """Kill it and fail everything that was asked."""
+        """Kill it and fail all pending requests."""
         with self._lock:
             if not self.over:
                 self.over, self._why, self._failure = True, why, failure
@@ -188,7 +188,7 @@ class _Child:
             one.answer.set_exception(failure(why))
 
     def _remaining(self) -> float:
-        """Time left for the oldest request; the child answers in order [s]."""
+        """Remaining time of the oldest request; the child responds in order [s]."""
         with self._lock:
             oldest = next(iter(self._asked.values()), None)
             return 0.05 if oldest is None else max(self._heard, oldest.sent) + oldest.limit - time.monotonic()
@@ -220,7 +220,7 @@ class _Child:
             self.end(_ENDED)
 
     def _received(self, line: bytes) -> bool:
-        """Take one line; False when it is none of the agreed ones."""
+        """Process one line; False if it is invalid."""
         try:
             message = json.loads(line)
             if message.get("ready"):

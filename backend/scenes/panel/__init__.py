@@ -1,1 +1,1 @@
-"""The tabs of the viewer's panel and what they show."""
+"""The tabs of the viewer's panel."""

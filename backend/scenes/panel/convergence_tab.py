@@ -1,4 +1,4 @@
-"""The tab with the best so far of each search method over its evaluations. Start reading at `columns`."""
+"""The tab with the convergence history of each search method."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from backend.scenes.base.setting import Setting
 Floats = NDArray[np.float64]
 
 HAIR = 1e-4
-"""Too little to be seen in a number with three decimals."""
+"""A step that is invisible in a number with three decimals."""
 
 
 def columns(curves: Sequence[Improvements]) -> tuple[Floats, ...]:
-    """Evaluation numbers from 1, and each method's best so far at them, as steps; NaN where it has not flown.
+    """Evaluation numbers from 1, and each method's best so far as steps; NaN where it has no evaluations.
 
-    A step is drawn as one: every number at which something improves is there together with one a hair before it.
+    Each improvement has two points, one just before it, so that the line is a step.
     """
     steps = {1.0 + index for curve in curves for index in curve.index}
     ends = {float(curve.read) for curve in curves if curve.read}
@@ -39,7 +39,7 @@ def _best(curve: Improvements, grid: Floats) -> Floats:
 
 
 class ConvergenceTab(Part):
-    """One plot, drawn again while the search goes on."""
+    """One plot, updated during the search."""
 
     def __init__(self, gui: viser.GuiApi, setting: Setting, palette: Palette, curves: dict[int, Improvements]) -> None:
         self._curves = [curves[position] for position, _, _ in setting.methods]
@@ -55,7 +55,7 @@ class ConvergenceTab(Part):
         )
 
     def changed(self) -> None:
-        """Bring the plot up to date."""
+        """Update the plot."""
         data = columns(self._curves)
         if any(not np.array_equal(new, old, equal_nan=True) for new, old in zip(data, self._plot.data, strict=True)):
             self._plot.data = data

@@ -1,7 +1,7 @@
-"""The avoider's field: what it asks for over the horizontal plane at the vehicle's height, at the time shown.
+"""The avoider's field: its demand over the horizontal plane at the vehicle's height, at the displayed time.
 
-A translucent plane in the colours of the demand's magnitude, small arrows of its direction, and the panel's words on
-both. The demands are those of the avoider's own code, asked in the simulation process. Start reading at `FieldSlice`.
+A translucent plane coloured by the demand's magnitude, small arrows of its direction, and a legend in the panel. The
+simulation process computes the demands with the avoider's own code. Start reading at `FieldSlice`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 HEAD = 0.9
 """Length of an arrow's head, in cells."""
 WIDTH = 1.6
-"""Of an arrow's lines [pixels]."""
+"""Line width of arrows [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class _Asked:
 
 
 class FieldSlice(Part):
-    """The plane and its legend; the newest time is computed, whatever was overtaken is not."""
+    """The plane and its legend; computes the newest time and drops superseded ones."""
 
     def __init__(
         self,
@@ -61,7 +61,7 @@ class FieldSlice(Part):
         self._time, self._stopped = 0.0, False
         self._root: Any = self._scene.add_frame("/field/slice", show_axes=False, visible=False)
         self.on = False
-        """Whether it is to be seen."""
+        """Whether it is visible."""
         self._legend: Any = server.gui.add_html("")
         self._drawn: tuple[Grid, Rgb] | None = None
         self._plane: Any = None
@@ -69,12 +69,12 @@ class FieldSlice(Part):
         self._latest: Latest[_Asked] = Latest(self._work)
 
     def moved(self, time: float) -> None:
-        """Ask for the field of that time, where it is shown."""
+        """Request the field at that time if it is visible."""
         self._time = time
         self._ask()
 
     def changed(self) -> None:
-        """Ask for the field of the flight that is shown now."""
+        """Request the field of the current flight."""
         self._ask()
 
     def paint(self, palette: Palette) -> None:
@@ -83,13 +83,13 @@ class FieldSlice(Part):
         self._ask()
 
     def stop(self) -> None:
-        """Ask and draw no more."""
+        """Stop requesting and drawing."""
         self._latest.stop()
         with self._driver.drawing():
             self._stopped = True
 
     def have(self, on: bool | None) -> None:
-        """Show or hide it; None leaves it as it is."""
+        """Show or hide it; None leaves it unchanged."""
         if on is None or on == self.on:
             return
         with self._driver.drawing():
@@ -134,7 +134,7 @@ class FieldSlice(Part):
                 self._legend.content = words
 
     def _draw(self, found: Slice, picture: NDArray[np.uint8], arrows: Floats, ink: Rgb) -> None:
-        """Draw it; what is only another picture of the same plane is changed in place, so that nothing flickers."""
+        """Draw it; a new image of the same plane is updated in place, which avoids flicker."""
         grid, lift = found.grid, 1e-3 * self._world.frame.span * self._setting.planar
         if self._drawn != (grid, ink):
             self._drawn = grid, ink

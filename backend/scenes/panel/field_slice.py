@@ -1,4 +1,4 @@
-"""Demands of an avoider on a grid, as drawn: their colours, their arrows, and the words on them. Read `Slice`."""
+"""An avoider's demands on a grid in scene coordinates: colours, arrows and legend. Start reading at `Slice`."""
 
 from __future__ import annotations
 
@@ -19,32 +19,32 @@ from backend.scenes.panel import tables
 Floats = NDArray[np.float64]
 
 PLACES = 1600
-"""About so many places are asked for."""
+"""Approximate number of grid positions."""
 EVERY = 4
-"""Every so many cells along each side has an arrow."""
+"""Spacing of arrows in cells."""
 MARGIN = 0.1
-"""The plane reaches beyond the scene's box by this share of its larger side."""
+"""Margin of the plane around the scene's box, as a fraction of the longer side."""
 NARROWEST = 0.35
-"""Its shorter side is this share of its longer one at least."""
+"""Minimum ratio of its shorter to its longer side."""
 DECADES = 100.0
-"""A colour stands for magnitudes up to so many times the typical one, and as many times smaller."""
+"""Range of the colour scale: this factor above and below the typical magnitude."""
 OPACITY = 150
-"""Of 255."""
+"""Opacity, of 255."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Square cells of a horizontal rectangle, as drawn."""
+    """Square cells of a horizontal rectangle in scene coordinates."""
 
     columns: int
     rows: int
     cell: float
-    """[m]"""
+    """Side of a cell [m]."""
     middle: tuple[float, float]
 
     @classmethod
     def over(cls, frame: Frame) -> Grid:
-        """A grid over the scene's box, and a little beyond."""
+        """A grid over the scene's box with a margin."""
         wide, deep = (float(side) for side in frame.sides[:2])
         longest = max(wide, deep, 1e-3) * (1 + 2 * MARGIN)
         wide, deep = (max(side + 2 * MARGIN * longest, NARROWEST * longest) for side in (wide, deep))
@@ -54,7 +54,7 @@ class Grid:
 
     @property
     def places(self) -> Floats:
-        """The middles of the cells (rows, columns, 2), y and x rising."""
+        """The centres of the cells (rows, columns, 2), y and x increasing."""
         x, y = (
             middle + self.cell * (np.arange(count) - (count - 1) / 2)
             for middle, count in zip(self.middle, (self.columns, self.rows), strict=True)
@@ -64,7 +64,7 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class Slice:
-    """An answer on a grid; demands as drawn (rows, columns, 3), NaN where there is none."""
+    """The demands on a grid in scene coordinates (rows, columns, 3), NaN if undefined."""
 
     grid: Grid
     demand: Floats
@@ -83,7 +83,7 @@ class Slice:
 
     @property
     def ends(self) -> tuple[float, float] | None:
-        """The magnitudes between which colours are told apart: a few places at a pole are no scale."""
+        """The range of the colour scale, which ignores the few large values near a singularity."""
         known = self.magnitude[np.isfinite(self.magnitude) & (self.magnitude > 0)]
         if known.size == 0:
             return None
@@ -91,7 +91,7 @@ class Slice:
         return max(low, middle / DECADES), min(high, middle * DECADES)
 
     def shares(self) -> Floats:
-        """Of the logarithmic scale between its ends (rows, columns); 0 where all are alike, and where there is none."""
+        """Position on the logarithmic scale (rows, columns); 0 if all are equal or undefined."""
         ends = self.ends
         if ends is None or ends[1] < ends[0] * (1 + 1e-6):
             return np.zeros(self.magnitude.shape)
@@ -101,7 +101,7 @@ class Slice:
 
 
 def read(answer: Mapping[str, Any], grid: Grid, axes: Axes) -> Slice:
-    """The simulation process's answer, as drawn."""
+    """Convert the simulation process's response to scene coordinates."""
     rows = [row or (np.nan,) * 3 for row in answer["demand"]]
     demand = axes.drawn(np.array(rows, dtype=np.float64)).reshape(grid.rows, grid.columns, 3)
     own = None if answer["own"] is None else axes.drawn(np.array(answer["own"], dtype=np.float64))
@@ -111,13 +111,13 @@ def read(answer: Mapping[str, Any], grid: Grid, axes: Axes) -> Slice:
 
 
 def picture(found: Slice, dark: bool) -> NDArray[np.uint8]:
-    """Red, green, blue, opacity (rows, columns, 4); clear where there is no answer. Large demands stand out."""
+    """Red, green, blue, opacity (rows, columns, 4); transparent if undefined. Large demands stand out."""
     opacity = np.where(np.isfinite(found.magnitude), OPACITY, 0).astype(np.uint8)
     return np.concatenate([colours(1.0 - found.shares(), dark), opacity[..., None]], axis=-1)
 
 
 def arrows(found: Slice) -> Floats:
-    """Arrows (n, 2, 3) of one length in the demand's direction, about the middle of every few cells; none for none."""
+    """Arrows (n, 2, 3) of equal length in the demand's direction, centred on every few cells."""
     grid, first = found.grid, EVERY // 2
     places = grid.places[first::EVERY, first::EVERY].reshape(-1, 2)
     demand = found.demand[first::EVERY, first::EVERY].reshape(-1, 3)
@@ -129,42 +129,42 @@ def arrows(found: Slice) -> Floats:
 
 
 def legend(found: Slice, title: str, setting: Setting, dark: bool) -> str:
-    """Exactly what is shown: a scale with its numbers, and a few sentences."""
+    """The legend: a scale with its numbers, and a few sentences."""
     magnitude, unit = found.magnitude, found.unit
     known = magnitude[np.isfinite(magnitude)]
     name = str(setting.document["scenario"]["avoider"]["component"]).replace("_", " ")
     where = "over the plane" if setting.planar else f"at the height of {_number(found.height)} m"
     said = (
-        f"{found.kind.capitalize()} [{unit}] that the avoider ({name}) asks for {where}, at t = {found.time:.2f} s of "
-        f"{title}: with the vehicle's velocity and attitude, and the obstacles as it perceives them, of then"
+        f"{found.kind.capitalize()} [{unit}] that the avoider ({name}) demands {where}, at t = {found.time:.2f} s of "
+        f"{title}: with the vehicle's velocity and attitude and the perceived obstacles at that time"
     )
-    said += ", and with what the avoider remembers then. " if found.memory else ". "
+    said += ", and with the avoider's memory at that time. " if found.memory else ". "
     said += "Before the controller's own limits."
     parts = [_scale(found, dark), tables.note(said)]
     told = []
     if known.size:
-        told.append(f"Least {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")
+        told.append(f"Smallest {_number(float(known.min()))}, largest {_number(float(known.max()))} {unit}.")
     if found.own is not None:
-        told.append(f"Where the vehicle is: {_number(float(np.linalg.norm(found.own)))} {unit}.")
+        told.append(f"At the vehicle: {_number(float(np.linalg.norm(found.own)))} {unit}.")
     none, zero = int(np.isnan(magnitude).sum()), int((known == 0).sum())
-    told += [f"{none} of {magnitude.size} places have no answer and no colour."] if none else []
-    told += [f"{zero} of {magnitude.size} places ask for nothing."] if zero else []
+    told += [f"{none} of {magnitude.size} positions have no demand and no colour."] if none else []
+    told += [f"{zero} of {magnitude.size} positions have zero demand."] if zero else []
     return "".join([*parts, tables.note(" ".join(told))])
 
 
 def _scale(found: Slice, dark: bool) -> str:
     ends = found.ends
     if ends is None:
-        return tables.note("Nothing is asked for anywhere.", strong=True)
+        return tables.note("The demand is zero everywhere.", strong=True)
     if ends[1] < ends[0] * (1 + 1e-6):
-        return tables.note(f"The same everywhere: {_number(ends[0])} {found.unit}.", strong=True)
+        return tables.note(f"Uniform: {_number(ends[0])} {found.unit}.", strong=True)
     texts = [_number(ends[0]), f"{_number(float(np.sqrt(ends[0] * ends[1])))}", f"{_number(ends[1])} {found.unit}"]
     bar = f'<div style="height:10px;border-radius:2px;background:{gradient(dark, turned=True)}"></div>'
     labels = "".join(f"<span>{html.escape(text)}</span>" for text in texts)
     return (
         f'<div style="margin:6px 10px;font-size:0.85em;font-variant-numeric:tabular-nums">{bar}'
         f'<div style="display:flex;justify-content:space-between">{labels}</div>'
-        '<div style="opacity:0.7">logarithmic; the colours of the ends stand for what is beyond, too</div></div>'
+        '<div style="opacity:0.7">logarithmic; values beyond the ends have the colours of the ends</div></div>'
     )
 
 

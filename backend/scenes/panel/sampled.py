@@ -1,6 +1,6 @@
-"""Flights of the run's random sample as thin lines, so that the findings are seen among the usual. Read `Sampled`.
+"""Draws flights of the run's random sample as thin lines, to show the findings among typical flights.
 
-The first of the sample, as they were drawn, each flown again with its stored parameters: no choice of ours.
+These are the first of the sample in order, not a selection, each simulated again with its stored parameters.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from backend.scenes.live.live import Live, LiveError
 from backend.scenes.panel import tables
 
 MOST = 36
-"""Flights at most."""
+"""Maximum number of flights."""
 ROWS = 200
-"""A line has at most so many points."""
+"""Maximum number of points of a line."""
 TOGETHER = 6
-"""So many flights are drawn at once."""
+"""Number of flights drawn per batch."""
 ROOT = "/flights/sampled"
 
 
 class Sampled(Part):
-    """The flights are simulated when they are asked for first, and kept."""
+    """The flights are simulated on first use and cached."""
 
     def __init__(
         self,
@@ -50,11 +50,11 @@ class Sampled(Part):
         self._scene, self._engine, self._live, self._setting = server.scene, engine, live, setting
         self._palette, self._driver = palette, driver
         self._lines: list[Floats] = []
-        """Each of some flights (n, 2, 3)."""
+        """One node per batch of flights (n, 2, 3)."""
         self._nodes: list[Any] = []
         self._root: Any = server.scene.add_frame(ROOT, show_axes=False, visible=False)
         self.on = False
-        """Whether they are to be seen."""
+        """Whether they are visible."""
         self._note: Any = server.gui.add_html("")
         self._whole = self._stopped = False
         self._latest: Latest[None] = Latest(lambda _: self._fly())
@@ -65,12 +65,12 @@ class Sampled(Part):
         self._nodes = [self._line(n, lines) for n, lines in enumerate(self._lines)]
 
     def stop(self) -> None:
-        """Fly nothing more."""
+        """Stop simulating."""
         self._stopped = True
         self._latest.stop()
 
     def have(self, on: bool | None) -> None:
-        """Show or hide them; None leaves them as they are."""
+        """Show or hide them; None leaves them unchanged."""
         if on is None or on == self.on:
             return
         with self._driver.drawing():
@@ -101,7 +101,7 @@ class Sampled(Part):
                 flown += [] if flight is None else [shapes.polyline(flight.position)]
             self._add(flown)
         self._whole = True
-        lost = f" {failed} of them failed, and end where they did." if failed else ""
+        lost = f" {failed} of them failed, and end at the failure." if failed else ""
         words = f"Thin: the first {len(drawn)} flights of the sample of {stage}, as drawn.{lost}"
         with self._driver.drawing():
             self._note.content = tables.note(words)
@@ -129,7 +129,7 @@ class Sampled(Part):
 
 
 def _sample(reader: sa.Connection, run_id: int, setting: Setting) -> tuple[str, list[tuple[dict[str, float], Noise]]]:
-    """Which stage has a random sample, and the first flights of it: certify's own before those of a search."""
+    """The stage with a random sample, certify preferred to a search, and its first flights."""
     own = draws(reader, run_id, setting.document)
     query = sa.select(Stage.position, Stage.kind, Stage.method).where(Stage.run_id == run_id, Stage.evaluations > 0)
     stages = reader.execute(query.order_by(Stage.position)).all()

@@ -1,4 +1,4 @@
-"""The small tables of numbers in the viewer's panel, as HTML. Start reading at `separations`."""
+"""The tables of numbers in the viewer's panel, as HTML."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _HEAD = 'style="text-align:right;font-weight:500;opacity:0.7;padding:2px 0 2px 8
 
 
 def number(value: float | None, decimals: int) -> str:
-    """So many decimals with a true minus sign, or a dash."""
+    """Format with fixed decimals and a true minus sign, or a dash."""
     return "–" if value is None or not math.isfinite(value) else f"{value:.{decimals}f}".replace("-", "−")
 
 
 def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
-    """Separation now, its minimum, and the margin of every flight that is shown."""
+    """Current separation, its minimum, and the margin of every visible flight."""
     rows = [
         _row(one, one.style.title, (one.flight.at(time)[2], one.flight.cost, _margin(one, setting)), setting.decimals)
         for one in drawn
@@ -37,7 +37,7 @@ def separations(drawn: Sequence[Drawn], setting: Setting, time: float) -> str:
 
 
 def speeds(drawn: Sequence[Drawn], time: float, decimals: int) -> str:
-    """How fast every flight that is shown is, over ground and relative to the nearest obstacle."""
+    """Speed of every visible flight, over ground and relative to the nearest obstacle."""
     found = [(one, vectors.speeds(one, time)) for one in drawn if one.flight is not None]
     if not found:
         return ""

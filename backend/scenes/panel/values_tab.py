@@ -1,4 +1,4 @@
-"""The tab with the numbers of the instant that is shown, and the legends of what is drawn. Read `ValuesTab`."""
+"""The tab with the numbers at the displayed time, and the legends."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from backend.scenes.panel import tables
 
 
 class ValuesTab(Part):
-    """Separation and speeds of every flight now; nothing is set here, that is the page's."""
+    """Separation and speeds of every flight; display only, the page has the controls."""
 
     def __init__(self, gui: viser.GuiApi, setting: Setting, flights: Flights, vectors: Vectors) -> None:
         self._setting, self._flights, self._vectors = setting, flights, vectors
@@ -22,13 +22,13 @@ class ValuesTab(Part):
         self._note: Any = gui.add_html("")
 
     def moved(self, time: float) -> None:
-        """The numbers of another time."""
+        """Update the numbers to a time."""
         separations = tables.separations(self._flights.every, self._setting, time)
         self._readout.content = separations + tables.speeds(self._flights.every, time, self._vectors.decimals)
 
     def changed(self) -> None:
-        """The same for other flights."""
+        """Update the numbers to the current flights."""
         self.moved(self._flights.time)
         ahead = self._vectors.ahead
-        arrows = f"An arrow is as long as the way of {ahead:g} s at that velocity. " if ahead else ""
+        arrows = f"The length of an arrow is the distance travelled in {ahead:g} s. " if ahead else ""
         self._note.content = tables.note(f"{arrows}Dots every {self._flights.dots:g} s.")

@@ -1,1 +1,1 @@
-"""A flight as a page that plays without a server."""
+"""A flight as a self-contained page that plays without a server."""

@@ -1,4 +1,4 @@
-"""What a recording says of itself: a card of words and numbers over the scene. Start reading at `with_caption`."""
+"""The caption of a recording: a card with text and numbers over the scene. Start reading at `with_caption`."""
 
 from __future__ import annotations
 
@@ -19,53 +19,53 @@ POLICY = (
     "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; connect-src data: blob:; base-uri 'none'; "
     "form-action 'none'"
 )
-"""Everything is in the page: it may ask nobody for anything."""
+"""The page is self-contained: its policy blocks all requests."""
 
 _STYLE = """
-#told{position:fixed;top:12px;right:12px;z-index:4;max-width:min(340px,calc(100vw - 24px));
+#caption{position:fixed;top:12px;right:12px;z-index:4;max-width:min(340px,calc(100vw - 24px));
 max-height:calc(100vh - 76px);overflow:auto;box-sizing:border-box;padding:10px 14px;border:1px solid;border-radius:6px;
 font:12px/18px system-ui,"Segoe UI",Roboto,sans-serif;font-variant-numeric:tabular-nums}
-#told summary{cursor:pointer;font-weight:600;font-size:13px}
-#told summary:focus-visible{outline:2px solid currentColor;outline-offset:2px}
-#told p{margin:6px 0 0}
-#told dl{display:grid;grid-template-columns:max-content 1fr;gap:1px 12px;margin:8px 0 0}
-#told dt{opacity:.75}
-#told dd{margin:0;text-align:right;overflow-wrap:anywhere}
-#told .digest{font-family:ui-monospace,Menlo,monospace;font-size:11px}
-#told i{display:inline-block;width:14px;height:3px;margin-right:6px;vertical-align:middle}
+#caption summary{cursor:pointer;font-weight:600;font-size:13px}
+#caption summary:focus-visible{outline:2px solid currentColor;outline-offset:2px}
+#caption p{margin:6px 0 0}
+#caption dl{display:grid;grid-template-columns:max-content 1fr;gap:1px 12px;margin:8px 0 0}
+#caption dt{opacity:.75}
+#caption dd{margin:0;text-align:right;overflow-wrap:anywhere}
+#caption .digest{font-family:ui-monospace,Menlo,monospace;font-size:11px}
+#caption i{display:inline-block;width:14px;height:3px;margin-right:6px;vertical-align:middle}
 """
 
 
 @dataclass(frozen=True)
-class Told:
-    """What is told beside the flights themselves."""
+class Caption:
+    """The content of the caption besides the flights."""
 
     run: str
     name: str
     state: str
-    """The verdict, or what the run is doing."""
+    """The verdict, or the state of the run."""
     campaign: str
     results: str
     """The digests."""
 
 
-def with_caption(made: Recording, setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
-    """viser's page with a title, a policy that lets it ask nobody, and the card."""
-    title = html.escape(f"{told.run} {cast.label}: {told.name}")
+def with_caption(made: Recording, setting: Setting, cast: Cast, caption: Caption, dark: bool) -> str:
+    """viser's page with a title, a policy that blocks all requests, and the card."""
+    title = html.escape(f"{caption.run} {cast.label}: {caption.name}")
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     page = made.html.replace('<meta charset="utf-8" />', f'<meta charset="utf-8" />{policy}', 1)
     page = page.replace("<title>Viser</title>", f"<title>{title}</title><style>{_STYLE}{_colours(dark)}</style>", 1)
     return page.replace(
-        '<div id="root"></div>', f'<div id="root"></div>{_card(made.said, setting, cast, told, dark)}', 1
+        '<div id="root"></div>', f'<div id="root"></div>{_card(made.said, setting, cast, caption, dark)}', 1
     )
 
 
 def _colours(dark: bool) -> str:
     ground, ink, edge = ("#151b21", "#e7ecf2", "#2f3b47") if dark else ("#ffffff", "#15202b", "#c8d0d9")
-    return f"#told{{background:{ground};color:{ink};border-color:{edge}}}"
+    return f"#caption{{background:{ground};color:{ink};border-color:{edge}}}"
 
 
-def _card(said: str, setting: Setting, cast: Cast, told: Told, dark: bool) -> str:
+def _card(said: str, setting: Setting, cast: Cast, caption: Caption, dark: bool) -> str:
     palette = DARK if dark else LIGHT
     quantity = setting.quantity or "value"
     flights = [("Nominal", palette.nominal, cast.nominal)] if cast.nominal else []
@@ -73,15 +73,15 @@ def _card(said: str, setting: Setting, cast: Cast, told: Told, dark: bool) -> st
     flights.append(("Nominal" if cast.label == "nominal" else cast.label, colour, cast.shown))
     rows = [_row(f"{title}, {quantity}", _cost(flight.cost, setting), colour) for title, colour, flight in flights]
     rows.append(_row("Criterion", f"{quantity} > {setting.threshold:g} {setting.unit}"))
-    rows.append(_row("Verdict of the run", told.state))
+    rows.append(_row("Verdict of the run", caption.state))
     units = {one.path: one.unit for one in setting.uncertain}
     asked = {path: cast.shown.parameters[path] for path in _uncertain(setting) if path in cast.shown.parameters}
     given = [_row(path, f"{value!r} {units.get(path, '')}") for path, value in asked.items()]
-    marks = [_row("Campaign", told.campaign, kind="digest"), _row("Results", told.results, kind="digest")]
+    marks = [_row("Campaign", caption.campaign, kind="digest"), _row("Results", caption.results, kind="digest")]
     last = f"{html.escape(said)} Vehicles are not to scale. Clearance {VERSION}, viser {viser.__version__}."
     return (
-        f'<details id="told" open><summary>{html.escape(f"{told.run} · {cast.label}")}</summary>'
-        f"<p>{html.escape(told.name)}</p>{_list(rows)}"
+        f'<details id="caption" open><summary>{html.escape(f"{caption.run} · {cast.label}")}</summary>'
+        f"<p>{html.escape(caption.name)}</p>{_list(rows)}"
         + (f"<p>Parameters of {html.escape(cast.label)}, all digits</p>{_list(given)}" if given else "")
         + f"<p>Digests (SHA-256)</p>{_list(marks)}<p>{last}</p></details>"
     )

@@ -1,6 +1,6 @@
-"""Recordings on demand, and the page at /view/R-0001/F1/recorded/ that plays one without a viewer's server behind it.
+"""Recordings on demand, and the page at /view/R-0001/F1/recorded/ that plays one without a viewer server.
 
-The last few are kept. Start reading at `Recordings.page`.
+The most recent ones are cached. Start reading at `Recordings.page`.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from backend.runs.service import number, summary
 from backend.scenes.base import setting
 from backend.scenes.base.address import parse
 from backend.scenes.base.flight import from_stored
-from backend.scenes.recordings.caption import POLICY, Told, with_caption
+from backend.scenes.recordings.caption import POLICY, Caption, with_caption
 from backend.scenes.recordings.recording import Cast, record
 from campaigns.version import VERSION
 
 router = APIRouter(include_in_schema=False)
 
 KEPT = 8
-"""Pages kept, each about 0.9 MB."""
+"""Number of cached pages, each about 0.9 MB."""
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """A page that plays a flight, its entity tag and its name as a file."""
+    """A page that plays a flight, its entity tag and its file name."""
 
     html: str
     tag: str
@@ -50,12 +50,12 @@ class Recorded:
 class _Asked:
     setting: setting.Setting
     cast: Cast
-    told: Told
+    caption: Caption
     tag: str
 
 
 class Recordings:
-    """Makes recordings from stored flights, as many at a time as the capacity allows."""
+    """Creates recordings of stored flights, limited by the capacity."""
 
     def __init__(self, engine: sa.Engine, capacity: Capacity) -> None:
         self._engine, self._capacity = engine, capacity
@@ -65,9 +65,9 @@ class Recordings:
     async def page(
         self, run_id: int, flight: str, dark: bool = False, known: str = "", gone: Gone | None = None
     ) -> Recorded | str:
-        """The page of a flight, "F1" or "nominal"; its tag alone where that is among the known ones.
+        """The page of a flight, "F1" or "nominal"; only its tag if the client knows it.
 
-        404 for no run or no such stored flight; 503 when too many are being made. gone: as `Capacity.run` has it.
+        404 if there is no such run or stored flight; 503 if too many are being created. gone: as in `Capacity.run`.
         """
         asked = await run_in_threadpool(self._look, run_id, flight, dark)
         if asked.tag in known:
@@ -75,17 +75,17 @@ class Recordings:
         page = self._recall(asked.tag)
         if page is None:
             page = await self._capacity.run(lambda: self._made(asked, dark), gone)
-        return Recorded(page, asked.tag, named(asked.told.run, asked.told.name, f"flight-{flight}.html"))
+        return Recorded(page, asked.tag, named(asked.caption.run, asked.caption.name, f"flight-{flight}.html"))
 
     def _look(self, run_id: int, flight: str, dark: bool) -> _Asked:
         with read(self._engine) as reader:
             return _asked(reader, run_id, flight, dark)
 
     def _made(self, asked: _Asked, dark: bool) -> str:
-        page = self._recall(asked.tag)  # made while this one waited
+        page = self._recall(asked.tag)  # created while this request waited
         if page is None:
             made = record(asked.setting, asked.cast, dark)
-            page = with_caption(made, asked.setting, asked.cast, asked.told, dark)
+            page = with_caption(made, asked.setting, asked.cast, asked.caption, dark)
         with self._lock:
             self._kept[asked.tag] = page
             if len(self._kept) > KEPT:
@@ -107,24 +107,24 @@ def _asked(reader: sa.Connection, run_id: int, label: str, dark: bool) -> _Asked
         raise not_found("stored flight of this run called", label)
     other = results.stored(reader, run_id, setting.NOMINAL) if label != setting.NOMINAL else None
     cast = Cast(label, flight, None if other is None else from_stored(other))
-    told = Told(run.id, run.name, run.verdict or run.state, run.campaign_digest, results_digest(reader, run_id))
+    caption = Caption(run.id, run.name, run.verdict or run.state, run.campaign_digest, results_digest(reader, run_id))
     published = reader.scalar(sa.select(sa.func.max(CatalogueDocument.published)))
-    parts = (*vars(told).values(), label, str(dark), VERSION, viser.__version__, str(published))
+    parts = (*vars(caption).values(), label, str(dark), VERSION, viser.__version__, str(published))
     tag = hashlib.sha256("\n".join(parts).encode()).hexdigest()
-    return _Asked(setting.load(reader, run_id), cast, told, f'W/"{tag}"')
+    return _Asked(setting.load(reader, run_id), cast, caption, f'W/"{tag}"')
 
 
 @router.get("/view/{run}/{flight}/recorded")
 def recorded_without_slash(run: str, flight: str, request: Request) -> Response:
-    """One address for one recording: with a slash at its end."""
+    """Redirect to the canonical address, which ends in a slash."""
     return RedirectResponse(f"{request.url.path}/", 308)
 
 
 @router.get("/view/{run}/{flight}/recorded/{rest:path}")
 async def recorded_page(run: str, flight: str, rest: str, request: Request) -> Response:
-    """A flight's recording; `dark` behind the slash for the dark theme. Everything it plays is in the page itself."""
+    """A flight's recording; append `dark` for the dark theme. The page is self-contained."""
     if request.query_params:
-        detail = "the address of a recording takes no query: it plays what is in its own page and nothing else"
+        detail = "the address of a recording has no query parameters: remove the query"
         raise RefusedError(400, "not-allowed", detail)
     if rest.strip("/") not in ("", "dark", "light"):
         raise RefusedError(
@@ -134,7 +134,7 @@ async def recorded_page(run: str, flight: str, rest: str, request: Request) -> R
 
 
 async def answer(request: Request, run: str, flight: str, dark: bool, how: str) -> Response:
-    """The recording as a page or a file; 304 where the visitor has it already."""
+    """The recording as a page or a file; 304 if the client has it already."""
     known = request.headers.get("if-none-match", "")
     found = await request.app.state.recordings.page(number(run), flight, dark, known, request.is_disconnected)
     headers = {"Cache-Control": "private, no-cache", "ETag": found if isinstance(found, str) else found.tag}

@@ -1,7 +1,7 @@
-"""One flight as a recording that plays without a server: the scene of the 3D view over time, as one page.
+"""Records one flight as a self-contained page: the scene of the 3D view over time.
 
-Drawn on a viser server that lets nobody in and is always closed. Time in the recording is time in the flight, so that
-the play bar shows seconds of it. Start reading at `record`.
+The scene is drawn on a temporary viser server that accepts no clients. Recording time equals flight time, so the play
+bar shows seconds of the flight. Start reading at `record`.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ from backend.scenes.drawing.world import World
 from backend.scenes.panel.tables import number
 
 RATE = 20.0
-"""Pictures a second of the flight [1/s]."""
+"""Frame rate [1/s of flight time]."""
 
 MOST = 900
-"""Pictures of a long flight: then fewer a second."""
+"""Maximum number of frames; longer flights have a lower frame rate."""
 
 
 @dataclass(frozen=True)
 class Cast:
-    """The flights of one recording: the one it is of, and the nominal one beside it."""
+    """The flights of one recording: the recorded one and the nominal one."""
 
     label: str
     shown: Flight
     nominal: Flight | None
-    """None where the nominal flight is the one shown, or is not stored."""
+    """None if the recorded flight is the nominal one, or the nominal one is not stored."""
 
     @property
     def flights(self) -> dict[str, Flight]:
@@ -49,14 +49,14 @@ class Cast:
 
 @dataclass(frozen=True)
 class Recording:
-    """A self-contained HTML page of viser's, and what it takes to read the picture."""
+    """A self-contained viser page, and the legend of its scene."""
 
     html: str
     said: str
 
 
 def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
-    """The flights with obstacles, rulers, velocities and separations, played from their beginning to their end."""
+    """Record the flights with obstacles, rulers, velocities and separations from start to end."""
     server = open_server(secrets.token_urlsafe(32))
     try:
         stage = _Stage(server, setting, cast, DARK if dark else LIGHT)
@@ -72,7 +72,7 @@ def record(setting: Setting, cast: Cast, dark: bool) -> Recording:
 
 
 class _Stage:
-    """The drawn scene, which is moved from picture to picture."""
+    """The drawn scene, updated frame by frame."""
 
     def __init__(self, server: viser.ViserServer, setting: Setting, cast: Cast, palette: Palette) -> None:
         self._server, self._setting = server, setting
@@ -83,19 +83,19 @@ class _Stage:
         self._flights.chosen.restyle(0.0, title=cast.label)
         self._flights.stored()
         self._vectors = Vectors(server, setting, self._world, palette, self._flights)
-        self._told = {drawn: self._teller(drawn) for drawn in self._flights.every if drawn.flight is not None}
+        self._told = {drawn: self._separation_label(drawn) for drawn in self._flights.every if drawn.flight is not None}
         self.move(0.0)
         self._camera()
 
     @property
     def said(self) -> str:
-        """What dots and arrows mean."""
+        """The legend of dots and arrows."""
         ahead = self._vectors.ahead
-        arrows = f" An arrow is as long as the way of {ahead:g} s at that velocity." if ahead else ""
-        return f"The play bar counts seconds of the flight; dots every {self._flights.dots:g} s.{arrows}"
+        arrows = f" The length of an arrow is the distance travelled in {ahead:g} s." if ahead else ""
+        return f"The play bar shows flight time in seconds; dots every {self._flights.dots:g} s.{arrows}"
 
-    def _teller(self, drawn: Drawn) -> Any:
-        """The label at a vehicle that says how far it is from the nearest obstacle now."""
+    def _separation_label(self, drawn: Drawn) -> Any:
+        """The label at a vehicle with its current separation from the nearest obstacle."""
         anchor: Any = "bottom-center" if drawn.style.layer else "top-center"
         name = f"/flights/{drawn.style.key}/now"
         return self._server.scene.add_label(name, drawn.style.title, anchor=anchor, font_screen_scale=0.75)
@@ -114,7 +114,7 @@ class _Stage:
             told.position = position + np.array([0.0, 0.0, up])
 
     def _camera(self) -> None:
-        """Where it stands at the beginning: all of it is seen."""
+        """Set the initial camera, which shows the whole scene."""
         initial: Any = self._server.initial_camera
         initial.fov = FIELD_OF_VIEW
         initial.position, initial.look_at = pose("overview", self._world.whole, None)

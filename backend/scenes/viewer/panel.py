@@ -1,6 +1,6 @@
-"""A viewer's panel: what only the viewer has, and the layers that come with a legend. Start reading at `Panel`.
+"""A viewer's panel: its own controls, and the layers that have a legend.
 
-Time, layers, choice and what-if are the page's. A new tab is a `Part` in a file of its own, added here.
+Time, layers, selection and what-if are controlled by the page. A new tab is a `Part` in its own file, added here.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from backend.scenes.panel.values_tab import ValuesTab
 
 
 class Panel:
-    """Builds the tabs; the names of all of them fit into one row."""
+    """Builds the tabs; their titles fit into one row."""
 
     def __init__(
         self,
@@ -55,14 +55,14 @@ class Panel:
         self.parts: list[Part] = [values, self._sampled, self._field, self._cloud, convergence]
 
     def have(self, layers: LayersChange) -> None:
-        """Show what is asked for; raises `UnknownParameterError` for an axis."""
+        """Change the layers; raises `UnknownParameterError` for an unknown axis."""
         self._cloud.have(layers.space, layers.axes)
         self._sampled.have(layers.sampled)
         self._field.have(layers.field)
 
     @property
     def layers(self) -> dict[str, Any]:
-        """What of it is to be seen."""
+        """The visible layers."""
         return {
             "sampled": self._sampled.on,
             "field": self._field.on,

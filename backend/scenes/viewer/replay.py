@@ -1,4 +1,4 @@
-"""The time that a viewer shows, how fast it runs, and what of the flights is drawn: set by the page. Read `Replay`."""
+"""The time and speed of a viewer's replay, and the visible layers of the flights; controlled by the page."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from backend.scenes.drawing.flights import Flights
 from backend.scenes.drawing.vectors import Vectors
 
 STEP = 0.01
-"""Two instants that are closer are the same one [s]."""
+"""Times closer than this are considered equal [s]."""
 
 
 class Replay:
-    """Holds the time shown; the driver is told of every new one."""
+    """Stores the displayed time and notifies the driver of changes."""
 
     def __init__(self, setting: Setting, flights: Flights, vectors: Vectors, driver: Driver) -> None:
         self._horizon, self._flights, self._vectors, self._driver = setting.horizon, flights, vectors, driver
@@ -25,18 +25,18 @@ class Replay:
 
     @property
     def layers(self) -> dict[str, Any]:
-        """What of the flights is to be seen."""
+        """The visible layers of the flights."""
         shown = {name: drawn.visible for name, drawn in self._roles.items()}
         arrows = {"velocity": self._vectors.velocity, "relative": self._vectors.relative}
         return {**shown, **arrows, "trail": self.trail}
 
     @property
     def shown(self) -> dict[str, Any]:
-        """Which instant, and how the time runs, as `ViewState` has it."""
+        """Time and playback as fields of `ViewState`."""
         return {"time": self.time, "playing": self.playing, "speed": self.speed}
 
     def steer(self, change: ViewChange) -> None:
-        """Another instant or speed. Going to a time stops the play, unless it is asked to go on in the same breath."""
+        """Change time or speed. Setting a time pauses playback unless the same change requests to play."""
         self.speed = self.speed if change.speed is None else change.speed
         if change.closest:
             self.go_to_closest()
@@ -47,7 +47,7 @@ class Replay:
             self.play(change.playing)
 
     def have(self, layers: LayersChange) -> None:
-        """Show what is to be seen of the flights; None leaves it as it is."""
+        """Change the visible layers; None leaves a layer unchanged."""
         for name, drawn in self._roles.items():
             wanted = getattr(layers, name)
             if wanted is not None and wanted != drawn.visible:
@@ -62,29 +62,29 @@ class Replay:
             self._flights.trail(self.trail == "so_far")
 
     def play(self, on: bool) -> None:
-        """Let time run, or stand."""
+        """Start or pause playback."""
         self.playing = on
         self._driver.wake()
 
     def advance(self, seconds: float) -> None:
-        """Let time run on, from the end to the beginning."""
+        """Advance the time; wraps from the end to the start."""
         self.go_to((self.time + seconds * self.speed) % self._horizon)
 
     def go_to(self, time: float) -> None:
-        """Show this time, held at start and horizon."""
+        """Show this time, clipped to start and horizon."""
         with self._driver.drawing():
             self.time = min(max(time, 0.0), self._horizon)
             self._driver.moved(self.time)
 
     def go_to_closest(self) -> None:
-        """Show the closest approach of the worst flight there is, and stay there."""
+        """Show the closest approach of the worst flight, paused."""
         time = self.closest_time()
         if time is not None:
             self.play(False)
             self.go_to(time)
 
     def closest_time(self) -> float | None:
-        """When the worst flight came closest [s]."""
+        """Time of the worst flight's closest approach [s]."""
         flights = [one.flight for one in self._flights.every if one.flight is not None and one.flight.closest]
         worst = min(flights, key=lambda flight: flight.closest.value if flight.closest else 0.0, default=None)
         return None if worst is None or worst.closest is None else worst.closest.time

@@ -30,7 +30,7 @@ from backend.scenes.viewer.replay import STEP, Replay
 from backend.scenes.viewer.what_if import WhatIf
 
 LOOK = 1.0
-"""Time between looks at a run that is not over [s]."""
+"""Polling interval of an active run [s]."""
 
 _log = logging.getLogger(__name__)
 
@@ -40,11 +40,11 @@ class GoneError(Exception):
 
 
 class UnknownFlightError(ValueError):
-    """The run has no such finding; the message says which it has."""
+    """The run has no such finding; the message lists its findings."""
 
 
 class Viewer:
-    """Builds the scene, then keeps it moving and up to date until closed; it drives its parts (`Driver`)."""
+    """Builds the scene, then animates and updates it until closed; drives its parts (`Driver`)."""
 
     def __init__(
         self,
@@ -61,15 +61,15 @@ class Viewer:
         self._stopped = False
         self._opened = time.time()
         self.revision = int(1000 * self._opened)
-        """Grows with everything that is shown otherwise; that of a later viewer is higher."""
+        """Increases with every change of the display; higher for later viewers."""
         self.on_news: Callable[[], None] = lambda: None
-        """Called after that, from any thread, and when the viewer is closed."""
+        """Called after a change, from any thread, and when the viewer is closed."""
         self._depth, self._ready = 0, False
         self._said: dict[str, Any] = {}
         self._dark = address.dark
         self._theme()
         server.gui.main_panel.dock_right()
-        # Beside its page, which has the run's name and controls of its own, the scene is what is looked at.
+        # The page already shows the run's name and controls; the panel starts folded in favour of the scene.
         alone = address.key is None
         self._unfold(alone)
         server.gui.set_panel_label(f"{setting.run} · {setting.title}" if alone else "Values, space, search")
@@ -95,7 +95,7 @@ class Viewer:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop moving and flying."""
+        """Stop the animation and all simulations."""
         with self._lock:
             self._stopped = True
         self.on_news()
@@ -105,7 +105,7 @@ class Viewer:
         self._thread.join()
 
     def _begin(self, address: Address) -> None:
-        """At the address's time and camera; without a time at the closest approach."""
+        """Start at the time and camera of the address; without a time, at the closest approach."""
         closest = self._replay.closest_time()
         self._replay.go_to(closest if address.time is None and closest is not None else address.time or 0.0)
         self._following.first(self._replay.time)
@@ -113,7 +113,7 @@ class Viewer:
 
     @contextmanager
     def drawing(self) -> Iterator[None]:
-        """One change of scene and panel: nobody else changes them meanwhile, and it is seen at once."""
+        """Group changes of scene and panel: exclusive, and shown in one frame."""
         with self._lock:
             with self._server.atomic():
                 self._depth += 1
@@ -125,23 +125,23 @@ class Viewer:
                 self._note()
 
     def wake(self) -> None:
-        """There is something to do for the viewer's own thread."""
+        """Wake the viewer's own thread."""
         self._wake.set()
 
     def moved(self, time: float) -> None:
-        """Show everything at this time [s]."""
+        """Update all parts to this time [s]."""
         with self.drawing():
             for part in self._parts:
                 part.moved(time)
 
     def shown(self) -> None:
-        """What is to be seen of the flights has changed."""
+        """Handle a change of the visible layers."""
         with self.drawing():
             self._flights.obstacles.show()
             self.changed()
 
     def look_from(self, camera: Camera | None) -> None:
-        """Look from there; from None: stay, and follow nothing."""
+        """Set the camera; None keeps the position and stops following."""
         with self.drawing():
             self._following.set(camera)
 
@@ -155,8 +155,8 @@ class Viewer:
     def show_what_if(self, flight: Flight | None, seed: int | None, order: int) -> None:
         """Draw this flight as the what-if, unless one of a higher order is drawn; raises `GoneError`.
 
-        flight: None for one without motion.
-        seed: of the noise realisation that was asked for; None: those of the campaign.
+        flight: None if it has no motion.
+        seed: the requested noise seed; None for those of the campaign.
         """
         with self.drawing():
             if self._stopped:
@@ -164,7 +164,7 @@ class Viewer:
             self._what_if.draw(flight, seed, "page", order)
 
     def choose(self, flight: str) -> None:
-        """Show this finding beside the nominal flight, or that one alone; from one closest approach to the next."""
+        """Show this finding with the nominal flight, or the nominal flight alone, at the closest approach."""
         with self.drawing():
             if flight == self._progress.shown:
                 return
@@ -181,7 +181,7 @@ class Viewer:
             self.changed()
 
     def steer(self, change: ViewChange) -> ViewState:
-        """Do what the page asks, all of it in one picture.
+        """Apply a change requested by the page, in one frame.
 
         Raises `GoneError`, `UnknownFlightError` for a finding, `UnknownParameterError` for a what-if or an axis.
         """
@@ -207,14 +207,14 @@ class Viewer:
         return self.state()
 
     def state(self) -> ViewState:
-        """What is shown now; raises `GoneError`."""
+        """The current state; raises `GoneError`."""
         with self._lock:
             if self._stopped:
                 raise GoneError
             return ViewState(opened=self._opened, revision=self.revision, **self._shown())
 
     def _shown(self) -> dict[str, Any]:
-        """All of the state that may be steered."""
+        """All of the state that a page can change."""
         camera, eye = self._following.camera, self._following.eye
         return {
             "flight": self._progress.shown,
@@ -228,7 +228,7 @@ class Viewer:
         }
 
     def _note(self) -> None:
-        """Tell whoever listens, where something is shown otherwise than before."""
+        """Notify listeners if the display has changed."""
         if self._stopped or not self._ready:
             return
         shown = self._shown()
@@ -246,7 +246,7 @@ class Viewer:
         self.changed()
 
     def _unfold(self, panel: bool) -> None:
-        """Show or fold the panel. Its visitor may do so, too, and no page learns of it."""
+        """Show or fold the panel. The visitor can do the same in the view, which is not reported to the page."""
         self._unfolded, main = panel, self._server.gui.main_panel
         main.expand() if panel else main.minimize()
 
@@ -260,7 +260,7 @@ class Viewer:
         )
 
     def _run(self) -> None:
-        """Advance time while playing, look at the run while it is not over, sleep otherwise."""
+        """Advance the time during playback, poll the run while it is active, sleep otherwise."""
         then = looked = time.monotonic()
         while not self._stopped:
             playing = self._replay.playing
@@ -268,14 +268,14 @@ class Viewer:
             self._wake.wait(FRAME if busy else None if self._progress.over else LOOK)
             now = time.monotonic()
             with self.drawing():
-                if playing and self._replay.playing and not self._stopped:  # it may have been stopped while this waited
+                if playing and self._replay.playing and not self._stopped:  # may be paused by now
                     self._replay.advance(now - then)
             self._following.work(now)
             if not self._progress.over and now - looked >= LOOK:
                 looked = now
                 self._look()
             then = now
-            # Cleared last: what is done here wakes, too; whoever else did has noted before what there is to do.
+            # Cleared last, because the work above sets the event too; other threads record requests first.
             self._wake.clear()
 
     def _look(self) -> None:
@@ -291,6 +291,6 @@ class Viewer:
             self.changed()
 
     def changed(self) -> None:
-        """Flights, findings or evaluations are others than before, or others are shown."""
+        """Handle a change of flights, findings or evaluations, or of the selection."""
         for part in self._parts:
             part.changed()

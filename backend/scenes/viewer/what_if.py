@@ -1,7 +1,7 @@
-"""The what-if flight as a viewer shows it: one that it is given, or that it simulates by its parameters. Read `WhatIf`.
+"""The what-if flight of a viewer: supplied by the API, or simulated from its parameters.
 
-A page has its flights from the API, which gives the viewer each of them to draw. A view that is opened again is told
-the parameters alone, and simulates them itself. Whatever was asked for last is what is drawn.
+The API passes each what-if flight of a page to the viewer. A reopened view receives only the parameters and simulates
+the flight itself. The most recent request is drawn.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ class _Asked:
 
 
 class WhatIf(Part):
-    """Holds which flight is drawn as the what-if."""
+    """Stores which flight is drawn as the what-if."""
 
     def __init__(
         self, setting: Setting, live: Live, drawn: Drawn, show: Callable[[Flight | None], None], driver: Driver
     ) -> None:
         self._setting, self._live, self._drawn, self._show, self._driver = setting, live, drawn, show, driver
         self.seed: int | None = None
-        """Of the noise realisation that was asked for; None: those of the campaign."""
+        """Requested noise seed; None for those of the campaign."""
         self.source: WhatIfSource | None = None
         self._number = self._order = 0
         self._latest: Latest[_Asked] = Latest(self._simulate)
 
     @property
     def parameters(self) -> dict[str, float] | None:
-        """Those of the flight that is drawn; None where there is none."""
+        """The parameters of the drawn flight; None if there is none."""
         flight = self._drawn.flight
         if flight is None:
             return None
@@ -54,11 +54,11 @@ class WhatIf(Part):
 
     @property
     def shown(self) -> dict[str, Any]:
-        """As `ViewState` has it."""
+        """The what-if fields of `ViewState`."""
         return {"what_if": self.parameters, "what_if_seed": self.seed, "what_if_source": self.source}
 
     def draw(self, flight: Flight | None, seed: int | None, source: WhatIfSource, order: int = 0) -> None:
-        """Show this flight, None for one without motion, unless a later one of the page's is shown already."""
+        """Show this flight (None if it has no motion), unless a later one of the page is already shown."""
         with self._driver.drawing():
             if order and order <= self._order:
                 return
@@ -68,7 +68,7 @@ class WhatIf(Part):
             self._show(flight)
 
     def fly(self, parameters: Mapping[str, float], seed: int | None) -> None:
-        """Simulate and show the case with these, the others nominal, under this noise seed or those of the campaign.
+        """Simulate and show the case with these parameters, the others nominal, with this noise seed or the campaign's.
 
         Raises `UnknownParameterError`.
         """
@@ -76,7 +76,7 @@ class WhatIf(Part):
         for path, value in parameters.items():
             one = known.get(path)
             if one is None:
-                allowed = ", ".join(known) or "none is known"
+                allowed = ", ".join(known) or "no parameter is known"
                 raise UnknownParameterError(f"{path!r} is not an uncertain parameter of this campaign: {allowed}")
             if not within(value, one.low, one.high):
                 bounds = f"{one.low!r} to {one.high!r} {one.unit}".strip()
@@ -86,7 +86,7 @@ class WhatIf(Part):
         self._latest.ask(_Asked(self._number, nominal | dict(parameters), seed))
 
     def stop(self) -> None:
-        """Simulate nothing more."""
+        """Stop simulating."""
         self._latest.stop()
 
     def _simulate(self, asked: _Asked) -> None:

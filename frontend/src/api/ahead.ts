@@ -1,14 +1,14 @@
-// What the page of a run and the run list ask the service for first is asked for ahead of the code that shows it: the
-// service answers while the browser still reads that code. Start reading at `askAhead`.
+// Prefetch: the first requests of the run page and the run list are sent before the code of the page is loaded, so that
+// the service responds while the browser still parses that code. Start reading at `askAhead`.
 
-/** For how long an answer may be taken for a fresh one, as in the query cache [ms]. */
+/** How long a response counts as fresh, as in the query cache [ms]. */
 const FRESH = 15_000
 
 const asked = new Map<string, Promise<Response>>()
-/** From the page's own first request on it asks for itself. */
+/** False from the page's own first request on. */
 let open = true
 
-/** Sends the requests of the page at this address, what decides most of the page first. */
+/** Sends the requests of the page at this address, the most important first. */
 export function askAhead({ pathname, search }: Pick<Location, 'pathname' | 'search'>): void {
   const run = /^\/runs\/(R-\d+)$/.exec(pathname)?.[1]
   if (run) askRun(`/api/v1/runs/${run}`, new URLSearchParams(search).get('finding') ?? 'F1')
@@ -21,11 +21,11 @@ function askRun(run: string, chosen: string): void {
     const shown = names.filter((name) => name === 'nominal' || name === chosen)
     ask(...shown.map((name) => `${run}/traces/${name}?max_points=1500`), `${run}/evaluations?max_points=2000`)
   })
-  // Symbols are Greek, for which the font has a file of its own.
+  // Greek symbols are in a separate font file.
   void document.fonts.load('1em "Inter Variable"', 'α')
 }
 
-/** Answers a request with what was asked for ahead, once and only while that is fresh; else by asking. */
+/** Answers a request from the prefetched response, once and only while it is fresh; otherwise sends it. */
 export function fetchOnce(request: Request): Promise<Response> {
   open = false
   const { pathname, search } = new URL(request.url)
@@ -40,10 +40,10 @@ function ask(...urls: string[]): void {
   for (const url of urls) {
     const end = new AbortController()
     const answer = fetch(url, { signal: end.signal })
-    // Whoever takes it hears of a failure; an answer that nobody takes is none.
+    // A failure is reported to the consumer; without one it is ignored.
     answer.catch(() => undefined)
     asked.set(url, answer)
-    // An answer that nobody reads would keep its connection, of which a browser has six.
+    // An unread response would block one of the browser's six connections.
     setTimeout(() => asked.delete(url) && end.abort(), FRESH)
   }
 }

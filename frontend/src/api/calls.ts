@@ -1,4 +1,4 @@
-// Every request the pages make, over the generated client: typed answers, `Refusal` for everything else.
+// All requests of the pages, over the generated client: typed responses, `Refusal` for errors.
 
 import type {
   Catalogue,
@@ -56,7 +56,7 @@ export type RunFilter = Omit<NonNullable<ListRunsData['query']>, 'cursor' | 'lim
 
 export const getSession = (): Promise<SessionInfo> => answer(sdk.getSession())
 export const endSession = (): Promise<unknown> => answer(sdk.endSession())
-/** The API's own document, as JSON: what it holds is read in `docs/openapi`. */
+/** The API's OpenAPI document as JSON; parsed in `docs/openapi`. */
 export const getOpenApi = (): Promise<unknown> =>
   answer(client.get<unknown>({ url: '/api/v1/openapi.json' }) as Promise<Answer<unknown>>)
 export const getCatalogue = (): Promise<Catalogue> => answer(sdk.listComponents())
@@ -66,7 +66,7 @@ export const listRuns = (filter: RunFilter, cursor: string | null, limit = 100):
   answer(sdk.listRuns({ query: { ...filter, limit, ...(cursor ? { cursor } : {}) } }))
 
 export const getRun = (run: string): Promise<RunDetail> => answer(sdk.getRun({ path: { run } }))
-/** Its campaign as a file: as it was typed, where it came as text. */
+/** Its campaign as a file: the original text if it was submitted as text. */
 export const getRunText = (run: string): Promise<string> =>
   answer(sdk.getRunCampaign({ path: { run }, parseAs: 'text' }))
 export const cancelRun = (run: string): Promise<RunSummary> => answer(sdk.cancelRun({ path: { run } }))
@@ -78,14 +78,14 @@ export const removeRuns = (runs: string[], reason: string): Promise<RunSummary[]
   answer(sdk.removeRuns({ body: { runs, reason } }))
 export const restoreRuns = (runs: string[]): Promise<RunSummary[]> => answer(sdk.restoreRuns({ body: { runs } }))
 export const getStages = (run: string): Promise<StageDetail[]> => answer(sdk.listStages({ path: { run } }))
-/** What its components meant, and what this installation says otherwise. */
+/** The descriptions of its components, and their differences from this installation. */
 export const getComponents = (run: string): Promise<RunComponents> => answer(sdk.listRunComponents({ path: { run } }))
 export const getHistory = (run: string): Promise<HistoryEntry[]> => answer(sdk.listHistory({ path: { run } }))
 export const getFindings = (run: string): Promise<FindingDetail[]> => answer(sdk.listFindings({ path: { run } }))
 export const getTraces = (run: string): Promise<TraceInfo[]> => answer(sdk.listTraces({ path: { run } }))
 
 export const getExports = (run: string): Promise<ExportFile[]> => answer(sdk.listExports({ path: { run } }))
-/** A file that is made when it is asked for, as it comes. */
+/** A file that is generated on request, as a stream. */
 export async function getFile(href: string): Promise<Blob> {
   const response = await fetch(href).catch(() => undefined)
   if (!response?.ok) throw refusalOf(await response?.json().catch(() => null), response)
@@ -103,18 +103,18 @@ export const getEvaluations = (run: string): Promise<Evaluations> =>
 export const getTrace = (run: string, name: string, most = 1500): Promise<TraceData> =>
   answer(sdk.getTrace({ path: { run, name }, query: { max_points: most } }))
 
-/** The 3D view that this page has opened: what it shows now, or once that is no longer what it was at a revision. */
+/** The state of the 3D view that this page opened: now, or once it differs from a revision. */
 export const getView = (
   run: string,
   key: string,
   signal?: AbortSignal,
   news?: { since: number; wait: number },
 ): Promise<ViewState> => answer(sdk.getView({ path: { run, key }, query: news, signal }))
-/** One flight of a run with other parameters; a newer request of the same client overtakes it. */
+/** One flight of a run with other parameters; superseded by a newer request of the same client. */
 export const simulateFlight = (run: string, body: FlightRequest, signal?: AbortSignal): Promise<FlightAnswer> =>
   answer(sdk.simulateFlight({ path: { run }, body, signal }))
 
-/** Has it show something else, once it is open, for which the service waits so many seconds. */
+/** Changes the 3D view; the service waits up to this many seconds for it to open. */
 export const changeView = (
   run: string,
   key: string,
@@ -138,11 +138,11 @@ const post = <T>(url: string, given: Campaign | string, signal?: AbortSignal): P
 /** The JSON Schema of a campaign. */
 export const getSchema = (): Promise<unknown> => answer(sdk.campaignSchema())
 
-/** What a campaign means and what is wrong with it. */
+/** Checks a campaign: its parsed form, or its errors. */
 export const checkCampaign = (given: Campaign | string, signal?: AbortSignal): Promise<Checked> =>
   post('/api/v1/campaigns/check', given, signal)
 
-/** The nominal flight of a campaign; a loop that is new to the service is compiled first. */
+/** The nominal flight of a campaign; a new combination of components is compiled first. */
 export const previewCampaign = (given: Campaign, signal?: AbortSignal): Promise<Preview> =>
   post('/api/v1/campaigns/preview', given, signal)
 
@@ -158,7 +158,7 @@ export interface Submission {
   campaign: Campaign
   name: string
   tags: string[]
-  /** The campaign as it was typed. */
+  /** The original text of the campaign. */
   text: string
 }
 

@@ -1,13 +1,13 @@
-// The campaign document as the form edits it, and where a parameter's path stands in it. Start reading at `place`.
+// The campaign document as edited by the form, and the location of a parameter's path in it. Start reading at `place`.
 
 export type Json = string | number | boolean | null | Json[] | { [key: string]: Json }
-/** A field may hold what was typed although it is no number; the service then says so beside it. */
+/** A field may contain text that is not a number; the service then reports the error next to it. */
 export type Raw = number | string
 
 export interface Part {
   component: string
   parameters?: Record<string, Raw>
-  /** The vehicle's input that an actuator fault is on. */
+  /** The vehicle input affected by an actuator fault. */
   on?: string
 }
 
@@ -58,7 +58,7 @@ export interface Campaign {
     horizon: Raw
     step: Raw
   }
-  /** In place of a scenario, which is absent then. */
+  /** Instead of a scenario. */
   simulator?: { name: string; parameters?: Record<string, Raw> }
   uncertain: Record<string, Uncertain>
   correlations?: Correlation[]
@@ -84,14 +84,14 @@ export interface Campaign {
 
 export const asCampaign = (document: unknown): Campaign => document as Campaign
 
-/** The parts of a scenario of which there may be any number. */
+/** The parts of a scenario that may occur any number of times. */
 export const LISTS = ['obstacles', 'environment', 'faults'] as const
 export type List = (typeof LISTS)[number]
 
-/** Where a list of parts stands in the document. */
+/** The location of a list of parts in the document. */
 export const listAt = (list: List | 'objectives'): string[] => (list === 'objectives' ? [list] : ['scenario', list])
 
-/** Where a parameter's nominal value stands in the document: `vehicle.m` -> scenario, vehicle, parameters, m. */
+/** The location of a parameter's nominal value in the document: `vehicle.m` -> scenario, vehicle, parameters, m. */
 export function place(path: string): (string | number)[] {
   const [head = '', ...rest] = path.split('.')
   if (LISTS.some((list) => list === head))
@@ -104,10 +104,10 @@ export function place(path: string): (string | number)[] {
   return ['scenario', head, 'parameters', name]
 }
 
-/** The name by which the service calls that place in its problems. */
+/** The name of that location in the service's problems. */
 export const fieldOf = (path: string): string => place(path).join('.')
 
-/** What stands at a place of a document. */
+/** The value at a location of a document. */
 export function read(document: unknown, at: readonly (string | number)[]): unknown {
   return at.reduce<unknown>(
     (value, key) => (value as Record<string | number, unknown> | null | undefined)?.[key],
@@ -115,7 +115,7 @@ export function read(document: unknown, at: readonly (string | number)[]): unkno
   )
 }
 
-/** A copy of a document with one place changed; `undefined` removes it. What is missing on the way is made. */
+/** A copy of a document with one value changed; `undefined` removes it. Missing parents are created. */
 export function write<T>(document: T, at: readonly (string | number)[], value: unknown): T {
   const [key, ...rest] = at
   if (key === undefined) return value as T
@@ -126,7 +126,7 @@ export function write<T>(document: T, at: readonly (string | number)[], value: u
   return copy as T
 }
 
-/** Without one part of a list: what is said of it goes too, and the paths of those behind it move up. */
+/** Removes one part of a list, with all references to it; the indices in later paths are decremented. */
 export function without(campaign: Campaign, list: List | 'objectives', index: number): Campaign {
   const moved = (path: string): string | null => {
     const [head, number, ...rest] = path.split('.')

@@ -1,4 +1,4 @@
-// A search's improvements as the stream tells them, put behind what the page knows already.
+// Improvements from the event stream are appended to those already loaded.
 import { expect, it } from 'vitest'
 import type { EvaluationSeries } from '../client'
 import { extended } from './events'

@@ -1,5 +1,5 @@
 // The one event stream of this tab: it feeds the query cache, at most four times a second. It is closed while the tab is
-// hidden, because a browser keeps only six connections to a service; when it fails, polling goes on. Start: `useStream`.
+// hidden, because a browser has only six connections to a service; if it fails, polling continues. Start: `useStream`.
 import type { InfiniteData, QueryClient } from '@tanstack/react-query'
 import { useQueryClient } from '@tanstack/react-query'
 import { useEffect, useSyncExternalStore } from 'react'
@@ -19,7 +19,7 @@ function set(next: Status): void {
   for (const listener of listeners) listener()
 }
 
-/** How the stream of this tab stands, for the pages to say. */
+/** The state of this tab's stream, for display. */
 export const useStreamStatus = (): Status =>
   useSyncExternalStore(
     (listener) => {
@@ -34,11 +34,11 @@ export interface Improvements {
   seconds: number[]
   cost: number[]
   evaluations: number
-  /** Where the last of them is. */
+  /** The parameters of the last one. */
   parameters: Record<string, number>
 }
 
-/** Listens to all runs, or to one with its stages and improvements, for as long as the page is shown. */
+/** Subscribes to all runs, or to one with its stages and improvements, while the page is visible. */
 export function useStream(run: string | null, on = true): void {
   const cache = useQueryClient()
   useEffect(() => {
@@ -86,7 +86,7 @@ export function useStream(run: string | null, on = true): void {
   }, [cache, run, on])
 }
 
-/** A run's new summary: into the list and into its own page; whatever hangs on its end is asked for again. */
+/** Writes a run's new summary into the list and its own page; invalidates what depends on its end. */
 export function putRun(cache: QueryClient, run: RunSummary): void {
   let listed = false
   cache.setQueriesData<InfiniteData<RunPage>>({ queryKey: ['runs'] }, (data) => {
@@ -129,7 +129,7 @@ export function putImprovements(cache: QueryClient, run: string, news: Record<st
   cache.setQueryData<Evaluations>(['evaluations', run], { ...before, stages })
 }
 
-/** A series with improvements appended; those it knows already are left out, so a repeated event does no harm. */
+/** A series with improvements appended; duplicates are skipped, so a repeated event is harmless. */
 export function extended(stage: EvaluationSeries, fresh: Improvements): EvaluationSeries {
   const { index = [], seconds = [], cost = [] } = stage.improvements
   const last = index[index.length - 1] ?? -1
@@ -147,7 +147,7 @@ export function extended(stage: EvaluationSeries, fresh: Improvements): Evaluati
   }
 }
 
-/** The flights that the page knows, with the best of the fresh ones: the only one whose parameters came along. */
+/** The known evaluations, with the best of the new ones: the only one whose parameters are sent. */
 function withBest(stage: EvaluationSeries, fresh: Improvements): EvaluationSeries {
   const [at, seconds, cost] = [fresh.index.at(-1), fresh.seconds.at(-1), fresh.cost.at(-1)]
   if (at === undefined || seconds === undefined || cost === undefined) return stage
@@ -155,7 +155,7 @@ function withBest(stage: EvaluationSeries, fresh: Improvements): EvaluationSerie
   const parameters: Record<string, number[]> = {}
   for (const [path, values] of Object.entries(stage.parameters))
     parameters[path] = [...values, fresh.parameters[path] ?? Number.NaN]
-  // The stream brings the deciding value alone: the others come when the evaluations are read again.
+  // The stream sends only the deciding value; the others come when the evaluations are read again.
   const further: Record<string, (number | null)[]> = {}
   for (const [name, values] of Object.entries(stage.further)) further[name] = [...values, null]
   return {

@@ -1,4 +1,4 @@
-// What tests start from: whole answers of the API, of which each test states what it is about.
+// Test fixtures: complete API responses, of which each test overrides the fields that it is about.
 import type {
   FindingDetail,
   RunDetail,

@@ -1,4 +1,4 @@
-// A list of several pages whose first page is asked for again.
+// A list of several pages whose first page is requested again.
 import { expect, it } from 'vitest'
 import type { RunPage, RunSummary } from '../client'
 import { renewed } from './lists'

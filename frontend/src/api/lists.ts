@@ -1,14 +1,14 @@
-// Keeps the run list fresh without asking for every loaded page again: only the first, put before what is there.
+// Keeps the run list up to date without reloading every page: only the first is requested and merged.
 import type { InfiniteData, QueryClient } from '@tanstack/react-query'
 import type { RunPage } from '../client'
 import { listRuns, type RunFilter } from './calls'
 
 type Pages = InfiniteData<RunPage, string | null>
 
-/** Loaded pages beyond which only the first is asked for. */
+/** Number of loaded pages above which only the first is requested. */
 const FEW = 2
 
-/** The pages with a fresh first one: what is new stands in front, what was there keeps its place, nothing twice. */
+/** Merges a fresh first page: new rows first, existing rows in their order, no duplicates. */
 export function renewed(data: Pages, fresh: RunPage): Pages {
   const [first, ...rest] = data.pages
   if (!first) return data
@@ -19,7 +19,7 @@ export function renewed(data: Pages, fresh: RunPage): Pages {
   return { ...data, pages: [{ ...first, items, counts: fresh.counts }, ...pages] }
 }
 
-/** Asks again for what the list shows, as little of it as will do. */
+/** Refreshes the list with as few requests as possible. */
 export function refreshRuns(cache: QueryClient): void {
   for (const query of cache.getQueryCache().findAll({ queryKey: ['runs'], type: 'active' })) {
     const { queryKey } = query

@@ -1,4 +1,4 @@
-// An answer of the service that says no, as RFC 9457 problem documents say it, and how to show it.
+// Error responses of the service as RFC 9457 problem documents, and their display.
 
 export interface FieldProblem {
   field: string
@@ -20,10 +20,10 @@ export class Refusal extends Error {
   }
 }
 
-/** What went wrong with a request, from whatever the client caught. */
+/** Converts whatever the client caught to a problem. */
 export function refusalOf(error: unknown, response: Response | undefined): Refusal {
   if (error instanceof Refusal) return error
-  if (!response) return new Refusal(0, 'The service cannot be reached', 'There is no answer at this address. Start the service on its machine with clearance serve.')
+  if (!response) return new Refusal(0, 'The service cannot be reached', 'No response from this address. Start the service on its machine with clearance serve.')
   const body = (typeof error === 'object' && error !== null ? error : {}) as Partial<Record<string, unknown>>
   const errors = Array.isArray(body.errors) ? (body.errors as FieldProblem[]) : []
   const title = typeof body.title === 'string' ? body.title : `Answer ${response.status}`

@@ -1,4 +1,4 @@
-// What the pages keep of the service's answers, by key, and how fresh. The event stream writes into the same cache.
+// The query cache: keys and freshness of the service's responses. The event stream writes into the same cache.
 import { infiniteQueryOptions, QueryCache, QueryClient, queryOptions } from '@tanstack/react-query'
 import type { RunSummary } from '../client'
 import { learnMethods } from '../ui/methods'
@@ -28,7 +28,7 @@ export const isLive = (run: Pick<RunSummary, 'state'>): boolean =>
 
 export const sessionQuery = queryOptions({ queryKey: ['session'], queryFn: calls.getSession, staleTime: 60_000 })
 
-/** A worker publishes the catalogue when it starts: until then the service answers 503. */
+/** A worker publishes the catalogue when it starts; until then the service returns 503. */
 const untilPublished = {
   retry: (count: number, error: Error) => refused(error, 503) || (count < 2 && !refused(error, 404, 410)),
   retryDelay: 1500,
@@ -51,7 +51,7 @@ export const schemaQuery = queryOptions({
 
 export const draftsQuery = queryOptions({ queryKey: ['drafts'], queryFn: calls.listDrafts })
 
-/** Read once: what is edited goes on from the version that was opened, until it is opened again. */
+/** Read once: edits are based on the version that was opened. */
 export const draftQuery = (id: string) =>
   queryOptions({
     queryKey: ['draft', id],
@@ -69,12 +69,12 @@ export const runsQuery = (filter: calls.RunFilter) =>
     placeholderData: (before) => before,
   })
 
-/** What the list can be narrowed to. */
+/** The values by which the list can be filtered. */
 export const facetsQuery = queryOptions({ queryKey: ['facets'], queryFn: calls.getFacets })
 
 export const runQuery = (id: string) => queryOptions({ queryKey: ['run', id], queryFn: () => calls.getRun(id) })
 
-/** What a run's components mean: kept with it, so that it is told alike whatever is installed. */
+/** The descriptions of a run's components, stored with it and therefore independent of the installation. */
 export const componentsQuery = (id: string) =>
   queryOptions({
     ...untilPublished,
@@ -102,6 +102,6 @@ export const tracesQuery = (id: string) =>
 export const traceQuery = (id: string, name: string) =>
   queryOptions({ queryKey: ['trace', id, name], queryFn: () => calls.getTrace(id, name), staleTime: 300_000 })
 
-/** A flight with few enough rows for a small picture. */
+/** A flight with few rows, for a thumbnail. */
 export const sketchQuery = (id: string, name: string) =>
   queryOptions({ queryKey: ['trace', id, name, 'sketch'], queryFn: () => calls.getTrace(id, name, 160), staleTime: 300_000 })

@@ -1,4 +1,4 @@
-// Whether this browser is signed in: any 401 says that it is not.
+// Whether this browser is signed in; any 401 means that it is not.
 import { useSyncExternalStore } from 'react'
 
 let out = false

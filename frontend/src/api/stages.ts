@@ -7,7 +7,7 @@ type ResultOf<K extends Kind> = Extract<Result, { stage: K }>
 
 const isOf = <K extends Kind>(result: Result, kind: K): result is ResultOf<K> => result.stage === kind
 
-/** The result of a stage of that kind; null while there is none, and for a stage of another kind. */
+/** The result of a stage of that kind; null if there is none yet or the stage is of another kind. */
 export function resultOf<K extends Kind>(stage: Pick<StageDetail, 'result'> | undefined, kind: K): ResultOf<K> | null {
   const result = stage?.result ?? null
   return result !== null && isOf(result, kind) ? result : null

@@ -1,4 +1,4 @@
-// The keys of all pages, shown by `?`.
+// The keyboard shortcuts of all pages, shown by `?`.
 import { Modal } from '@mantine/core'
 import styles from './app.module.css'
 
@@ -7,7 +7,7 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
     title: 'Everywhere',
     keys: [
       [['?'], 'Show these keys'],
-      [['Ctrl', 'K'], 'Search everything, go there'],
+      [['Ctrl', 'K'], 'Search everything and go there'],
       [['/'], 'Search runs'],
       [['n'], 'New run'],
     ],
@@ -32,8 +32,8 @@ const KEYS: { title: string; keys: [string[], string][] }[] = [
     title: 'Flight of a run, while it has the focus',
     keys: [
       [['Space'], 'Play and pause'],
-      [['←', '→'], '0.1 s back and on'],
-      [['Shift', '←', '→'], '1 s back and on'],
+      [['←', '→'], '0.1 s back and forward'],
+      [['Shift', '←', '→'], '1 s back and forward'],
       [['Home'], 'Closest approach'],
       [['Esc'], 'Leave the full screen'],
     ],

@@ -12,7 +12,7 @@ import { router } from './router'
 function Pages() {
   const theme = useTheme()
   return (
-    // Mantine's own style elements are left out: its variables come from a file, so no inline style element is needed.
+    // Mantine's inline style elements are disabled: its variables come from a file.
     <MantineProvider
       theme={mantineTheme}
       forceColorScheme={theme}

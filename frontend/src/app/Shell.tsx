@@ -1,4 +1,4 @@
-// The frame around every page: header, theme, session; the sign-in page where the service asks for one.
+// The frame around every page: header, theme, session; the sign-in page if the service requires it.
 import { Menu } from '@mantine/core'
 import {
   IconApi,
@@ -43,7 +43,7 @@ function Frame() {
   })
   const open = useCallback((run: string) => void navigate({ to: '/runs/$id', params: { id: run } }), [navigate])
   useNotifier(open)
-  // Methods of other packages have their colours from here.
+  // Colours of methods of other packages come from here.
   usePrefetchQuery(catalogueQuery)
   return (
     <>

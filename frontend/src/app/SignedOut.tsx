@@ -1,4 +1,4 @@
-// Shown when the service does not know this browser: how to get in.
+// Shown to an unauthenticated browser: how to sign in.
 import { useEffect } from 'react'
 import { BrandMark } from './Brand'
 import styles from './app.module.css'
@@ -20,7 +20,7 @@ export function SignedOut() {
           For a new link, run this on the machine where Clearance runs; earlier unused links become invalid:
         </p>
         <pre className="mono">clearance login-link</pre>
-        <p className="small mut">Programs use an API token instead, made with clearance token create NAME.</p>
+        <p className="small mut">Programs use an API token instead, created with clearance token create NAME.</p>
       </div>
     </main>
   )

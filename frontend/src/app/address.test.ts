@@ -1,4 +1,4 @@
-// What is written to the address is what is read from it.
+// State written to the address is read back unchanged.
 import { expect, it } from 'vitest'
 import { readSearch } from '../runs/search'
 import { onlyKnown, parseSearch, stringifySearch } from './address'

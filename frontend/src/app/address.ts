@@ -1,6 +1,6 @@
-// How what a page is set to stands in its address: plain words, a key once for each of several.
+// Encodes a page's state in its address: plain text, repeated keys for lists.
 
-/** The query of an address: every value a text, several under one key a list, yes and no as such. */
+/** Parses the query of an address: strings, lists for repeated keys, booleans. */
 export function parseSearch(text: string): Record<string, unknown> {
   const found: Record<string, unknown> = {}
   for (const [key, value] of new URLSearchParams(text.replace(/^\?/, ''))) {
@@ -23,12 +23,12 @@ export function stringifySearch(search: Record<string, unknown>): string {
     else if (value.length === 0) query.append(key, '')
     else for (const item of value) query.append(key, written(item))
   }
-  // Commas and colons may stand as they are, and read better so.
+  // Commas and colons need no escaping and are more readable without it.
   const text = query.toString().replaceAll('%2C', ',').replaceAll('%3A', ':')
   return text ? `?${text}` : ''
 }
 
-/** A page's reader of its address, so that what it does not know is nothing: the router would hand it on as it stands. */
+/** Wraps a page's parser so that unknown keys are dropped: the router would pass them on. */
 export const onlyKnown =
   <T extends object>(read: (search: Record<string, unknown>) => T) =>
   (search: Record<string, unknown>): T => ({

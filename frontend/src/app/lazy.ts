@@ -1,4 +1,4 @@
-// The pages' code, each in a file of its own; what an address will show can be asked for before the router runs.
+// The pages' code, split by page; the code for an address can be requested before the router runs.
 
 export const lazy = {
   runs: () => import('../runs/RunsPage'),
@@ -14,7 +14,7 @@ export const lazy = {
   guide: () => import('../help/GuidePage'),
 }
 
-/** The code of the page at an address, where it is one of those opened most. */
+/** The code of the page at an address, for the most frequent pages. */
 export function pageAt(path: string): (() => Promise<unknown>) | undefined {
   if (/^\/runs\/[^/]+\/flight\/?$/.test(path)) return lazy.flight
   if (path.startsWith('/runs/')) return lazy.run

@@ -6,7 +6,7 @@ export const mantineTheme = createTheme({
   defaultRadius: 6,
   cursorType: 'pointer',
   respectReducedMotion: true,
-  // The menu itself takes the focus when it opens: a hidden element in it would be a child that no menu may have.
+  // The menu itself takes the focus: a hidden focus target in it would be an invalid child of a menu.
   components: {
     Menu: { defaultProps: { withInitialFocusPlaceholder: false } },
     Modal: { defaultProps: { closeButtonProps: { 'aria-label': 'Close' } } },

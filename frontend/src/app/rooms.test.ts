@@ -1,4 +1,4 @@
-// No folder of the pages imports another in a circle: neither folders of files, nor folders that stand side by side.
+// Folders have no circular imports: neither folders of files, nor sibling folders.
 import { readdirSync, readFileSync } from 'node:fs'
 import { dirname, join, sep } from 'node:path'
 import { fileURLToPath } from 'node:url'
@@ -18,14 +18,14 @@ function targetOf(module: string, specifier: string): string | undefined {
   return ['.ts', '.tsx', '/index.ts'].map((end) => path + end).find((one) => MODULES.includes(one))
 }
 
-/** Every import as [module, imported module]. */
+/** All imports as [module, imported module]. */
 const IMPORTS = MODULES.flatMap((module) =>
   [...readFileSync(join(SRC, module), 'utf8').matchAll(IMPORT)]
     .map(([, specifier = '']) => [module, targetOf(module, specifier)] as const)
     .filter((pair): pair is readonly [string, string] => pair[1] !== undefined),
 )
 
-/** The folders of two modules below the last one that both are in: `run/data` and `run/search`, or `run` and `api`. */
+/** The folders of two modules below their common parent: `run/data` and `run/search`, or `run` and `api`. */
 function apart(one: string, other: string): [string, string] {
   const [a, b] = [one.split('/'), other.split('/')]
   const same = a.findIndex((part, at) => part !== b[at])
@@ -41,7 +41,7 @@ function arrowsOf(imports: readonly (readonly [string, string])[], ends: (from: 
   return arrows
 }
 
-/** One import for every arrow that is part of a circle. */
+/** One import for every edge that is part of a cycle. */
 function circles(arrows: Arrows): string[] {
   const reached = (start: string) => {
     const seen = new Set<string>()

@@ -1,4 +1,4 @@
-// The addresses of the pages; all that a page can be set to stands in its address.
+// The routes of the pages; the state of a page is in its address.
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent, redirect } from '@tanstack/react-router'
 import { readCompare } from '../compare/search'
 import { readChosen } from '../run/data/chosen'
@@ -14,7 +14,7 @@ const start = createRoute({
   getParentRoute: () => root,
   path: '/',
   beforeLoad: () => {
-    // eslint-disable-next-line @typescript-eslint/only-throw-error -- how the router is told to go elsewhere
+    // eslint-disable-next-line @typescript-eslint/only-throw-error -- a redirect of the router
     throw redirect({ to: '/runs' })
   },
 })
@@ -31,7 +31,7 @@ interface LaunchSearch {
   case?: string
   /** A run to start from. */
   from?: string
-  /** A draft to go on with. */
+  /** A draft to be edited. */
   draft?: string
   tab?: 'yaml'
 }
@@ -62,7 +62,7 @@ const runPage = createRoute({
   component: lazyRouteComponent(lazy.run, 'RunPage'),
 })
 
-/** Its 3D view in a window of its own. */
+/** Its 3D view in its own window. */
 const flight = createRoute({
   getParentRoute: () => run,
   path: 'flight',

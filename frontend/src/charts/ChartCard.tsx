@@ -18,7 +18,7 @@ interface ChartCardProps {
   footer?: ReactNode
   className?: string
   id?: string
-  /** Made only when asked for. */
+  /** Created on demand. */
   data: () => DataTable
   run: string
   children: ReactNode
@@ -59,7 +59,7 @@ export function ChartCard({ data, run, right, children, footer, ...card }: Chart
   )
 }
 
-/** Saves the chart as a picture; what is drawn as SVG can be had as SVG too. */
+/** Saves the chart as an image; as SVG too if it is drawn as SVG. */
 function FigureButton({ name }: { name: () => string }) {
   const [card, setCard] = useState<HTMLElement | null>(null)
   const found = (event: MouseEvent<HTMLElement>) => setCard(event.currentTarget.closest<HTMLElement>('.card'))
@@ -71,7 +71,7 @@ function FigureButton({ name }: { name: () => string }) {
         </button>
       </Menu.Target>
       <Menu.Dropdown>
-        <Menu.Item onClick={() => card && void savePng(card, name())}>PNG picture</Menu.Item>
+        <Menu.Item onClick={() => card && void savePng(card, name())}>PNG image</Menu.Item>
         {card && isDrawing(card) && <Menu.Item onClick={() => saveSvg(card, name())}>SVG drawing</Menu.Item>}
       </Menu.Dropdown>
     </Menu>

@@ -1,4 +1,4 @@
-// A legend whose entries switch their lines off and on.
+// A legend whose entries toggle their lines.
 import { clsx } from 'clsx'
 import { useState } from 'react'
 import { Mark } from '../ui/MethodMark'

@@ -9,7 +9,7 @@ import styles from './charts.module.css'
 
 const NOTHING: ReadonlySet<string> = new Set()
 
-/** An abscissa where the crosshair stands while no pointer is on a chart. */
+/** Abscissa of the crosshair while no pointer is on a chart. */
 export interface Standing {
   subscribe: (listener: () => void) => () => void
   time: () => number | null
@@ -17,7 +17,7 @@ export interface Standing {
 
 interface Cursor {
   at: number
-  /** Where a pointer is on a chart; otherwise it stands. */
+  /** True while a pointer is on a chart. */
   pointed: boolean
   left: number
   top: number
@@ -27,7 +27,7 @@ interface Cursor {
 interface PlotProps {
   spec: PlotSpec
   hidden?: ReadonlySet<string>
-  /** Called with each x that the pointer comes to. */
+  /** Called with each x under the pointer. */
   onCross?: (x: number) => void
   standing?: Standing
 }
@@ -42,7 +42,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     latest.current = { spec, hidden, onCross }
   })
 
-  // uPlot is built anew only when its structure changes; data and sizes go into the standing one.
+  // uPlot is recreated only when its structure changes; data and size update the existing instance.
   const structure = [
     theme,
     spec.xLog,
@@ -58,6 +58,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     const read = () => latest.current.spec
     let crossed: number | undefined
     let placing = false
+    let settled = 0
     const stand = () => {
       const built = plot.current
       const x = standing?.time()
@@ -71,7 +72,7 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
     const crossing = (u: uPlot) => {
       const cursor = cursorOf(u, read())
       setCursor(cursor)
-      // Only under a pointer: uPlot sets its cursor by itself, too, when data or size change.
+      // Only under a pointer: uPlot also moves its cursor when data or size change.
       const x = cursor && u.over.matches(':hover') ? read().x[cursor.at] : undefined
       if (x !== undefined && x !== crossed) latest.current.onCross?.(x)
       crossed = x
@@ -83,19 +84,22 @@ export function Plot({ spec, hidden = NOTHING, onCross, standing }: PlotProps) {
         void document.fonts.ready.then(() => plot.current === built && built.redraw(false, true))
       return built
     }
-    // The observer tells the width before anything is painted, once for all charts. To ask for it here would have the
-    // page laid out again for each of them.
+    // The observer reports the width before the first paint, once for all charts. Reading it here would force a layout
+    // for each of them.
     const observer = new ResizeObserver(([entry]) => {
       const width = Math.floor(entry?.contentRect.width ?? 0)
       if (width <= 40) return
       if (!plot.current) plot.current = build(width)
       else if (width !== plot.current.width) plot.current.setSize({ width, height: read().height })
       stand()
+      // Charts of one key move each other's crosshair while they are resized one after another.
+      settled = requestAnimationFrame(stand)
     })
     observer.observe(element)
     const end = standing?.subscribe(stand)
     return () => {
       observer.disconnect()
+      cancelAnimationFrame(settled)
       end?.()
       plot.current?.destroy()
       plot.current = null
@@ -127,7 +131,7 @@ function dataOf(spec: PlotSpec): uPlot.AlignedData {
   return [[...spec.x], ...spec.lines.map((line) => [...line.y])]
 }
 
-/** Whether a pointer is on any chart: those of one key share its crosshair. */
+/** Whether a pointer is on any chart of the same key, since these share a crosshair. */
 const pointed = (): boolean => document.querySelector('.u-over:hover') !== null
 
 function cursorOf(u: uPlot, spec: PlotSpec): Cursor | null {
@@ -139,7 +143,7 @@ function cursorOf(u: uPlot, spec: PlotSpec): Cursor | null {
   return { at: idx, pointed: pointed(), left: at, top: (top ?? 0) + u.over.offsetTop, flip: at > u.width / 2 }
 }
 
-/** The values at the crosshair, in the colours of their lines, beside the title. */
+/** The values at the crosshair in the colours of their lines, next to the title. */
 function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: ReadonlySet<string> }) {
   return (
     <span className="readout">
@@ -156,7 +160,7 @@ function Readout({ at, spec, hidden }: { at: number; spec: PlotSpec; hidden: Rea
   )
 }
 
-/** The abscissa of a crosshair that stands, below it. */
+/** The label of a fixed crosshair, below it. */
 function Flag({ left, text }: { left: number; text: string }) {
   return (
     <span className="flag" style={{ left }} aria-hidden>

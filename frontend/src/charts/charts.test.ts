@@ -1,4 +1,4 @@
-// Ticks, ranges, joining of curves, and files.
+// Ticks, ranges, merging of curves, and files.
 import { describe, expect, it } from 'vitest'
 import { toCsv } from './csv'
 import { linesOn, stepsOn, union } from './series'

@@ -3,7 +3,7 @@
 export type Value = string | number | null
 
 export interface DataTable {
-  /** Without ending; the run's id is put before it. */
+  /** Without extension; prefixed with the run's id. */
   name: string
   columns: string[]
   rows: Value[][]

@@ -1,4 +1,4 @@
-// What is drawn on top of uPlot's lines: the criterion with its forbidden side, named points, markers at line ends.
+// Drawn on top of uPlot's lines: the criterion with its shaded side, labelled points, markers at line ends.
 import type uPlot from 'uplot'
 import { isOpen, OUTLINE, type Shape } from '../ui/methods'
 import type { PlotSpec, Point } from './spec'
@@ -8,7 +8,7 @@ export function colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim()
 }
 
-/** The forbidden side of the criterion, under everything. */
+/** The violating side of the criterion, below everything else. */
 export function drawTint(u: uPlot, spec: PlotSpec): void {
   if (!spec.criterion?.tint) return
   const { ctx, bbox } = u
@@ -20,7 +20,7 @@ export function drawTint(u: uPlot, spec: PlotSpec): void {
   ctx.restore()
 }
 
-/** Upright lines, under the curves' own marks. */
+/** Vertical lines, below the curves' markers. */
 export function drawRules(u: uPlot, spec: PlotSpec): void {
   const { ctx, bbox } = u
   for (const rule of spec.rules ?? []) {
@@ -62,7 +62,7 @@ function drawCriterion(u: uPlot, criterion: { value: number; label?: string; rig
   text(u, criterion.label, x, y - 8 * ratio, '--ink', criterion.right ? 'right' : 'left')
 }
 
-/** Points with their names. Names stand below, and below each other where the points are near. */
+/** Labelled points. Labels are below the points, stacked if points are close together. */
 export function drawPoints(u: uPlot, points: readonly Point[], criterion?: number): void {
   const ratio = devicePixelRatio
   const placed = points.map((p) => ({ ...p, px: u.valToPos(p.x, 'x', true), py: u.valToPos(p.y, 'y', true) }))
@@ -75,7 +75,7 @@ export function drawPoints(u: uPlot, points: readonly Point[], criterion?: numbe
     const x = clamp(px, u.bbox.left + half + 2, u.bbox.left + u.bbox.width - half - 2)
     const beside = Math.abs(x - last.x) < half + last.half + 8 * ratio
     const below = beside ? Math.max(py + 16 * ratio, last.y + 15 * ratio) : py + 16 * ratio
-    // Not on the criterion's line, which would strike the words out.
+    // Not on the criterion's line, which would cross out the text.
     const y = line !== null && Math.abs(below - line) < 9 * ratio ? line + 11 * ratio : below
     text(u, label, x, y, name === '--c-worst' ? '--bad' : '--ink-2', 'center')
     last = { x, y, half }

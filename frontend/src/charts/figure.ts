@@ -1,5 +1,5 @@
-// A chart's card as a picture: PNG of anything, SVG of what is drawn as SVG. Colours and fonts are those on the page.
-// The picture is put together from the card's parts where they stand: canvases, drawings, lines of text.
+// Saves a chart's card as an image: PNG always, SVG if everything is drawn as SVG. Colours and fonts are those of the
+// page. The image is composed of the card's parts at their positions: canvases, drawings, lines of text.
 import { save } from '../ui/files'
 
 const SVG = 'http://www.w3.org/2000/svg'
@@ -29,7 +29,7 @@ interface Box {
   height: number
 }
 
-/** Whether all that the card shows is drawn as SVG. */
+/** Whether everything in the card is drawn as SVG. */
 export const isDrawing = (card: HTMLElement): boolean => !chartOf(card).querySelector('canvas')
 
 /** The part of a card that is the chart, without its heading. */
@@ -108,7 +108,7 @@ function within(source: Element, frame: DOMRect): Box {
   return { x: box.left - frame.left + MARGIN, y: box.top - frame.top + MARGIN, width: box.width, height: box.height }
 }
 
-/** The drawings that are figures or marks, not the icons of buttons. */
+/** Drawings that are figures or marks, not icons of buttons. */
 function shown(part: HTMLElement): SVGSVGElement[] {
   return [...part.querySelectorAll('svg')].filter((svg) => !svg.closest('.iconbtn, [data-control]') && svg.clientWidth > 0)
 }
@@ -119,7 +119,7 @@ function element(name: string, attributes: Record<string, string | number>): SVG
   return made
 }
 
-/** A copy that looks the same without the page's stylesheet. */
+/** A copy with inlined styles. */
 function styled(source: SVGSVGElement): SVGSVGElement {
   const copy = source.cloneNode(true) as SVGSVGElement
   const originals = [source, ...source.querySelectorAll('*')]
@@ -166,7 +166,7 @@ function textsOf(part: HTMLElement): TextLine[] {
   return found
 }
 
-/** A text node as the lines that the page has broken it into. */
+/** A text node as the lines in which the page wraps it. */
 function linesOf(node: Node): { text: string; box: DOMRect }[] {
   const words = (node.textContent ?? '').split(/(?<=\s)/)
   const lines: { text: string; box: DOMRect }[] = []

@@ -1,4 +1,4 @@
-// From a `PlotSpec` to uPlot's options. The spec is read through a getter, so that new data needs no new plot.
+// Converts a `PlotSpec` to uPlot's options. The spec is read through a getter, so that new data need no new plot.
 import uPlot from 'uplot'
 import { fixed, plain } from '../format/numbers'
 import { colour, drawCriteria, drawEnds, drawPoints, drawRules, drawTint, font } from './draw'
@@ -34,7 +34,7 @@ export function optionsFor(
   return {
     width,
     height: spec.height,
-    // Ticks at the ends of an axis need room for their words.
+    // Ticks at the ends of an axis need room for their labels.
     padding: [8, spec.xTicks ? 22 : 14, 0, 0],
     legend: { show: false },
     cursor: {
@@ -57,7 +57,7 @@ export function optionsFor(
         show: !hidden().has(line.key),
         paths: line.dots ? () => null : line.stepped ? stepped : undefined,
         points: line.dots ? { show: true, size: 5, fill: () => colour(line.colour), width: 0 } : { show: false },
-        // Slanted lines drawn on whole pixels look like stairs.
+        // Slanted lines on whole pixels are jagged.
         pxAlign: line.stepped ? 1 : 0,
       })),
     ],
@@ -86,7 +86,7 @@ function axis(read: () => PlotSpec, side: 'x' | 'y'): uPlot.Axis {
       if (log()) return logTicks(low, high)
       const about = side === 'x' ? Math.max(3, u.width / 95) : (spec.yTicks ?? Math.max(3, u.height / 44))
       const ticks = linearTicks(low, high, about)
-      // One tick alone says nothing of the scale.
+      // A single tick does not show the scale.
       return ticks.length > 1 ? ticks : linearTicks(low, high, 2 * about)
     },
     filter: (_, splits) => splits,

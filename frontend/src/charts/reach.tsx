@@ -1,15 +1,15 @@
-// Whether an axis reaches to the criterion: where that lies far from all values, they would be flattened to one line, so
-// it is left out, said to be, and brought in on request. Start reading at `useReach`.
+// Whether an axis includes the criterion: if it is far from all values, these would be flattened to one line, so it is
+// omitted with a note, and included on request. Start reading at `useReach`.
 import { type ReactNode, useState } from 'react'
 import { plain } from '../format/numbers'
 import { Seg } from '../ui/Card'
 
 export interface Reach {
-  /** The criterion, where the axis reaches to it. */
+  /** The criterion, if the axis includes it. */
   criterion: number | null
-  /** The choice, where there is one. */
+  /** The control, if there is a choice. */
   choice: ReactNode
-  /** The sentence that says what is left out. */
+  /** The note about the omitted criterion. */
   note: ReactNode
 }
 
@@ -32,13 +32,13 @@ export function useReach(values: readonly number[], threshold: number | null, un
     ),
     note: out && (
       <p className="fig">
-        The criterion, {plain(threshold)} {unit}, lies off {axis}.
+        The criterion, {plain(threshold)} {unit}, is outside {axis}.
       </p>
     ),
   }
 }
 
-/** Whether a value lies more than six spreads away from all others. */
+/** Whether a value is more than six spreads away from all others. */
 export function isFar(values: readonly number[], value: number): boolean {
   if (values.length === 0) return false
   let low = values[0] as number

@@ -1,4 +1,4 @@
-// Putting curves with their own abscissae on common ones, as uPlot needs them. Start reading at `stepsOn`.
+// Resamples curves to common abscissae, as uPlot requires.
 
 export interface Curve {
   x: readonly number[]
@@ -12,7 +12,7 @@ export function union(curves: readonly Curve[]): number[] {
   return [...all].sort((a, b) => a - b)
 }
 
-/** A step curve on common abscissae: the last value holds; nothing before its first point and after its last. */
+/** A step curve on common abscissae; undefined outside its own range. */
 export function stepsOn(xs: readonly number[], curve: Curve): (number | null)[] {
   const end = curve.x[curve.x.length - 1] ?? Number.NEGATIVE_INFINITY
   let at = -1
@@ -22,7 +22,7 @@ export function stepsOn(xs: readonly number[], curve: Curve): (number | null)[] 
   })
 }
 
-/** A smooth curve on common abscissae, by straight lines between its points; nothing outside them. */
+/** A linearly interpolated curve on common abscissae; undefined outside its own range. */
 export function linesOn(xs: readonly number[], curve: Curve): (number | null)[] {
   let at = 0
   return xs.map((x) => {

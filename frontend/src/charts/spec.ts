@@ -1,4 +1,4 @@
-// What a line chart shows, as data; `Plot` draws it.
+// The specification of a line chart; `Plot` draws it.
 import type { ReactNode } from 'react'
 import type { Shape } from '../ui/methods'
 
@@ -10,16 +10,16 @@ export interface Line {
   colour: string
   y: readonly (number | null)[]
   stepped?: boolean
-  /** Its points alone, no line between them. */
+  /** Only points, no line. */
   dots?: boolean
   width?: number
-  /** Lengths of dashes and gaps; none: a solid line [px]. */
+  /** Lengths of dashes and gaps; empty for a solid line [px]. */
   dash?: readonly number[]
   /** Drawn at the last point. */
   end?: Shape
 }
 
-/** A point worth naming, drawn on top. */
+/** A labelled point, drawn on top. */
 export interface Point {
   x: number
   y: number
@@ -31,7 +31,7 @@ export interface Point {
 }
 
 export interface PlotSpec {
-  /** Read out by screen readers: what the chart shows. */
+  /** Description for screen readers. */
   label: string
   x: readonly number[]
   lines: readonly Line[]
@@ -42,22 +42,22 @@ export interface PlotSpec {
   yLog?: boolean
   xRange?: [number, number]
   yRange?: [number, number]
-  /** Ticks of x where the usual ones will not do. */
+  /** Custom ticks of x. */
   xTicks?: readonly number[]
   criterion?: { value: number; label?: string; tint?: boolean; right?: boolean }
-  /** Further criteria, where runs with different ones are compared. */
+  /** Further criteria, if runs with different ones are compared. */
   criteria?: readonly { value: number; label?: string; right?: boolean }[]
   height: number
-  /** The head of the tooltip. */
+  /** The heading of the tooltip. */
   xText: (x: number) => string
   yText: (y: number) => string
   yTicks?: number
-  /** Charts of one key have one crosshair, at the same abscissa. */
+  /** Charts with the same key share a crosshair. */
   sync?: string
-  /** Values at the crosshair stand beside the title of y instead of in a box: for small charts. */
+  /** Shows values at the crosshair next to the title of y instead of in a box, for small charts. */
   readout?: boolean
-  /** Upright lines across the chart. */
+  /** Vertical lines across the chart. */
   rules?: readonly { x: number; colour: string }[]
-  /** Keeps the left edge of plots that stand below each other in line [px]. */
+  /** Width of the left axis, to align stacked plots [px]. */
   left?: number
 }

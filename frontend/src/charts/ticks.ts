@@ -1,6 +1,6 @@
-// Where axes are marked, and ranges that hold what must be seen. Start reading at `linearTicks`.
+// Axis ticks, and ranges that contain given values.
 
-/** Round numbers within a range, about so many. */
+/** Round numbers within a range, about the given count. */
 export function linearTicks(low: number, high: number, about: number): number[] {
   if (!(high > low) || about < 1) return [low]
   const raw = (high - low) / about
@@ -11,7 +11,7 @@ export function linearTicks(low: number, high: number, about: number): number[] 
   return Array.from({ length: Math.max(0, last - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)))
 }
 
-/** Powers of ten within a range; with 2 and 5 between them where there are fewer than three. */
+/** Powers of ten within a range; also 2 and 5 times these if there are fewer than three. */
 export function logTicks(low: number, high: number): number[] {
   if (!(low > 0) || !(high > low)) return [low]
   const ticks = (factors: number[]): number[] => {
@@ -29,7 +29,7 @@ export function logTicks(low: number, high: number): number[] {
   return finer.length >= 3 ? finer : linearTicks(low, high, 4)
 }
 
-/** Decimals that tell neighbouring ticks apart. */
+/** Number of decimals needed to distinguish adjacent ticks. */
 export function tickDecimals(ticks: readonly number[]): number {
   const gaps = ticks.slice(1).map((tick, i) => Math.abs(tick - (ticks[i] as number)))
   const least = Math.min(...gaps.filter((gap) => gap > 0))
@@ -42,7 +42,7 @@ export function tickDecimals(ticks: readonly number[]): number {
 
 const significantDecimals = (value: number): number => Math.max(0, 3 - Math.floor(Math.log10(Math.abs(value))))
 
-/** A range around values with air above and below; never empty. */
+/** A range around the values with padding; never empty. */
 export function padded(values: readonly number[], log = false, air = 0.06): [number, number] {
   const finite = values.filter((value) => Number.isFinite(value) && (!log || value > 0))
   if (finite.length === 0) return log ? [1, 10] : [0, 1]

@@ -1,4 +1,4 @@
-// In one sentence: what became of the verdict and of the worst case from the first run to the others.
+// The change of verdict and worst case from the first run to the others, in one sentence.
 import { decimalsFor, fixed, signed } from '../format/numbers'
 import { Sign } from '../ui/Sign'
 import { lookOf, OutcomeIcon, outcomeOf } from '../ui/VerdictBadge'
@@ -44,6 +44,7 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
   const told = fixed(Math.abs(apart), decimalsFor([apart], 3))
   const moved = Math.abs(apart) < 1e-9 * Math.max(1, Math.abs(before))
   const margins = [a.run.margin, b.run.margin]
+  const level = moved && a.run.threshold === b.run.threshold
   return (
     <p>
       The worst <Sign text={b.run.quantity || 'value'} /> {moved ? 'is the same' : apart < 0 ? 'falls' : 'rises'}
@@ -53,7 +54,7 @@ function Two({ a, b }: { a: Compared; b: Compared }) {
           by <b>{`${told} ${unit}`}</b>, from {fixed(before, decimals)} {unit} to <b>{`${fixed(after, decimals)} ${unit}`}</b>
         </>
       )}
-      ; the margin {moved ? 'stays' : `goes from ${signed(margins[0], decimals)} to`} {signed(margins[1], decimals)} {unit}.{' '}
+      ; the margin {level ? 'stays' : `goes from ${signed(margins[0], decimals)} to`} {signed(margins[1], decimals)} {unit}.{' '}
       {a.run.campaign_digest === b.run.campaign_digest && 'Both are runs of the same campaign.'}
     </p>
   )

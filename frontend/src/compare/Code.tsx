@@ -1,4 +1,4 @@
-// What code flew each run: digests, packages, machine, and a warning where one campaign was flown by different code.
+// The code version of each run: digests, packages, machine, and a warning if one campaign ran with different code.
 import { clsx } from 'clsx'
 import { Card } from '../ui/Card'
 import { codeRows, sameCampaignOtherCode } from './code'

@@ -1,21 +1,21 @@
-// Two to four runs side by side: what differs in their campaigns, and what became of it. The runs stand in the address.
+// Compares two to four runs: differences of their campaigns and results. The runs are in the address.
 import { useNavigate, useSearch } from '@tanstack/react-router'
-import { useMemo } from 'react'
+import { type ReactNode, useMemo } from 'react'
 import { Loading } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
 import { CopyButton } from '../ui/files'
 import { Change } from './Change'
 import { Code } from './Code'
 import { Definition } from './Definition'
-import { type Comparison, useCompared } from './data'
+import { type Comparison, unitOf, useCompared } from './data'
 import { differences } from './differences'
 import { FindingMargins } from './FindingMargins'
-import { Methods } from './Methods'
-import { ConvergenceOverlay, SeparationOverlay } from './Overlays'
+import { bestsIn, Methods } from './Methods'
+import { ConvergenceOverlay, searchesIn, SeparationOverlay } from './Overlays'
 import { Picks } from './Picks'
-import { Ranges } from './Ranges'
+import { Ranges, rangesIn } from './Ranges'
 import { Results } from './Results'
-import { Samples } from './Samples'
+import { Samples, samplesIn } from './Samples'
 import { idsOf, MOST } from './search'
 import { Tracks } from './Tracks'
 import { WorstParameters } from './WorstParameters'
@@ -67,30 +67,54 @@ interface ComparedProps {
 function Compared({ comparison, all, onAll }: ComparedProps) {
   const { runs } = comparison
   const rows = differences(runs)
+  const unit = unitOf(runs)
+  // What no run has is omitted.
+  const flown = runs.some(({ nominal, worst }) => nominal ?? worst)
+  const found = runs.some(({ findings }) => findings.length > 0)
   return (
     <>
       <Change runs={runs} />
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
         <div className="stack c5 wide">
           <Results runs={runs} className="" />
-          <FindingMargins runs={runs} className="" />
         </div>
         <div className="stack c7 wide">
           <Definition runs={runs} rows={rows} all={all} onAll={onAll} className="" />
-          <WorstParameters runs={runs} className="" />
+          {found && <WorstParameters runs={runs} className="" />}
+          {found && <FindingMargins runs={runs} className="" />}
         </div>
-        <SeparationOverlay runs={runs} className="c7" />
-        <Tracks runs={runs} className="c5" />
-        <ConvergenceOverlay runs={runs} className="c7" />
-        <Samples runs={runs} className="c5" />
-        <div className="stack c7 wide">
-          <Methods runs={runs} className="" />
-          <Code runs={runs} className="" />
-        </div>
-        <div className="stack c5 wide">
-          <Ranges runs={runs} className="" />
-        </div>
+        <Pair
+          pieces={[
+            flown && ((className) => <SeparationOverlay runs={runs} className={className} />),
+            flown && ((className) => <Tracks runs={runs} className={className} />),
+          ]}
+        />
+        <Pair
+          pieces={[
+            searchesIn(runs).length > 0 && ((className) => <ConvergenceOverlay runs={runs} className={className} />),
+            samplesIn(runs).length > 0 && ((className) => <Samples runs={runs} className={className} />),
+          ]}
+        />
+        <Pair
+          pieces={[
+            unit !== null && bestsIn(runs) > 0 && ((className) => <Methods runs={runs} className={className} />),
+            unit !== null && rangesIn(runs) > 0 && ((className) => <Ranges runs={runs} className={className} />),
+          ]}
+        />
+        <Code runs={runs} className="c12" />
       </div>
+    </>
+  )
+}
+
+type Piece = false | ((className: string) => ReactNode)
+
+/** A wide and a narrower card next to each other; one of them alone takes the whole width. */
+function Pair({ pieces: [left, right] }: { pieces: [Piece, Piece] }) {
+  return (
+    <>
+      {left && left(right ? 'c7' : 'c12')}
+      {right && right(left ? 'c5 wide' : 'c12')}
     </>
   )
 }

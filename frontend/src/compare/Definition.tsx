@@ -1,4 +1,4 @@
-// What differs in the campaigns, setting by setting; all settings where asked for.
+// Differences between the campaigns by setting; all settings on request.
 import { clsx } from 'clsx'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
@@ -23,7 +23,7 @@ export function Definition({ runs, rows, all, onAll, className }: DefinitionProp
   return (
     <Card
       title="What differs in the definition"
-      note={`${differing.length} of ${rows.length} settings; ${differing.length < rows.length ? 'all others are equal' : 'none is equal'}`}
+      note={`${differing.length} of ${rows.length} settings; ${differing.length < rows.length ? 'all others are equal' : 'no setting is equal'}`}
       className={className}
       flush={shown.length > 0}
       id="definition"
@@ -89,7 +89,7 @@ function SettingRow({ row }: { row: Row }) {
 }
 
 function shownAs(value: Setting | undefined) {
-  if (value === undefined) return <span className="mut">not there</span>
+  if (value === undefined) return <span className="mut">not present</span>
   if (value === null) return <span className="mut">none</span>
   if (typeof value === 'number') return plain(value, 8)
   if (typeof value === 'boolean') return value ? 'yes' : 'no'

@@ -1,4 +1,4 @@
-// Finding by finding, what the margins are: the same case of each run beside each other, whatever its rank there.
+// Margins by finding: the same case in each run side by side, independent of its rank.
 import { decimalsFor, NONE, plain, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
 import { type Compared, unitOf } from './data'
@@ -19,46 +19,42 @@ export function FindingMargins({ runs, className }: { runs: Compared[]; classNam
       title="Margin of each finding"
       note={`${unit ?? 'units differ'}; ${how}`}
       className={className}
-      flush={cases.length > 0}
+      flush
       id="findings"
     >
-      {cases.length === 0 ? (
-        <p className="sec">No run has a finding.</p>
-      ) : (
-        <table>
-          <thead>
-            <tr>
-              <RunHeads runs={runs} apart={two} />
-            </tr>
-          </thead>
-          <tbody>
-            {cases.map((one, i) => {
-              const [a, b] = one
-              return (
-                <tr key={i} data-case={one.map((finding) => finding?.label ?? '').join(' ')}>
-                  {one.map((finding, k) => (
-                    <td key={k} className={finding && finding.margin <= 0 ? 'num bad-t b' : 'num'}>
-                      {finding ? (
-                        <>
-                          <span className="mono mut small">{finding.label}</span> {signed(finding.margin, decimals)}
-                        </>
-                      ) : (
-                        <span className="mut">not among its findings</span>
-                      )}
-                    </td>
-                  ))}
-                  {two && <td className="num b">{a && b ? signed(b.margin - a.margin, decimals) : NONE}</td>}
-                </tr>
-              )
-            })}
-          </tbody>
-        </table>
-      )}
+      <table>
+        <thead>
+          <tr>
+            <RunHeads runs={runs} apart={two} />
+          </tr>
+        </thead>
+        <tbody>
+          {cases.map((one, i) => {
+            const [a, b] = one
+            return (
+              <tr key={i} data-case={one.map((finding) => finding?.label ?? '').join(' ')}>
+                {one.map((finding, k) => (
+                  <td key={k} className={finding && finding.margin <= 0 ? 'num bad-t b' : 'num'}>
+                    {finding ? (
+                      <>
+                        <span className="mono mut small">{finding.label}</span> {signed(finding.margin, decimals)}
+                      </>
+                    ) : (
+                      <span className="mut">not among its findings</span>
+                    )}
+                  </td>
+                ))}
+                {two && <td className="num b">{a && b ? signed(b.margin - a.margin, decimals) : NONE}</td>}
+              </tr>
+            )
+          })}
+        </tbody>
+      </table>
     </Card>
   )
 }
 
-/** The worst of each run beside each other, then the second worst. */
+/** The worst of each run side by side, then the second worst. */
 function ranked(runs: Compared[]): Case[] {
   const most = Math.max(0, ...runs.map(({ findings }) => findings.length))
   return Array.from({ length: most }, (_, i) => runs.map(({ findings }) => findings[i] ?? null))

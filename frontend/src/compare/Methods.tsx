@@ -14,19 +14,13 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
   const methodLook = useMethodLook()
   const unit = unitOf(runs)
   const two = runs.length === 2 && unit !== null
-  const bests = runs.map(({ run }) => {
-    const found = new Map<string, number>()
-    for (const { kind, method, best } of run.stages)
-      if (kind === 'search' && method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
-    return found
-  })
+  const bests = runs.map(bestsOf)
   const methods = [...new Set(bests.flatMap((found) => [...found.keys()]))]
   const values = bests.flatMap((found) => [...found.values()])
   const limits = [...new Set(runs.flatMap(({ run }) => run.threshold ?? []))]
   const axis = axisOf(values, limits, WIDTH, EDGE)
   const { x, shown } = axis
   const decimals = decimalsApart(values, 4, 6)
-  if (methods.length === 0 || unit === null) return null
   return (
     <Card
       title={
@@ -85,6 +79,17 @@ export function Methods({ runs, className }: { runs: Compared[]; className: stri
     </Card>
   )
 }
+
+/** The best value of each method of a run. */
+function bestsOf({ run }: Compared): Map<string, number> {
+  const found = new Map<string, number>()
+  for (const { kind, method, best } of run.stages)
+    if (kind === 'search' && method && best !== null) found.set(method, Math.min(best, found.get(method) ?? Infinity))
+  return found
+}
+
+/** How many methods of all runs have a best value. */
+export const bestsIn = (runs: Compared[]): number => runs.reduce((sum, of) => sum + bestsOf(of).size, 0)
 
 const isBad = (value: number | null, of: Compared | undefined): boolean =>
   value !== null && of?.run.threshold !== null && of !== undefined && value <= of.run.threshold

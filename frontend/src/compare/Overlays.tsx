@@ -1,5 +1,5 @@
-// The curves of all runs on common axes: separation over time and convergence. Colour keeps its meaning, runs differ by
-// their dashes.
+// The curves of all runs on common axes: separation over time and convergence. Colours keep their meaning, runs are
+// distinguished by dashes.
 import { useMemo, useState } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { Plot } from '../charts/Plot'
@@ -66,33 +66,29 @@ export function SeparationOverlay({ runs, className }: CardProps) {
         </>
       }
     >
-      {drawn.length === 0 ? (
-        <p className="sec">No flight of these runs is stored.</p>
-      ) : (
-        <div className={styles.beside}>
-          <Plot spec={spec} />
-          <ul className={styles.ends}>
-            {drawn.map(({ key, label, colour, trace, of }) => (
-              <li key={key}>
-                <svg width={22} height={8} aria-hidden="true">
-                  <path
-                    d="M0 4h22"
-                    stroke={`var(${colour})`}
-                    strokeWidth={2}
-                    strokeDasharray={of.dash.join(' ') || undefined}
-                  />
-                </svg>
-                <span>
-                  {label}
-                  <small className="sec">
-                    {fixed(trace.meta.closest?.value, decimals)} {of.run.unit}
-                  </small>
-                </span>
-              </li>
-            ))}
-          </ul>
-        </div>
-      )}
+      <div className={styles.beside}>
+        <Plot spec={spec} />
+        <ul className={styles.ends}>
+          {drawn.map(({ key, label, colour, trace, of }) => (
+            <li key={key}>
+              <svg width={22} height={8} aria-hidden="true">
+                <path
+                  d="M0 4h22"
+                  stroke={`var(${colour})`}
+                  strokeWidth={2}
+                  strokeDasharray={of.dash.join(' ') || undefined}
+                />
+              </svg>
+              <span>
+                {label}
+                <small className="sec">
+                  {fixed(trace.meta.closest?.value, decimals)} {of.run.unit}
+                </small>
+              </span>
+            </li>
+          ))}
+        </ul>
+      </div>
     </ChartCard>
   )
 }
@@ -121,7 +117,7 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   const unit = unitOf(runs) ?? ''
   const thresholds = runs.flatMap(({ run }) => run.threshold ?? [])
   const lowest = Math.min(...drawn.flatMap(({ trace }) => trace.meta.closest?.value ?? []))
-  // Each flight's own encounter, so that runs of very different size can stand together.
+  // Each flight's own encounter, so that runs of very different scales can be compared.
   const inside = drawn.flatMap(({ trace, of }, k) => {
     const reach = 2.4 * Math.max(of.run.threshold ?? 0, trace.meta.closest?.value ?? 0)
     const { x, y } = curves[k] as Curve
@@ -164,19 +160,19 @@ function separationSpec(drawn: Drawn[], runs: Compared[], window: Shown): PlotSp
   }
 }
 
+/** The searches of all runs that have completed an evaluation. */
+export const searchesIn = (runs: Compared[]) =>
+  runs.flatMap((of) => {
+    const { run, stages, evaluations, catalogue } = of
+    return searchesOf({ run, stages, evaluations, catalogue })
+      .map((search) => ({ of, search, curve: convergenceOf(search, 'evaluations') }))
+      .filter(({ curve }) => curve.x.length > 0)
+  })
+
 export function ConvergenceOverlay({ runs, className }: CardProps) {
   const methodLook = useMethodLook()
   const unit = unitOf(runs) ?? ''
-  const searches = useMemo(
-    () =>
-      runs.flatMap((of) => {
-        const { run, stages, evaluations, catalogue } = of
-        return searchesOf({ run, stages, evaluations, catalogue })
-          .map((search) => ({ of, search, curve: convergenceOf(search, 'evaluations') }))
-          .filter(({ curve }) => curve.x.length > 0)
-      }),
-    [runs],
-  )
+  const searches = useMemo(() => searchesIn(runs), [runs])
   const spec = useMemo((): PlotSpec => {
     const xs = union(searches.map(({ curve }) => curve))
     const decimals = decimalsFor(
@@ -226,20 +222,14 @@ export function ConvergenceOverlay({ runs, className }: CardProps) {
       data={table}
       right={<RunKeys runs={runs} />}
     >
-      {searches.length === 0 ? (
-        <p className="sec">No search has completed an evaluation yet.</p>
-      ) : (
-        <>
-          <Plot spec={spec} />
-          <div className="lg">
-            {methods.map(([method, title]) => (
-              <span key={method} className="k">
-                <MethodName method={method} title={title} />
-              </span>
-            ))}
-          </div>
-        </>
-      )}
+      <Plot spec={spec} />
+      <div className="lg">
+        {methods.map(([method, title]) => (
+          <span key={method} className="k">
+            <MethodName method={method} title={title} />
+          </span>
+        ))}
+      </div>
     </ChartCard>
   )
 }

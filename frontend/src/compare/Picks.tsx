@@ -1,4 +1,4 @@
-// The runs that are compared, each with its letter; taking one out, putting one in.
+// The compared runs with their letters; removes and adds runs.
 import { Select } from '@mantine/core'
 import { IconPlus, IconX } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
@@ -66,7 +66,7 @@ interface RunHeadsProps {
   apart?: boolean
 }
 
-/** The heads of a table's columns that belong to the runs. */
+/** The column headers of the runs. */
 export const RunHeads = ({ runs, apart }: RunHeadsProps) => (
   <>
     {runs.map(({ letter }) => (
@@ -108,7 +108,7 @@ function Add({ ids, onAdd }: { ids: readonly string[]; onAdd: (id: string) => vo
       searchable
       searchValue={text}
       onSearchChange={setText}
-      // The service has searched: what it found is shown.
+      // The service has already filtered the options.
       filter={({ options: all }) => all}
       nothingFoundMessage="No run matches"
       onChange={(id) => {

@@ -1,4 +1,4 @@
-// What each parameter alone can do in each run: the values over its bounds, with the others nominal.
+// One-at-a-time ranges: the values over the bounds of each parameter, with the others nominal.
 import { resultOf } from '../api/stages'
 import { plain } from '../format/numbers'
 import { Card } from '../ui/Card'
@@ -13,7 +13,7 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
   const spans = runs.map(spansOf)
   const paths = [...new Set(spans.flatMap((found) => [...found.keys()]))]
   const values = spans.flatMap((found) => [...found.values()].flat())
-  if (paths.length === 0 || unit === null) return null
+  if (unit === null) return null
   const limits = [...new Set(runs.flatMap(({ run }) => run.threshold ?? []))]
   const axis = axisOf(values, limits, WIDTH, EDGE)
   const { x, shown } = axis
@@ -63,7 +63,7 @@ export function Ranges({ runs, className }: { runs: Compared[]; className: strin
   )
 }
 
-/** The lowest and highest value of each curve, failed flights left out. */
+/** The lowest and highest value of each curve, without failed evaluations. */
 function spansOf({ stages }: Compared): Map<string, [number, number]> {
   const result = resultOf(
     stages.find(({ kind }) => kind === 'sensitivity'),
@@ -76,6 +76,9 @@ function spansOf({ stages }: Compared): Map<string, [number, number]> {
   }
   return found
 }
+
+/** How many ranges all runs have. */
+export const rangesIn = (runs: Compared[]): number => runs.reduce((sum, of) => sum + spansOf(of).size, 0)
 
 const textOf = (span: [number, number] | undefined, unit: string): string =>
   span ? `${plain(span[0], 5)} to ${plain(span[1], 5)} ${unit}` : 'not varied'

@@ -1,4 +1,4 @@
-// The results of the runs side by side: with two of them, what the second has more or less.
+// The results of the runs side by side, with the difference for two runs.
 import type { ReactNode } from 'react'
 import { count, decimalsFor, fixed, NONE, signed } from '../format/numbers'
 import { Card } from '../ui/Card'
@@ -16,7 +16,7 @@ interface Line {
   /** Which values are a violation. */
   bad?: (value: number) => boolean
   plus?: boolean
-  /** What each value is out of, where that differs: then nothing can be subtracted. */
+  /** The total of each value, if totals differ: then no difference is shown. */
   outOf?: (number | null)[]
 }
 
@@ -41,7 +41,7 @@ export function Results({ runs, className }: { runs: Compared[]; className: stri
             ))}
             {two && <td />}
           </tr>
-          {linesOf(runs).map((line) => (
+          {linesOf(runs).filter(({ values }) => values.some((value) => value !== null)).map((line) => (
             <Row key={line.key} line={line} difference={two} />
           ))}
         </tbody>

@@ -12,13 +12,14 @@ import { RunKeys } from './Overlays'
 interface Drawn {
   of: Compared
   edges: number[]
-  /** Share of the sample per unit of the value. */
+  /** Fraction of the sample per unit of the value. */
   density: number[]
   sample: Sample
 }
 
-export function Samples({ runs, className }: { runs: Compared[]; className: string }) {
-  const drawn = runs.flatMap((of): Drawn[] => {
+/** The independent samples of all runs; none where the runs have different units. */
+export const samplesIn = (runs: Compared[]): Drawn[] =>
+  (unitOf(runs) === null ? [] : runs).flatMap((of): Drawn[] => {
     const sample = sampleOf(of)
     const { edges = [], counts = [] } = sample?.histogram ?? {}
     const total = counts.reduce((sum, n) => sum + n, 0)
@@ -26,12 +27,14 @@ export function Samples({ runs, className }: { runs: Compared[]; className: stri
     const density = counts.map((n, i) => n / total / ((edges[i + 1] ?? 0) - (edges[i] ?? 0) || 1))
     return [{ of, edges, density, sample }]
   })
+
+export function Samples({ runs, className }: { runs: Compared[]; className: string }) {
+  const drawn = samplesIn(runs)
   const table = () => ({
     name: 'samples',
     columns: ['run', 'from', 'to', 'density'],
     rows: drawn.flatMap(({ of, edges, density }) => density.map((d, i) => [of.id, edges[i] ?? null, edges[i + 1] ?? null, d])),
   })
-  if (unitOf(runs) === null) return null
   return (
     <ChartCard
       title="Independent samples"
@@ -44,7 +47,7 @@ export function Samples({ runs, className }: { runs: Compared[]; className: stri
         .map(({ of, sample }) => `${of.letter}: ${violatedOf(sample)}`)
         .join('. ')}
     >
-      {drawn.length === 0 ? <p className="sec">No run has an independent sample.</p> : <Densities drawn={drawn} />}
+      <Densities drawn={drawn} />
     </ChartCard>
   )
 }
@@ -65,7 +68,7 @@ function Densities({ drawn }: { drawn: Drawn[] }) {
   const ticks = linearTicks(low, high, Math.max(3, width / 100))
   return (
     <div ref={holder}>
-      <div className="ytitle">Density of the sampled flights</div>
+      <div className="ytitle">Density of the sampled evaluations</div>
       <svg className="ch" height={HEIGHT} role="img" aria-label="Independent samples of the runs as densities">
         {ticks.map((tick) => (
           <g key={tick}>

@@ -1,4 +1,4 @@
-// The flights of all runs seen from above: nominal grey, worst vermillion, the first run solid, the others dashed.
+// Plan view of the flights of all runs: nominal grey, worst vermillion, the first run solid, the others dashed.
 import { useState } from 'react'
 import { ChartCard } from '../charts/ChartCard'
 import { linearTicks, tickDecimals } from '../charts/ticks'
@@ -51,11 +51,7 @@ export function Tracks({ runs, className }: { runs: Compared[]; className: strin
         </>
       }
     >
-      {flights.length === 0 ? (
-        <p className="sec">No flight of these runs is stored.</p>
-      ) : (
-        <Drawing flights={flights} near={window === 'encounter'} />
-      )}
+      <Drawing flights={flights} near={window === 'encounter'} />
     </ChartCard>
   )
 }

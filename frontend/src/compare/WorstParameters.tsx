@@ -1,4 +1,4 @@
-// The worst cases of the runs: where each lies within its bounds.
+// The worst cases of the runs, with their positions within the bounds.
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
 import { Card } from '../ui/Card'

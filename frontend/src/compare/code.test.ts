@@ -1,4 +1,4 @@
-// When two runs of one campaign are told as flown by different code, and when not.
+// When two runs of one campaign are reported as run by different code.
 import { describe, expect, it } from 'vitest'
 import type { Flown } from '../client'
 import { codeRows, sameCampaignOtherCode } from './code'

@@ -1,14 +1,14 @@
-// What code flew the compared runs, row by row. Start reading at `codeRows`; `sameCampaignOtherCode` is the warning.
+// The code versions of the compared runs, as table rows. Start reading at `codeRows`.
 import type { Flown, RunDetail } from '../client'
 
-type Told = Pick<RunDetail, 'campaign_digest' | 'flown'>
+type Versions = Pick<RunDetail, 'campaign_digest' | 'flown'>
 
 export interface CodeRow {
   key: string
   name: string
-  /** One for each run; undefined where the run did not store it. */
+  /** One value per run; undefined if not stored. */
   values: (string | undefined)[]
-  /** Whether two runs that stored it have different values. */
+  /** Whether two stored values differ. */
   differs: boolean
   digest: boolean
 }
@@ -21,10 +21,10 @@ const ROWS: { key: string; name: string; digest?: boolean; of: (flown: Flown) =>
   { key: 'python', name: 'Python', of: (flown) => flown.python },
   { key: 'cpu', name: 'Processor', of: (flown) => [flown.cpu?.model, flown.cpu?.target].filter(Boolean).join(', ') },
 ]
-/** What may change a number: a version of Clearance or another processor alone is not other code. */
+/** The rows that can change results: a different version of Clearance or processor alone is not different code. */
 const CODE = new Set(['code', 'loop', 'simulator', 'python'])
 
-export function codeRows(runs: readonly Told[]): CodeRow[] {
+export function codeRows(runs: readonly Versions[]): CodeRow[] {
   const flown = runs.map((run) => run.flown ?? null)
   const packages = [...new Set(flown.flatMap((one) => Object.keys(one?.packages ?? {})))]
   const simulated = flown.filter((one) => one?.simulator).length
@@ -40,8 +40,8 @@ export function codeRows(runs: readonly Told[]): CodeRow[] {
   })
 }
 
-/** Whether runs of one campaign were flown by different code or packages. */
-export function sameCampaignOtherCode(runs: readonly Told[]): boolean {
+/** Whether runs of one campaign used different code or packages. */
+export function sameCampaignOtherCode(runs: readonly Versions[]): boolean {
   const campaigns = [...new Set(runs.map((run) => run.campaign_digest))]
   return campaigns.some((campaign) =>
     codeRows(runs.filter((run) => run.campaign_digest === campaign)).some(({ key, differs }) => differs && (CODE.has(key) || key.startsWith('packages.'))),

@@ -1,4 +1,4 @@
-// The compare page counts evaluations without a value as the page of each run does.
+// The compare page counts evaluations without a value in the same way as the page of each run.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { violatedOf } from '../format/counts'

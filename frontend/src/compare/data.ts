@@ -1,4 +1,4 @@
-// What the cards of the compare page share: each run with its letter, its dash and its answers. Start at `useCompared`.
+// Shared data of the cards of the compare page: each run with its letter, dash pattern and data. Start at `useCompared`.
 import { useQueries } from '@tanstack/react-query'
 import { asCampaign } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
@@ -17,14 +17,14 @@ export interface Compared {
   evaluations: Evaluations | undefined
   nominal: TraceData | undefined
   worst: TraceData | undefined
-  /** What its components and methods meant. */
+  /** The descriptions of its components and methods. */
   catalogue: Catalogue | undefined
   parameters: UncertainParameter[]
 }
 
 export interface Comparison {
   runs: Compared[]
-  /** The runs that cannot be shown, with why. */
+  /** The runs that cannot be shown, with reasons. */
   missing: { id: string; error: Error }[]
   loading: boolean
 }
@@ -66,7 +66,7 @@ export function useCompared(ids: readonly string[]): Comparison {
   }
 }
 
-/** A flight that may not be stored: then there is none, which is no error here. `traced`: whether its system has any. */
+/** A flight that may not be stored, which is not an error here. `traced`: whether its system provides traces. */
 const traceOf = (id: string, name: string, traced: boolean) => {
   const query = traceQuery(id, name)
   return { ...query, enabled: traced, retry: false, throwOnError: false }
@@ -81,7 +81,7 @@ export function sampleOf({ stages }: Compared): Sample | null {
 
 export const boundOf = ({ run }: Compared): number | null => run.summary?.statistics?.upper_bound ?? null
 
-/** The unit that all runs share; null where they do not, and nothing can be subtracted. */
+/** The common unit of all runs; null if units differ, so that differences are undefined. */
 export function unitOf(runs: readonly Compared[]): string | null {
   const [first] = runs
   if (!first) return null

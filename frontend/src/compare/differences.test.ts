@@ -1,4 +1,4 @@
-// Which settings of two campaigns are told as different, and which are not.
+// Which settings of two campaigns are reported as different.
 import { describe, expect, it } from 'vitest'
 import type { Catalogue, RunDetail } from '../client'
 import { differences } from './differences'

@@ -1,4 +1,4 @@
-// What differs between campaigns: every setting under its address, with the values that the components' defaults give.
+// Differences between campaigns: every setting by its path, including the components' default values.
 // Start reading at `differences`.
 import { asCampaign } from '../api/campaign'
 import type { Catalogue, RunDetail } from '../client'
@@ -9,15 +9,15 @@ export type Setting = string | number | boolean | null
 export interface Row {
   path: string
   group: string
-  /** What it is, for a parameter of a component. */
+  /** The description, for a parameter of a component. */
   text: string
   unit: string
-  /** One for each run; undefined where the run has no such setting. */
+  /** One value per run; undefined if the run has no such setting. */
   values: (Setting | undefined)[]
   differs: boolean
 }
 
-/** Words about a run, not about what it flies. */
+/** Descriptive texts, which do not affect the evaluation. */
 const WORDS = ['name', 'summary', 'notes', 'tags', 'published', 'version']
 const GROUPS: Record<string, string> = {
   vehicle: 'Scenario',
@@ -38,7 +38,7 @@ const GROUPS: Record<string, string> = {
 
 interface Described {
   run: Pick<RunDetail, 'campaign'>
-  /** What its own components meant. */
+  /** The descriptions of its own components. */
   catalogue: Catalogue | undefined
 }
 
@@ -52,7 +52,7 @@ interface Entry {
 export function differences(runs: readonly Described[]): Row[] {
   const all = runs.map(({ run, catalogue }) => settingsOf(run, catalogue))
   const paths = [...new Set(all.flatMap((settings) => [...settings.keys()]))]
-  // A stage that is none in one run and has settings in another is told by those alone.
+  // A stage that is absent in one run is represented by its settings in the other.
   const inner = paths.filter((path) => !paths.some((other) => other.startsWith(`${path}.`)))
   return inner.map((path) => {
     const entries = all.map((settings) => settings.get(path))
@@ -69,7 +69,7 @@ export function differences(runs: readonly Described[]): Row[] {
   })
 }
 
-/** A campaign's settings by address: parameters by their path, with defaults; bounds as numbers; the rest as it stands. */
+/** A campaign's settings by path: parameters with defaults, bounds as numbers, the rest unchanged. */
 export function settingsOf(run: Pick<RunDetail, 'campaign'>, catalogue: Catalogue | undefined): Map<string, Entry> {
   const campaign = asCampaign(run.campaign)
   const found = new Map<string, Entry>()
@@ -89,7 +89,7 @@ export function settingsOf(run: Pick<RunDetail, 'campaign'>, catalogue: Catalogu
   return found
 }
 
-/** The document without words, bounds and, where the catalogue gives them, parameters. */
+/** The document without texts, bounds and, if the catalogue has them, parameters. */
 function rest(campaign: Record<string, unknown>, known: boolean): Record<string, unknown> {
   const kept = Object.fromEntries(
     Object.entries(campaign).filter(([key]) => key !== 'uncertain' && !WORDS.includes(key)),
@@ -122,6 +122,6 @@ function flatten(value: unknown, path: string, into: Map<string, Entry>): void {
   if (value !== undefined) into.set(path, { value: value as Setting })
 }
 
-/** Searches are told apart by their methods, not by their place in the list; a second one of a method is numbered. */
+/** Searches are identified by method, not by index; a second one of a method is numbered. */
 const namedBy = (value: unknown): string | null =>
   typeof value === 'object' && value !== null && 'method' in value ? String(value.method) : null

@@ -1,4 +1,4 @@
-// A common axis for values of several runs, and how they are told apart on it: the first filled, the second hollow, the
+// A common axis for values of several runs, and their markers: the first filled, the second hollow, the
 // third and fourth smaller.
 import { linearTicks, padded, tickDecimals } from '../charts/ticks'
 import { fixed } from '../format/numbers'
@@ -8,11 +8,11 @@ export interface Axis {
   edge: number
   x: (value: number) => number
   ticks: number[]
-  /** The criteria that lie near enough to be shown. */
+  /** The criteria near enough to be shown. */
   shown: number[]
 }
 
-/** An axis of that width [px] for these values, and for the criteria that lie no further off than three times their spread. */
+/** An axis of that width [px] for these values, and for criteria within three times their spread. */
 export function axisOf(values: readonly number[], limits: readonly number[], width: number, edge: number): Axis {
   const spread = Math.max(...values) - Math.min(...values)
   const shown = limits.filter((limit) => Math.min(...values.map((v) => Math.abs(v - limit))) <= 3 * spread)
@@ -21,7 +21,7 @@ export function axisOf(values: readonly number[], limits: readonly number[], wid
   return { width, edge, x, ticks: linearTicks(low, high, 5), shown }
 }
 
-/** The numbers of the axis, as the head of a table's column. */
+/** The tick labels of the axis, as a column header. */
 export const AxisHead = ({ axis: { width, x, ticks } }: { axis: Axis }) => (
   <th style={{ width }}>
     <svg className="ch" width={width} height={14} style={{ width }} aria-hidden="true">
@@ -67,7 +67,7 @@ export function Mark({ x, y, index, colour }: MarkProps) {
   )
 }
 
-/** From one value to another, dashed for all runs but the first. */
+/** A line between two values, dashed for all runs but the first. */
 export function Span({ from, to, y, index }: { from: number; to: number; y: number; index: number }) {
   const colour = 'var(--ink-2)'
   return (

@@ -1,4 +1,4 @@
-// Findings of several runs that are one case.
+// Matching findings of several runs.
 import { expect, it } from 'vitest'
 import * as given from '../api/fixtures'
 import type { FindingDetail } from '../client'

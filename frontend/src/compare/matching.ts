@@ -1,9 +1,9 @@
-// Which finding of one run is which of another: those at the same place of the bounds that the runs share.
+// Matches findings of several runs by their positions within common bounds.
 // Start reading at `matched`.
 import type { FindingDetail } from '../client'
 import type { UncertainParameter } from '../run/data/data'
 
-/** Two findings are one case where no parameter is further apart, as a share of its range. */
+/** Maximum difference of each parameter between matching findings, as a fraction of its range. */
 export const APART = 0.1
 
 export interface Searched {
@@ -42,7 +42,7 @@ export function matched(runs: readonly Searched[]): Case[] | null {
 
 type Ranges = Map<string, number>
 
-/** The range of each parameter over all runs; null where they vary different ones. */
+/** The range of each parameter over all runs; null if they vary different ones. */
 function rangesOf(runs: readonly Searched[]): Ranges | null {
   const ends = new Map<string, [number, number]>()
   const [first] = runs

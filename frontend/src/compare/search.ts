@@ -1,12 +1,12 @@
-// Which runs are compared, as it stands in the address: /compare?runs=R-0001,R-0002.
+// The compared runs in the address: /compare?runs=R-0001,R-0002.
 
-/** So many fit beside each other. */
+/** Maximum number of compared runs. */
 export const MOST = 4
 
 export interface CompareSearch {
-  /** Ids with commas between them. */
+  /** Comma-separated ids. */
   runs?: string
-  /** Whether what is equal is shown too. */
+  /** Whether equal settings are also shown. */
   all?: boolean
 }
 
@@ -20,7 +20,7 @@ export function readCompare(search: Record<string, unknown>): CompareSearch {
   return { runs: runs || undefined, all: search.all === true || search.all === 1 || undefined }
 }
 
-/** The ids of a text, each once, at most `MOST` of them. */
+/** The unique ids of a text, at most `MOST`. */
 export function idsOf(runs: unknown): string[] {
   if (typeof runs !== 'string') return []
   const ids = runs.split(',').filter((id) => /^R-\d{1,15}$/.test(id))

@@ -1,4 +1,4 @@
-// The API as its own document describes it: every operation with its parameters, bodies and answers, to be tried here.
+// The API page, from the OpenAPI document: every operation with parameters, bodies and responses, and a form to try it.
 import { useQuery } from '@tanstack/react-query'
 import { clsx } from 'clsx'
 import { getOpenApi } from '../api/calls'
@@ -57,7 +57,7 @@ function Page({ document }: { document: OpenApi }) {
         <section className="card">
           <div className="bd">
             <p>
-              Programs send a token, made with <code>clearance token create NAME</code> and shown once. This page sends
+              Programs send a token, created with <code>clearance token create NAME</code> and shown once. This page sends
               what you try as you. An error is a problem document (RFC 9457): what was given, what is allowed, what to
               do.
             </p>

@@ -1,4 +1,4 @@
-// One operation: parameters, body, answers; reading ones can be sent from here.
+// One operation: parameters, body, responses; GET operations can be sent from here.
 import { IconSend } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { clsx } from 'clsx'
@@ -86,7 +86,7 @@ const defaultOf = (schema: Schema | undefined): string | null =>
 
 const LONGEST = 20_000
 
-/** Sends the request as the session of this browser and shows the answer. */
+/** Sends the request with this browser's session and shows the response. */
 function Trial({ operation, values }: { operation: Operation; values: Record<string, string> }) {
   const address = addressOf(operation, values)
   const hint = useId()
@@ -114,7 +114,7 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
         </button>
         {missing && (
           <span className="small mut" id={hint}>
-            Fill in what is needed first.
+            Fill in the required values first.
           </span>
         )}
         {trial.data && (
@@ -127,7 +127,7 @@ function Trial({ operation, values }: { operation: Operation; values: Record<str
       {trial.data && (
         <pre className={clsx('mono', styles.answer)} tabIndex={0} aria-label="Answer">
           {trial.data.text.slice(0, LONGEST)}
-          {trial.data.text.length > LONGEST && '\n… cut here'}
+          {trial.data.text.length > LONGEST && '\n… truncated'}
         </pre>
       )}
     </div>

@@ -1,4 +1,4 @@
-// The fields of a body or an answer; the types they are made of open where they are named.
+// The fields of a body or a response; nested types expand where they are named.
 import { limitsOf, partsOf, type Schema, typeOf } from './openapi'
 import styles from './docs.module.css'
 
@@ -6,7 +6,7 @@ interface ShapeProps {
   title: string
   schema: Schema | undefined
   schemas: Record<string, Schema>
-  /** Types that stand around this one, which are not opened again. */
+  /** Enclosing types, which are not expanded again. */
   inside?: readonly string[]
 }
 

@@ -1,4 +1,4 @@
-// The API's own document, read as the API page reads it.
+// The OpenAPI document as parsed by the API page.
 import { readFileSync } from 'node:fs'
 import { expect, it } from 'vitest'
 import { addressOf, curlOf, limitsOf, type OpenApi, operationsOf, partsOf, typeOf } from './openapi'

@@ -1,4 +1,4 @@
-// The OpenAPI document as far as the API page reads it (OpenAPI 3.1). Start reading at `operationsOf`.
+// The parts of an OpenAPI 3.1 document that the API page uses. Start reading at `operationsOf`.
 
 export interface Schema {
   $ref?: string
@@ -82,7 +82,7 @@ export function operationsOf(document: OpenApi): Group[] {
 
 export const nameOf = (schema: Schema | undefined): string | null => schema?.$ref?.split('/').pop() ?? null
 
-/** A type in a few words: what stands in the second column of a table. */
+/** A short description of a type, for a table column. */
 export function typeOf(schema: Schema | undefined): string {
   if (!schema) return 'any'
   const named = nameOf(schema)
@@ -98,7 +98,7 @@ export function typeOf(schema: Schema | undefined): string {
   return Array.isArray(schema.type) ? schema.type.join(' or ') : (schema.type ?? 'any')
 }
 
-/** The schemas that a type is made of, for looking them up. */
+/** The schemas that a type references. */
 export function partsOf(schema: Schema | undefined): string[] {
   if (!schema) return []
   const named = nameOf(schema)
@@ -109,7 +109,7 @@ export function partsOf(schema: Schema | undefined): string[] {
   return [...new Set(inner.flatMap(partsOf))]
 }
 
-/** What limits a value beside its type. */
+/** The constraints of a value besides its type. */
 export function limitsOf(schema: Schema | undefined): string {
   const of = (schema?.anyOf ?? []).find((option) => option.type !== 'null') ?? schema ?? {}
   const { minimum, maximum, minLength, maxLength, minItems, maxItems, pattern } = { ...schema, ...of }
@@ -128,7 +128,7 @@ export function limitsOf(schema: Schema | undefined): string {
     .join(', ')
 }
 
-/** The address of an operation with these values; what is empty is left out of the query. */
+/** The address of an operation with these values; empty values are omitted from the query. */
 export function addressOf(operation: Operation, values: Record<string, string>): string {
   let path = operation.path
   const query = new URLSearchParams()
@@ -141,7 +141,7 @@ export function addressOf(operation: Operation, values: Record<string, string>):
   return text ? `${path}?${text}` : path
 }
 
-/** The same request from a shell. */
+/** The request as a shell command. */
 export function curlOf(operation: Operation, origin: string, values: Record<string, string>): string {
   const lines = [`curl -H "Authorization: Bearer $CLEARANCE_TOKEN"`]
   if (operation.method !== 'get') lines.push(`-X ${operation.method.toUpperCase()}`)

@@ -1,4 +1,4 @@
-// The Export menu of a run's page: every file that the service makes of it, saved by the browser as it streams.
+// The Export menu of a run's page: all export files, saved by the browser as they stream.
 import { Menu } from '@mantine/core'
 import { IconBraces, IconDownload, IconFileText, IconFileTypePdf, IconMatrix, IconTable } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery } from '@tanstack/react-query'
@@ -8,7 +8,7 @@ import type { ExportFile, RunDetail } from '../client'
 import { save } from '../ui/files'
 import { RecordingEntries } from './Recording'
 
-/** The address of a recorded flight, and which one it is of. */
+/** The address of a recording, and its flight. */
 const RECORDING = /\/exports\/flight-(\w+)\.html$/
 
 const exportsQuery = (id: string, state: string) =>
@@ -54,13 +54,13 @@ export function ExportMenu({ run }: { run: RunDetail }) {
   )
 }
 
-/** The PDF is printed when it is asked for, which takes a few seconds and can fail: the menu stays and says so. */
+/** The PDF is printed on request, which takes a few seconds and can fail: the menu stays open and reports it. */
 function PdfEntry({ file }: { file: ExportFile }) {
   const print = useMutation({
     mutationFn: () => getFile(file.href),
     onSuccess: (blob) => save(file.name, blob),
   })
-  const words = print.isPending ? 'Being printed, a few seconds …' : (file.unavailable ?? file.text)
+  const words = print.isPending ? 'Printing, a few seconds …' : (file.unavailable ?? file.text)
   return (
     <Menu.Item
       closeMenuOnClick={false}

@@ -1,4 +1,4 @@
-// A flight as a recording: a link to the page that plays it, and the same as one file. Both need no simulation.
+// A flight as a recording: a link to the page that plays it, and a download. Neither needs a simulation.
 import { Menu } from '@mantine/core'
 import { IconCheck, IconCopy, IconDownload, IconPlayerPlay } from '@tabler/icons-react'
 import { useState } from 'react'
@@ -32,7 +32,7 @@ export function RecordingMenu(props: Props) {
   )
 }
 
-/** The same two things within a menu. */
+/** Both actions as menu items. */
 export function RecordingEntries({ run, flight }: Props) {
   const { page, file } = recordedAt(run, flight, useTheme())
   const called = flight === 'nominal' ? 'the nominal flight' : flight
@@ -42,14 +42,14 @@ export function RecordingEntries({ run, flight }: Props) {
       <Menu.Item component="a" href={file} download leftSection={<IconDownload className="i s" aria-hidden />}>
         <span className="b">Download as one file</span>
         <span className="small mut" style={{ display: 'block', whiteSpace: 'normal' }}>
-          {called[0]?.toUpperCase() + called.slice(1)} in 3D with a play bar; opens offline
+          {called[0]?.toUpperCase() + called.slice(1)} in 3D with a play bar; works offline
         </span>
       </Menu.Item>
     </>
   )
 }
 
-/** The menu stays open to say that it is done. */
+/** The menu stays open to confirm the copy. */
 function CopyLink({ address }: { address: string }) {
   const [said, setSaid] = useState('')
   const link = () => new URL(address, location.origin).href

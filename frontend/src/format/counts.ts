@@ -1,17 +1,17 @@
-// How many evaluations a run has, how many of them failed and were excluded, in words; the counts are those of the run
-// itself, the same wherever they are shown. Start reading at `withoutValue`.
+// Texts on the numbers of evaluations, failures and exclusions of a run; the counts come from the run itself and are
+// therefore the same everywhere.
 import type { RunSummary } from '../client'
 import { count } from './numbers'
 
 export type Counted = Pick<RunSummary, 'evaluations' | 'failed_evaluations' | 'excluded_evaluations'>
 
-/** 3 failed, 2 excluded; `none failed` where all have a value. */
+/** 3 failed, 2 excluded; `none failed` if all have a value. */
 export function withoutValue({ failed_evaluations: failed, excluded_evaluations: excluded }: Counted): string {
   const parts = [failed > 0 ? `${count(failed)} failed` : 'none failed', excluded > 0 ? `${count(excluded)} excluded` : '']
   return parts.filter(Boolean).join(', ')
 }
 
-/** The same of stages, empty where all have a value: for places with little room. */
+/** The same for stages, empty if all have a value; for narrow columns. */
 export function lossesOf(stages: readonly { failed: number; excluded: number }[]): string {
   const failed = stages.reduce((sum, stage) => sum + stage.failed, 0)
   const excluded = stages.reduce((sum, stage) => sum + stage.excluded, 0)
@@ -20,13 +20,13 @@ export function lossesOf(stages: readonly { failed: number; excluded: number }[]
     .join(', ')
 }
 
-/** What a margin leaves out; empty where every evaluation has a value. */
+/** The evaluations that a margin omits; empty if all have a value. */
 export function unknownOf({ evaluations, failed_evaluations: failed }: Counted): string {
   if (failed === 0) return ''
   return `${count(failed)} of ${count(evaluations)} evaluations failed and have no margin`
 }
 
-/** Of a random sample: flights that failed, which count as violations, and draws that were excluded. */
+/** For a random sample: failed simulations, which count as violations, and excluded draws. */
 export const lostOf = ({ failed, excluded }: { failed: number | null; excluded: number | null }): string =>
   [failed ? `, ${count(failed)} of them failed` : '', excluded ? `; ${count(excluded)} draws excluded` : ''].join('')
 

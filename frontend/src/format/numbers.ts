@@ -1,4 +1,4 @@
-// The one place where numbers become text: true minus sign, narrow space between thousands, a dot for decimals,
+// Formats all numbers: true minus sign, narrow space between thousands, a dot for decimals,
 // percent after a narrow space. Start reading at `fixed`.
 
 export const MINUS = '\u2212'
@@ -17,7 +17,7 @@ function grouped(digits: string): string {
   return fraction === undefined ? spaced : `${spaced}.${fraction}`
 }
 
-/** A number with so many decimals; a dash where there is none. */
+/** A number with fixed decimals; a dash if it is missing. */
 export function fixed(value: Maybe, decimals = 2): string {
   if (!known(value)) return NONE
   const text = Math.abs(value).toFixed(Math.min(Math.max(decimals, 0), 20))
@@ -34,14 +34,14 @@ export function signed(value: Maybe, decimals = 2): string {
 /** A whole number. */
 export const count = (value: Maybe): string => fixed(value, 0)
 
-/** Decimals that show the largest of some numbers with so many significant digits. */
+/** Decimals that show the largest of the numbers with the given significant digits. */
 export function decimalsFor(values: readonly Maybe[], digits = 4): number {
   const largest = Math.max(0, ...values.filter(known).map(Math.abs))
   if (largest === 0) return Math.max(0, digits - 1)
   return Math.min(12, Math.max(0, digits - 1 - Math.floor(Math.log10(largest) + 1e-12)))
 }
 
-/** Decimals that show some numbers and still tell the nearest two apart, at most `most` significant digits. */
+/** Decimals that distinguish the two closest numbers, at most `most` significant digits. */
 export function decimalsApart(values: readonly Maybe[], digits = 4, most = 7): number {
   const sorted = values.filter(known).sort((a, b) => a - b)
   const gaps = sorted.slice(1).map((v, i) => v - (sorted[i] as number))
@@ -53,7 +53,7 @@ export function decimalsApart(values: readonly Maybe[], digits = 4, most = 7): n
   return Math.min(Math.max(base, apart), decimalsFor(sorted, most))
 }
 
-/** A number as an engineer would write it: so many significant digits, trailing zeros dropped, powers of ten at the ends. */
+/** A number with significant digits, without trailing zeros; powers of ten for very large and small ones. */
 export function plain(value: Maybe, digits = 6): string {
   if (!known(value)) return NONE
   if (value === 0) return '0'
@@ -71,12 +71,12 @@ export function trimmed(digits: string): string {
   return digits.includes('.') ? digits.replace(/\.?0*$/, '') : digits
 }
 
-/** What a number field shows: every digit, no grouping, so that what is read is what is stored. */
+/** The text of a number field: full precision, no grouping, so that it parses to the stored value. */
 export function field(value: number): string {
   return String(value).replace('-', MINUS)
 }
 
-/** The number that a field's text means; null where it means none. Accepts both minus signs, spaces between thousands. */
+/** Parses a field's text; null if it is not a number. Accepts both minus signs, spaces between thousands. */
 export function parse(text: string): number | null {
   const clean = text
     .trim()
@@ -88,14 +88,14 @@ export function parse(text: string): number | null {
   return Number.isFinite(value) ? value : null
 }
 
-/** A share as percent. */
+/** A fraction as percent. */
 export function percent(share: Maybe, digits = 2): string {
   if (!known(share)) return NONE
   const value = share * 100
   return `${fixed(value, value === 0 ? 0 : decimalsFor([value], digits))}${NARROW}%`
 }
 
-/** A length of time [s] in words short enough for a table. */
+/** A duration [s], short enough for a table. */
 export function duration(seconds: Maybe): string {
   if (!known(seconds)) return NONE
   if (seconds < 0.095) return `<${NARROW}0.1${NARROW}s`

@@ -1,4 +1,4 @@
-// Quantities have the digits that the service writes, number by number.
+// Quantities have the same digits as those of the service.
 import { expect, it } from 'vitest'
 import type { Quantity } from '../client'
 import table from './quantities.json'

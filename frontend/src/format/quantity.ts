@@ -1,5 +1,5 @@
-// A quantity of a sentence as text: the digits that the service writes (`campaigns/claims/numbers.py`), checked against
-// the table that it writes. Start reading at `quantityText`.
+// Formats a quantity in a sentence with the same digits as the service (`campaigns/claims/numbers.py`); a test compares
+// both.
 import type { Quantity } from '../client'
 import { count, MINUS, NARROW, trimmed } from './numbers'
 import { unitText } from './units'
@@ -11,7 +11,7 @@ export function quantityText({ value, unit, format, digits }: Pick<Quantity, 'va
   return `${sign}${text}${unit && NARROW}${unitText(unit)}`
 }
 
-/** So many significant digits, without trailing zeros; powers of ten below 1e-4 and above what the digits can show. */
+/** Significant digits without trailing zeros; powers of ten below 1e-4 and above the range of the digits. */
 function significant(value: number, digits: number): string {
   if (value === 0) return '0'
   const [mantissa = '', exponent = '0'] = rounded(Math.abs(value), digits).split('e')
@@ -27,7 +27,7 @@ function significant(value: number, digits: number): string {
 }
 
 const EXACT = 60
-/** In powers of ten; a number exactly between two others becomes the even one, as the service rounds. */
+/** In powers of ten; rounds half to even, as the service does. */
 function rounded(size: number, digits: number): string {
   const [exact = '', exponent = ''] = size.toExponential(EXACT).split('e')
   const all = exact.replace('.', '')

@@ -1,9 +1,9 @@
-// Sentences of the service as spans: a clause becomes a sentence, words join it. Start reading at `sentence`.
+// Sentences of the service as spans; converts a clause to a sentence. Start reading at `sentence`.
 import type { Span } from '../client'
 
 export const words = (text: string): Span => ({ kind: 'text', text })
 
-/** With a capital, where it begins with a word, and a full stop. */
+/** Adds a capital letter, if it starts with a word, and a full stop. */
 export function sentence(said: readonly Span[]): Span[] {
   if (said.length === 0) return []
   const [first, ...rest] = said as [Span, ...Span[]]

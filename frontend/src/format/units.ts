@@ -1,4 +1,4 @@
-// Units as in print: raised powers and a dot between factors, from the catalogue's plain text.
+// Formats units as in print: superscript powers and a dot between factors.
 
 const RAISED: Record<string, string> = { '2': '²', '3': '³', '4': '⁴' }
 

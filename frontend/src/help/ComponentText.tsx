@@ -1,4 +1,4 @@
-// A component's own text with its parameters: of this installation on the help pages, as it was kept on a run's page.
+// The text of a component with its parameters: the installed one on help pages, the stored one on a run's page.
 import type { ComponentEntry, ParameterEntry } from '../client'
 import { plain } from '../format/numbers'
 import { unitText } from '../format/units'
@@ -26,7 +26,7 @@ export function ComponentText({ component, open }: { component: ComponentEntry; 
   )
 }
 
-function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
+export function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
   return (
     <table className="tight">
       <thead>
@@ -34,7 +34,7 @@ function Parameters({ entries }: { entries: readonly ParameterEntry[] }) {
           <th>Name</th>
           <th>Symbol</th>
           <th>Meaning</th>
-          <th className="num">Usual value</th>
+          <th className="num">Default</th>
           <th className="num">Allowed</th>
           <th>Unit</th>
         </tr>

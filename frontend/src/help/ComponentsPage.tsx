@@ -1,12 +1,13 @@
-// Every component's equations with their source, and its parameters, from the catalogue: the text is that of its own file.
+// The equations, sources and parameters of all components, from the catalogue: the texts are their docstrings.
 import { useQuery } from '@tanstack/react-query'
 import { catalogueQuery } from '../api/queries'
 import { Loading, Trouble } from '../page/Trouble'
 import { useTitle } from '../page/useTitle'
-import type { ComponentEntry } from '../client'
+import type { ComponentEntry, SimulatorEntry } from '../client'
 import { ComponentText } from './ComponentText'
 import { HelpFrame } from './HelpFrame'
 import { idOfComponent } from './links'
+import { SimulatorText } from './SimulatorText'
 
 const ROLES: readonly [ComponentEntry['role'], string][] = [
   ['vehicle', 'Vehicles'],
@@ -23,7 +24,7 @@ export function ComponentsPage() {
   const query = useQuery(catalogueQuery)
   if (query.isError) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what="the components" />
-  const { components, version } = query.data
+  const { components, simulators = [], version } = query.data
   const roles = ROLES.flatMap(([role, title]) => {
     const found = components.filter((component) => component.role === role)
     return found.length > 0 ? [{ role, title, found }] : []
@@ -32,13 +33,18 @@ export function ComponentsPage() {
     <HelpFrame
       title="Components"
       lede={`The components of scenarios in this installation (Clearance ${version}). Each component is one file; the text here is its docstring.`}
-      contents={roles.map(({ title, found }) => ({
-        title,
-        entries: found.map((component) => ({
-          id: idOfComponent(component.role, component.name),
-          name: distinctTitle(component, found),
+      contents={[
+        ...roles.map(({ title, found }) => ({
+          title,
+          entries: found.map((component) => ({
+            id: idOfComponent(component.role, component.name),
+            name: distinctTitle(component, found),
+          })),
         })),
-      }))}
+        ...(simulators.length > 0
+          ? [{ title: 'Simulators', entries: simulators.map(({ name, title }) => ({ id: idOfComponent('simulator', name), name: title })) }]
+          : []),
+      ]}
     >
       {roles.map(({ role, title, found }) => (
         <section key={role} className="stack">
@@ -48,11 +54,19 @@ export function ComponentsPage() {
           ))}
         </section>
       ))}
+      {simulators.length > 0 && (
+        <section className="stack">
+          <h2 className="sect">Simulators</h2>
+          {simulators.map((simulator) => (
+            <Simulator key={simulator.name} simulator={simulator} />
+          ))}
+        </section>
+      )}
     </HelpFrame>
   )
 }
 
-/** Some come in two forms, for the plane and for space. */
+/** Some components have two variants, planar and spatial. */
 function distinctTitle({ title, dimension }: ComponentEntry, among: readonly ComponentEntry[]): string {
   const twice = among.filter((component) => component.title === title).length > 1
   return twice && dimension ? `${title}, ${dimension === 2 ? 'in the plane' : 'in space'}` : title
@@ -69,6 +83,21 @@ function Component({ component }: { component: ComponentEntry }) {
       </div>
       <div className="bd stack">
         <ComponentText component={component} />
+      </div>
+    </section>
+  )
+}
+
+function Simulator({ simulator }: { simulator: SimulatorEntry }) {
+  const { name, title } = simulator
+  return (
+    <section className="card" id={idOfComponent('simulator', name)}>
+      <div className="h">
+        <h3>{title}</h3>
+        <span className="d mono">{name}</span>
+      </div>
+      <div className="bd stack">
+        <SimulatorText simulator={simulator} />
       </div>
     </section>
   )

@@ -1,4 +1,4 @@
-// A component's or method's own text, set for reading: equations in their own lines, sources named.
+// Renders the text of a component or method: equations on their own lines, sources labelled.
 import { clsx } from 'clsx'
 import { partsOf } from './docstring'
 import styles from './help.module.css'

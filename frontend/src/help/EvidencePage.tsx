@@ -1,4 +1,4 @@
-// What a verdict rests on, how it was attacked, what a campaign may state, and the limits that remain.
+// The basis of a verdict: attacks and countermeasures, permitted statements of a campaign, and remaining limits.
 import { Link } from '@tanstack/react-router'
 import { useTitle } from '../page/useTitle'
 import { count, percent, plain } from '../format/numbers'
@@ -45,7 +45,7 @@ export function EvidencePage() {
       lede={
         <>
           A <Link to="/help">verdict</Link> is only as good as the attempts to make it claim too much. These are the
-          classes of attack that the checks were tried against, and what was done about each.
+          classes of attack against which the checks were tested, and the countermeasures.
         </>
       }
       contents={contents}

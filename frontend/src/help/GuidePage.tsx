@@ -1,4 +1,4 @@
-// A guide of the folder `docs`, as it was when the pages were built.
+// A guide from the folder `docs`, bundled at build time.
 import { getRouteApi, Link } from '@tanstack/react-router'
 import { lazy, Suspense } from 'react'
 import { NotFound } from '../page/Trouble'
@@ -9,7 +9,7 @@ import { HelpFrame } from './HelpFrame'
 const TEXTS = import.meta.glob<string>('../../../docs/*.md', { query: '?raw', import: 'default', eager: true })
 const PICTURES = import.meta.glob<string>('../../../docs/images/*.svg', { query: '?url', import: 'default', eager: true })
 
-// The notes of a run bring the parser in the same way, in a file of its own.
+// The Markdown parser is loaded on demand, as for the notes of a run.
 const Markdown = lazy(() => import('../ui/Markdown').then((module) => ({ default: module.Markdown })))
 
 const ALL = (

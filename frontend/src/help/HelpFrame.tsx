@@ -1,4 +1,4 @@
-// The frame of the help pages: what there is, beside what is read.
+// The layout of the help pages: table of contents and content.
 import { Link } from '@tanstack/react-router'
 import { type ReactNode, useEffect } from 'react'
 import { GUIDES } from './guides'
@@ -31,7 +31,7 @@ interface HelpFrameProps {
 
 export function HelpFrame({ title, lede, contents, children }: HelpFrameProps) {
   const ready = contents.length > 0
-  // What the address points at comes with the catalogue, after the page.
+  // The target of the fragment is rendered after the catalogue is loaded.
   useEffect(() => {
     if (ready && location.hash) document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView()
   }, [ready])

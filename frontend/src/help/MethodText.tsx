@@ -1,4 +1,4 @@
-// A method's own text with its settings: of this installation on the help pages, as it was kept on a run's page.
+// The text of a method with its settings: the installed one on help pages, the stored one on a run's page.
 import type { MethodEntry } from '../client'
 import { count } from '../format/numbers'
 import { Docstring } from './Docstring'
@@ -24,12 +24,12 @@ export function MethodText({ method }: { method: MethodEntry }) {
         <dd className="mono">{method.name}</dd>
         <dt>Source</dt>
         <dd>{method.source}</dd>
-        <dt>Usual budget</dt>
+        <dt>Default budget</dt>
         <dd>{count(method.evaluations)} evaluations</dd>
         {method.starts && (
           <>
             <dt>Starts</dt>
-            <dd>from points that the campaign gives</dd>
+            <dd>from points given in the campaign</dd>
           </>
         )}
       </dl>
@@ -40,7 +40,7 @@ export function MethodText({ method }: { method: MethodEntry }) {
             <thead>
               <tr>
                 <th>Setting</th>
-                <th>Usual value</th>
+                <th>Default</th>
                 <th>Meaning</th>
               </tr>
             </thead>

@@ -1,4 +1,4 @@
-// What each search method does and guarantees, from the catalogue: the text is that of the method's own file.
+// The search methods and their guarantees, from the catalogue: the texts are the methods' docstrings.
 import { useQuery } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
 import { catalogueQuery } from '../api/queries'

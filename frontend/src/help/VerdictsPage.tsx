@@ -1,4 +1,4 @@
-// What each verdict means, what it takes, and what it never says.
+// The meaning and requirements of each verdict, and what it does not mean.
 import { Link } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
@@ -17,7 +17,7 @@ interface Meaning {
 const MEANINGS: readonly Meaning[] = [
   {
     outcome: 'violated',
-    says: 'A flight within the stated bounds reaches or violates the criterion, and other means confirmed it.',
+    says: 'A case within the stated bounds reaches or violates the criterion, and validation confirmed it.',
     takes: [
       'A finding with a margin of zero or less.',
       'The same case also violates the criterion in the step-halving check and with the reference integrator. If the three differ by more than the tolerance, the verdict reports it.',
@@ -36,7 +36,7 @@ const MEANINGS: readonly Meaning[] = [
       'No evaluation failed, and at most 10 % were excluded.',
       'The encounter took place: the closest approach is inside the horizon, the vehicle moves, the avoidance makes a difference, and so does a parameter.',
       'With noise, an independent sample draws a realisation for every evaluation.',
-      'Where there is a sample, its bound on P(violation) meets the campaign’s target, or 5 % where none is stated.',
+      'If there is a sample, its bound on P(violation) meets the campaign’s target, or 5 % if none is stated.',
     ],
     not: 'It is not a proof. A search can miss a worse case, and the verdict holds only for this model, these bounds and this criterion. The verdict’s sentence and scope name them.',
   },
@@ -87,7 +87,7 @@ export function VerdictsPage() {
       title="Verdicts"
       lede={
         <>
-          A run looks for the worst flight within the bounds of what is uncertain, and reports what may be claimed. No
+          A run searches for the worst case within the bounds of the uncertain parameters, and reports what may be claimed. No
           verdict rests on one <Link to="/help/methods">method</Link>, or on a bound alone.{' '}
           <Link to="/help/evidence">What a verdict rests on and how it was attacked</Link>
         </>

@@ -1,4 +1,4 @@
-// The classes of attack on a verdict: how it could claim too much, and what is done about each.
+// The classes of attack on a verdict: how it could claim too much, and the countermeasures.
 
 export interface Attack {
   id: string
@@ -51,7 +51,7 @@ export const ATTACKS: readonly Attack[] = [
     title: 'One realisation of the noise, or the mean of several',
     danger: 'A search with one noise seed finds the worst case of that seed; in a mean a single violation disappears.',
     answer:
-      'With noise the sample draws a realisation of its own with every flight. Means are not cleared, nor is noise without such a sample. The simulated seed is stored with every trace and finding.',
+      'With noise the sample draws a new realisation for every evaluation. Means are not cleared, nor is noise without such a sample. The simulated seed is stored with every trace and finding.',
   },
   {
     id: 'excluded',

@@ -1,4 +1,4 @@
-// Texts of components as they come from their files.
+// Parsing of component texts.
 import { expect, it } from 'vitest'
 import { partsOf } from './docstring'
 

@@ -1,21 +1,21 @@
-// The text of a component or method, as its own file states it: paragraphs, equations, tables of words. Start: `partsOf`.
+// Parses the docstring of a component or method: paragraphs, equations, tables. Start reading at `partsOf`.
 
 export interface Part {
   kind: 'text' | 'equations' | 'table'
-  /** A word before the colon that opens the paragraph, such as Source. */
+  /** The label that starts the paragraph, such as Source. */
   label?: string
   text: string
 }
 
 const LABEL = /^(Source|Limits|Reconstructed|Distribution|Assumptions|Note|Meant for|Measured): */
-/** For readers of the code, not of these pages. */
+/** Addressed to readers of the code; not shown. */
 const FOR_READERS = /\s*Start reading at `[^`]+`\.?/g
 
 const isIndented = (line: string): boolean => /^ {3,}/.test(line)
-/** Words set in columns: a gap of blanks after the first of them. */
+/** A table: several spaces after the first column. */
 const isColumns = (lines: string[]): boolean => lines.filter((line) => /^\S+ {2,}\S/.test(line)).length > 0
 
-/** The first line, which says what it is, and the rest in parts. */
+/** The first line (the summary), and the remaining parts. */
 export function partsOf(text: string): { title: string; parts: Part[] } {
   const [title = '', ...rest] = text.replace(FOR_READERS, '').trim().split('\n')
   const blocks = rest

@@ -1,4 +1,4 @@
-// The guides as the help shows them: every file has its entry, every link stays within the pages.
+// The guides in the help: every file has an entry, every link stays within the pages.
 import { readdirSync, readFileSync } from 'node:fs'
 import { fileURLToPath } from 'node:url'
 import { createElement } from 'react'

@@ -1,4 +1,4 @@
-// The guides of the folder `docs` by name and title, in the order of their index. A test compares them with the files.
+// The guides in the folder `docs` by name and title, in index order. A test compares them with the files.
 
 export const GUIDES = [
   { name: 'index', title: 'Guides' },
@@ -16,7 +16,7 @@ export function shown(text: string): string {
   return text.replace(/^# .*\n/, '').replace(/\]\(([\w-]+)\.md(#[\w-]+)?\)/g, '](/help/guides/$1$2)')
 }
 
-/** A text and the pictures in it, in their order: a picture as its alternative text and file name. */
+/** Splits a text at its images; an image is its alternative text and file name. */
 export function parts(text: string): (string | { alt: string; file: string })[] {
   return text.split(/^(!\[[^\]]*\]\(images\/[\w.-]+\))$/m).map((part) => {
     const picture = /^!\[([^\]]*)\]\(images\/([\w.-]+)\)$/.exec(part)

@@ -1,4 +1,4 @@
-// Ways from the other pages into the help.
+// Links from other pages to the help.
 import { IconHelp } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import styles from './help.module.css'
@@ -7,7 +7,7 @@ export const idOfComponent = (role: string, name: string): string => `${role}-${
 
 interface HelpLinkProps {
   to: '/help' | '/help/evidence' | '/help/methods' | '/help/components'
-  /** What of the page. */
+  /** The section of the page. */
   at?: string
   children: string
 }

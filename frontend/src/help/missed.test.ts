@@ -1,4 +1,4 @@
-// The table of what a sample misses.
+// The probability that a sample misses a set of violations.
 import { expect, it } from 'vitest'
 import { missed, SAMPLES, SLITS } from './missed'
 

@@ -1,4 +1,4 @@
-// Search everything and go there: runs as the service finds them, pages, the library's campaigns, help. Ctrl K opens it.
+// The search dialog (Ctrl K): runs found by the service, pages, library campaigns, help.
 import { Combobox, Modal, useCombobox } from '@mantine/core'
 import { IconArrowRight, IconSearch } from '@tabler/icons-react'
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
@@ -12,9 +12,9 @@ import { OutcomeIcon, lookOf, outcomeOf } from '../ui/VerdictBadge'
 import { matching, type Place, placesOf } from './places'
 import styles from './jump.module.css'
 
-/** How many runs are offered. */
+/** Maximum number of runs shown. */
 const RUNS = 6
-/** What is typed is asked for once it rests this long [ms]. */
+/** Debounce interval of typing [ms]. */
 const REST = 150
 
 export function Jump({ opened, onClose }: { opened: boolean; onClose: () => void }) {
@@ -45,7 +45,7 @@ function Search({ onDone }: { onDone: () => void }) {
   const offered = matching(places, text)
   useEffect(() => {
     store.selectFirstOption()
-    // The first one is what Enter takes, whatever was chosen among those before.
+    // Enter selects the first result, whatever was selected before.
   }, [text, found.data]) // eslint-disable-line react-hooks/exhaustive-deps
   const go = (to: string) => {
     onDone()
@@ -77,7 +77,7 @@ function Search({ onDone }: { onDone: () => void }) {
         ))}
         {runs.length + offered.length === 0 && !found.isFetching && (
           <Combobox.Empty>
-            {found.isError ? 'The service does not answer; pages can still be found.' : 'No results'}
+            {found.isError ? 'The service does not respond; pages can still be found.' : 'No results'}
           </Combobox.Empty>
         )}
       </Combobox.Options>

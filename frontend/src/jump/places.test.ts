@@ -1,4 +1,4 @@
-// Where a jump leads for what is typed.
+// Results of the search dialog.
 import { expect, it } from 'vitest'
 import type { Catalogue, LibraryCampaign } from '../client'
 import { matching, placesOf } from './places'
@@ -10,6 +10,7 @@ const LIBRARY = [
 const CATALOGUE = {
   methods: [{ name: 'direct', title: 'DIRECT' }],
   components: [{ role: 'vehicle', name: 'unicycle', title: 'Unicycle', dimension: 2 }],
+  simulators: [{ name: 'two_basins', title: 'Two basins' }],
 } as unknown as Catalogue
 const places = placesOf(LIBRARY, CATALOGUE)
 const names = (text: string) => matching(places, text).map((place) => place.name)
@@ -31,5 +32,6 @@ it('puts names that begin so first', () => {
 
 it('knows where each leads', () => {
   expect(matching(places, 'vehicle').map((place) => place.to)).toEqual(['/help/components#vehicle-unicycle'])
+  expect(matching(places, 'simulator').map((place) => place.to)).toEqual(['/help/components#simulator-two_basins'])
   expect(matching(places, 'moving').map((place) => place.to)).toEqual(['/launch?case=uav_moving'])
 })

@@ -1,4 +1,4 @@
-// Where a jump can lead, beside runs: pages, the library's campaigns, and the help's topics. Start reading at `placesOf`.
+// Targets of the search dialog besides runs: pages, library campaigns, and help topics.
 import type { Catalogue, LibraryCampaign } from '../client'
 import { GUIDES } from '../help/guides'
 import { idOfComponent } from '../help/links'
@@ -21,7 +21,7 @@ const PAGES: readonly Place[] = [
   { to: '/docs', group: 'Pages', name: 'API', note: 'For programs' },
 ]
 
-/** Every place, in the order in which they are offered. */
+/** All targets in their order. */
 export function placesOf(library: readonly LibraryCampaign[], catalogue: Catalogue | undefined): Place[] {
   const campaigns = library.map(({ id, document }): Place => {
     const { name, summary } = document as { name?: string; summary?: string }
@@ -35,11 +35,14 @@ export function placesOf(library: readonly LibraryCampaign[], catalogue: Catalog
     const note = role.charAt(0).toUpperCase() + role.slice(1) + space
     return { to: `/help/components#${idOfComponent(role, name)}`, group: 'Help', name: title, note }
   })
+  const simulators = (catalogue?.simulators ?? []).map(
+    ({ name, title }): Place => ({ to: `/help/components#${idOfComponent('simulator', name)}`, group: 'Help', name: title, note: 'Simulator' }),
+  )
   const guides = GUIDES.map(({ name, title }): Place => ({ to: `/help/guides/${name}`, group: 'Help', name: title, note: 'Guide' }))
-  return [...PAGES, ...campaigns, ...methods, ...components, ...guides]
+  return [...PAGES, ...campaigns, ...methods, ...components, ...simulators, ...guides]
 }
 
-/** Those that have every word, the ones whose names begin with the text first; the pages alone for no text. */
+/** The targets that contain every word, those whose names start with the text first; only pages for an empty text. */
 export function matching(places: readonly Place[], text: string, most = 12): Place[] {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean)
   if (words.length === 0) return places.filter((place) => place.group === 'Pages')

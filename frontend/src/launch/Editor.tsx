@@ -40,9 +40,9 @@ interface EditorProps {
   tab: 'form' | 'yaml'
   onChoose: (id: string) => void
   onTab: (tab: 'yaml' | undefined) => void
-  /** It was kept as a draft, which has an address of its own. */
+  /** Stored as a draft, which has its own address. */
   onKept: (draft: Draft) => void
-  /** The draft is to be read anew, and what was edited forgotten. */
+  /** Reload the draft and discard edits. */
   onReopen: () => void
 }
 
@@ -66,7 +66,7 @@ export function Editor(props: EditorProps) {
       props.onKept(kept)
     },
   )
-  // One key for one campaign as it stands: pressing twice never starts two runs.
+  // One key per campaign state: pressing twice never starts two runs.
   const submission = useRef({ body: '', key: '' })
   const launch = useMutation({
     mutationFn: async () => {
@@ -77,7 +77,7 @@ export function Editor(props: EditorProps) {
       const body = JSON.stringify(given)
       if (submission.current.body !== body) submission.current = { body, key: crypto.randomUUID() }
       const run = await submitRun(given, submission.current.key)
-      // The run is what counts: where somebody saved the draft meanwhile, it stays as it is.
+      // The run takes precedence: a draft that another user has saved in the meantime is not changed.
       await saved.launched(run.id, remove).catch(() => undefined)
       return run
     },
@@ -217,7 +217,7 @@ export function Editor(props: EditorProps) {
   )
 }
 
-/** Takes edits back, whichever side they were made on. */
+/** Undoes edits of form and text. */
 function Back({ draft }: { draft: DraftState }) {
   return (
     <span className="back">

@@ -1,4 +1,4 @@
-// What the editor began with: nothing, an earlier run, or a draft.
+// The origin of the edited campaign: new, an earlier run, or a draft.
 import { IconCopy, IconFileText } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { ReactNode } from 'react'

@@ -1,4 +1,4 @@
-// Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or keep it.
+// Launching a run: choose a campaign, an earlier run or a draft, edit it as a form or as text, start it or save it as a draft.
 import { IconLoader } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'
@@ -14,14 +14,14 @@ import { Editor } from './Editor'
 import './launch.css'
 import { ordered, type Shelf, shelfOf } from './library/shelf'
 
-/** An editor that has become a draft goes on as it is under the draft's address. */
+/** An editor whose campaign was saved as a draft continues under the draft's address. */
 interface Own {
   draft: string
   key: string
   start: Start
 }
 
-/** Before any worker came there are no components to choose from; the page asks for them until there are. */
+/** Without a worker there is no catalogue; the page polls until there is one. */
 function Waiting({ error }: { error: Error }) {
   if (!(error instanceof Refusal) || error.status !== 503) return <Trouble error={error} />
   return (
@@ -29,7 +29,7 @@ function Waiting({ error }: { error: Error }) {
       <IconLoader size={36} stroke={1.5} className="spin" aria-hidden />
       <h1>Waiting for a worker</h1>
       <p>
-        Vehicles, controllers, avoiders and search methods are told by the workers, and none has started on this database
+        Vehicles, controllers, avoiders and search methods are published by workers, and none has started on this database
         yet. Start one with <code>clearance worker</code>: this page then continues automatically.
       </p>
       <div className="acts">
@@ -85,7 +85,7 @@ export function LaunchPage() {
   const key = kept?.key ?? version ?? search.from ?? chosen ?? ''
   return (
     <Editor
-      // Another case starts a new editor; what was edited belongs to the old one.
+      // Another case starts a new editor; edits belong to the old one.
       key={key}
       start={start}
       from={search.from}

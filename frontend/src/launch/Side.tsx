@@ -1,4 +1,4 @@
-// Beside the form: name, tags and criterion of the run, what it will take, and the button that starts it.
+// The side panel: name, tags and criterion of the run, estimated effort, and the start button.
 import { TagsInput } from '@mantine/core'
 import { IconPlayerPlay } from '@tabler/icons-react'
 import type { Campaign, Raw } from '../api/campaign'
@@ -15,7 +15,7 @@ interface RunCardProps {
   name: string
   tags: string[]
   campaign: Campaign
-  /** Whether the campaign shown is the one in the text: else its criterion cannot be edited here. */
+  /** Whether form and text agree; otherwise the criterion cannot be edited here. */
   readable: boolean
   criterion: ComponentEntry | ResultEntry | undefined
   onName: (name: string) => void
@@ -111,7 +111,7 @@ export function Estimate({ checked, campaign }: EstimateProps) {
   )
 }
 
-/** The size of the sample that a probability is claimed from: the certify stage's, else that of plain Monte Carlo. */
+/** The size of the sample for the statistical statement: that of certify, else of Monte Carlo. */
 function samplesOf({ stages }: Campaign): number | null {
   if (stages.certify) return numberOf(stages.certify.samples ?? 3000)
   const plain = stages.search.find(

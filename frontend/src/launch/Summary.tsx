@@ -1,4 +1,4 @@
-// All that keeps a run from starting, in one place; each entry leads to its field.
+// All problems that prevent a run from starting; each entry links to its field.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import type { FieldProblem } from '../api/problems'
 import styles from './launch.module.css'

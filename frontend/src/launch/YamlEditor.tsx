@@ -1,4 +1,4 @@
-// The campaign as text: an editor that comes after the page, and the ways in and out of a file.
+// The campaign as text: the lazily loaded editor, and opening and saving files.
 import { useMediaQuery } from '@mantine/hooks'
 import { IconCircleCheck, IconDownload, IconFileText, IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
@@ -24,7 +24,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
     setDropping(false)
     const file = event.dataTransfer.files[0]
     if (!file) return
-    // The whole file takes the place of the text; the editor itself would put it where it fell.
+    // A dropped file replaces the whole text; the editor itself would insert it at the drop position.
     event.preventDefault()
     event.stopPropagation()
     take(file)
@@ -34,7 +34,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
     event.preventDefault()
     setDropping(true)
   }
-  // A keyboard on the glass hides what is typed: there the text is to be read, copied, and replaced by a file.
+  // An on-screen keyboard hides the text: on tablets it is read-only and can be replaced by a file.
   const touched = useMediaQuery('(pointer: coarse) and (max-width: 1180px)') ?? false
   return (
     <Card
@@ -66,7 +66,7 @@ export function YamlEditor({ ok, ...code }: YamlEditorProps) {
       footer={
         touched
           ? 'Read only on a tablet: change it in the form, or open a file. The form shows the same campaign.'
-          : 'YAML or JSON: paste a campaign, or drop its file here. Tab moves on; Ctrl ] and Ctrl [ indent. Comments stay when the form is edited.'
+          : 'YAML or JSON: paste a campaign, or drop its file here. Tab leaves the editor; Ctrl ] and Ctrl [ indent. Comments stay when the form is edited.'
       }
     >
       <div

@@ -1,4 +1,4 @@
-// What a page shows instead of itself when it cannot be shown: waiting, refused, not found, broken.
+// Placeholders of a page: loading, refused, not found, error.
 import { IconAlertTriangle, IconLoader } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { Refusal } from '../api/problems'
@@ -17,7 +17,7 @@ export function Loading({ what }: { what: string }) {
 interface TroubleProps {
   error: unknown
   retry?: () => void
-  /** Whether a way to the runs is offered; not on their own page. */
+  /** Whether to show a link to the runs; not on their own page. */
   onward?: boolean
 }
 

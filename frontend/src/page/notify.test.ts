@@ -1,4 +1,4 @@
-// What is told of runs that end, and which ones those are.
+// Notifications of ended runs.
 import { beforeAll, expect, it, vi } from 'vitest'
 import type { RunSummary } from '../client'
 import type * as Notify from './notify'

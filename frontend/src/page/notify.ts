@@ -1,5 +1,5 @@
-// Word from the browser when a run has ended, for those who ask for it: their own runs, or single ones. Kept in this
-// browser alone. A hidden tab has no event stream, so this asks the service now and then. Start reading at `useNotifier`.
+// Browser notifications when a run has ended, on request: for all own runs, or single ones. The choice is stored in this
+// browser. A hidden tab has no event stream, so this polls the service. Start reading at `useNotifier`.
 import { useQuery } from '@tanstack/react-query'
 import { useEffect, useSyncExternalStore } from 'react'
 import { getRun, listRuns } from '../api/calls'
@@ -20,7 +20,7 @@ const PERIOD = 5000
 const NOTHING: Wanted = { mine: false, runs: [] }
 const LIVE = ['queued', 'running', 'cancelling'] as const
 
-/** What is stored, whatever somebody wrote there. */
+/** Reads the stored choice; tolerates invalid content. */
 export function readWanted(text: string | null): Wanted {
   try {
     const { mine, runs } = JSON.parse(text ?? '{}') as Record<string, unknown>
@@ -47,7 +47,7 @@ function want(next: Wanted): void {
   try {
     localStorage.setItem(KEY, JSON.stringify(next))
   } catch {
-    // Without storage the wish lasts as long as the page.
+    // Without storage the choice lasts as long as the page.
   }
   for (const listener of listeners) listener()
 }
@@ -66,21 +66,21 @@ export const useWanted = (): Wanted => useSyncExternalStore(subscribe, () => wan
 
 export type Asked = 'granted' | 'denied' | 'unavailable'
 
-/** Asks the browser's user, once; browsers offer it on this machine and over HTTPS only. */
+/** Asks the user for permission, once; browsers support it only on localhost and over HTTPS. */
 async function permitted(): Promise<Asked> {
   if (!('Notification' in window) || !isSecureContext) return 'unavailable'
   if (Notification.permission === 'granted') return 'granted'
   return (await Notification.requestPermission()) === 'granted' ? 'granted' : 'denied'
 }
 
-/** Turns word of all my runs on or off. */
+/** Turns notifications of all own runs on or off. */
 export async function toggleMine(): Promise<Asked> {
   const answer = wanted.mine ? 'granted' : await permitted()
   if (answer === 'granted') want({ ...wanted, mine: !wanted.mine })
   return answer
 }
 
-/** Turns word of one run on or off. */
+/** Turns notifications of one run on or off. */
 export async function toggleRun(run: string): Promise<Asked> {
   const on = wanted.runs.includes(run)
   const answer = on ? 'granted' : await permitted()
@@ -88,13 +88,13 @@ export async function toggleRun(run: string): Promise<Asked> {
   return answer
 }
 
-/** Those that were live, are wanted, and are live no more. */
+/** Requested runs that were active and have ended. */
 export function endedOf(before: ReadonlySet<string>, live: readonly RunSummary[]): string[] {
   const now = new Set(live.map((run) => run.id))
   return [...before].filter((id) => !now.has(id))
 }
 
-/** Tells of runs that end for as long as this tab is open. */
+/** Notifies of ended runs while this tab is open. */
 export function useNotifier(open: (run: string) => void): void {
   const { mine, runs } = useWanted()
   const user = useQuery(sessionQuery).data?.user
@@ -108,7 +108,7 @@ export function useNotifier(open: (run: string) => void): void {
       before = new Set(items.filter((run) => (mine && run.owner === user) || runs.includes(run.id)).map((run) => run.id))
       for (const id of ended) tell(await getRun(id), open)
     }
-    // Without an answer now, there will be one later.
+    // A failed request is repeated at the next interval.
     const timer = setInterval(() => void look().catch(() => undefined), PERIOD)
     void look().catch(() => undefined)
     return () => clearInterval(timer)
@@ -117,7 +117,7 @@ export function useNotifier(open: (run: string) => void): void {
 
 function tell(run: RunSummary, open: (run: string) => void): void {
   if (wanted.runs.includes(run.id)) want({ ...wanted, runs: wanted.runs.filter((id) => id !== run.id) })
-  // The same tag from several tabs is one message.
+  // The tag merges notifications from several tabs.
   const message = new Notification(`${run.id} ${lookOf(outcomeOf(run)).word.toLowerCase()}`, {
     body: bodyOf(run),
     tag: run.id,

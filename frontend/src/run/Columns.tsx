@@ -1,4 +1,4 @@
-// Cards of unlike heights in two columns, so that neither ends long before the other.
+// Places cards of different heights in two balanced columns.
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'
 import { balanced, type Weighed } from './balanced'
@@ -8,7 +8,7 @@ export interface Piece extends Weighed {
   card: ReactNode
 }
 
-/** What is false or null is left out; a single card takes the whole width. */
+/** False and null are skipped; a single card has the full width. */
 export function Columns({ pieces }: { pieces: readonly (Piece | false | null)[] }) {
   const there = pieces.filter((piece): piece is Piece => Boolean(piece))
   if (there.length === 0) return null

@@ -1,4 +1,4 @@
-// A run that is over: the verdict and, section by section, everything it rests on.
+// A run that has ended: the verdict and its evidence, by sections.
 import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useDeferredValue, useMemo } from 'react'
 import { resultOf } from '../api/stages'
@@ -14,7 +14,6 @@ import { EncounterCard } from './verdict/EncounterCard'
 import { Failures } from './search/Failures'
 import { FindingsCard } from './findings/FindingsCard'
 import { FiveFigures } from './verdict/FiveFigures'
-import { Card } from '../ui/Card'
 import { Flight } from './flight/Flight'
 import { overTime } from './flight/flown'
 import { FrontCard } from './findings/FrontCard'
@@ -48,7 +47,7 @@ export function Finished({ data }: { data: RunData }) {
   const view = useMemo(() => new View(run.id), [run.id])
   const whatIf = useWhatIf(data, view)
   const other = useDeferredValue(whatIf.answer)
-  // What is drawn of thousands of points, and in many charts, comes after all that answers at once.
+  // Charts with thousands of points are rendered after the main content.
   const calm = useCalm()
   const cross = useCallback((time: number) => view.steer({ time, passing: true }), [view])
   const sensitivity = resultOf(stageOf(data, 'sensitivity'), 'sensitivity')
@@ -65,16 +64,16 @@ export function Finished({ data }: { data: RunData }) {
   const space = data.parameters.length > 0 && data.evaluations?.stages.some((stage) => stage.index.length > 0)
   const searched = run.stages.some((stage) => stage.kind === 'search' && stage.evaluations > 0)
   const methods = run.stages.filter((stage) => stage.kind === 'search').length
-  // Without a validated finding the page shows the lowest flight, and says that it is no more than that.
+  // Without a validated finding the page shows the lowest evaluation, labelled as not validated.
   const lowest = data.findings.length > 0 ? null : bestOf(data)
   const flown = data.nominalTrace !== undefined
-  // Two curves stand beside the separation, more take a row of their own.
+  // Two charts fit next to the separation; more need their own row.
   const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
-  // Beside the flight there is room below a short table.
+  // Next to the flight there is room below a short table.
   const short = data.parameters.length + run.criteria.length <= 4
   const shown = flown || data.findings.length > 0 || lowest !== null
   const raised = sensitivity !== null && short && shown
-  // Where each start ended needs a row of its own with many parameters.
+  // With many parameters the minima by start need their own row.
   const many = data.parameters.length > 3
   const timed = data.nominalTrace !== undefined && overTime(data.nominalTrace).length > 0
   const sections: Section[] = [
@@ -107,14 +106,14 @@ export function Finished({ data }: { data: RunData }) {
       <SectionTabs sections={sections} />
       <div className="grid">
         {run.state === 'failed' && !shown && (
-          <NominalWorst data={data} className="c7" title="What was asked" column={null} worst={null} />
+          <NominalWorst data={data} className="c7" title="Uncertain parameters" column={null} worst={null} />
         )}
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
         {flown && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
         {data.campaign.simulator && (
-          <Card title="Trace" className={shown ? 'c6' : 'c12'} id="trace">
-            <p className="sec">This system provides no trace: only the values of its results can be shown.</p>
-          </Card>
+          <p className="note c12" id="trace">
+            This system provides no trace: only the values of its results can be shown.
+          </p>
         )}
         {shown && (
           <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>
@@ -134,9 +133,9 @@ export function Finished({ data }: { data: RunData }) {
         {flown && (
           <SeparationCard data={data} onCross={cross} standing={view} whatIf={other} className={few || timed ? 'c7' : 'c12'} height={few ? 280 : 370} />
         )}
-        {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5" height={226} />}
+        {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5 wide" height={226} />}
         {timed && (
-          <div className={few ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5')} id="motion" style={{ minHeight: few ? 220 : 380 }}>
+          <div className={few ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few ? 220 : 380 }}>
             {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
           </div>
         )}
@@ -149,10 +148,10 @@ export function Finished({ data }: { data: RunData }) {
             height={150}
           />
         )}
-        {sensitivity && !raised && <Tornado data={data} result={sensitivity} className="c4" tall={data.parameters.length > 6} />}
+        {sensitivity && !raised && <Tornado data={data} result={sensitivity} className="c4 wide" tall={data.parameters.length > 6} />}
         {sensitivity && indices && <IndicesCard data={data} result={sensitivity} className="c12" />}
         {searched && <MethodsTable data={data} className="c7" id="methods" />}
-        {searched && <Convergence data={data} className="c5" height={Math.min(300, 180 + 30 * methods)} />}
+        {searched && <Convergence data={data} className="c5 wide" height={Math.min(300, 180 + 30 * methods)} />}
         <Columns
           pieces={[
             sample && {
@@ -173,14 +172,14 @@ export function Finished({ data }: { data: RunData }) {
               height: 110 + 38 * rowsOf(search),
               card: <Minima key={search.method} data={data} search={search} className="" />,
             })),
-            // Beside a sample there is no room for it: a row of its own is lower than two columns of unlike height.
+            // No room next to a sample: its own row is lower than two columns of different height.
             published > 0 &&
               !sample && { height: 130 + 44 * published, card: <Published key="published" data={data} className="" /> },
           ]}
         />
         {published > 0 && sample && <Published data={data} className="c12" />}
         {space && (
-          // Loaded after the page; the height is kept for it, so that what follows does not jump.
+          // Loaded after the page; its height is reserved, so that the layout does not shift.
           <div className="c12" id="space" style={{ minHeight: 520 }}>
             {calm && (
               <Suspense>
@@ -206,7 +205,7 @@ function titleOf({ chosen, finding }: RunData): string {
   return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest evaluation'
 }
 
-/** Who came to the chosen finding with the least work; of the worst one, who found it lowest. */
+/** The method that reached the chosen finding with the fewest evaluations; for the worst finding, the lowest. */
 function methodOf({ run, chosen, finding }: RunData): string | null {
   if (chosen === 'F1') return run.worst_method
   const found = [...(finding?.found ?? [])].sort((a, b) => a.evaluations - b.evaluations)

@@ -1,4 +1,4 @@
-// The 3D view of a run in a window of its own, with all of its controls; of a run that still works, too.
+// The 3D view of a run in its own window with all controls, also for an active run.
 import { Link, useParams, useSearch } from '@tanstack/react-router'
 import { useEffect, useMemo, useState } from 'react'
 import { asCampaign } from '../api/campaign'
@@ -47,12 +47,13 @@ function Page({ run }: { run: RunDetail }) {
   const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
   const view = useMemo(() => new View(run.id), [run.id])
   const whatIf = useWhatIf(data, view)
-  // Which flight is meant is known once the findings are.
+  // The chosen flight is known once the findings are loaded.
   const [ready, setReady] = useState(false)
   if (data.complete && !ready) setReady(true)
   const live = isLive(run)
   useEffect(() => {
-    if (live) view.steer({ panel: true }) // there is the convergence of the searches
+    // The panel shows the convergence of the searches; a narrow window has no room for it.
+    if (live && !matchMedia('(max-width: 760px)').matches) view.steer({ panel: true })
   }, [view, live])
   if (!ready) return <Loading what="flight" />
   return (

@@ -1,4 +1,4 @@
-// A run that works: figures, stages, convergence, best so far, methods, improvements.
+// An active run: figures, stages, convergence, best so far, methods, improvements.
 import { clsx } from 'clsx'
 import type { RunDetail } from '../client'
 import { unknownOf, withoutValue } from '../format/counts'
@@ -49,7 +49,7 @@ export function Live({ data }: { data: RunData }) {
   )
 }
 
-/** Already while it works: what failed may be worth stopping for. */
+/** Shown during the run, because failures may be a reason to cancel it. */
 function LiveFailures({ data }: { data: RunData }) {
   return data.evaluations?.failures.length ? <Failures data={data} className="c12" /> : null
 }
@@ -62,7 +62,7 @@ function Queued({ data }: { data: RunData }) {
       </p>
       <StageStrip run={data.run} />
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>
-        <NominalWorst data={data} className="c6" title="What is asked" column={null} worst={null} />
+        <NominalWorst data={data} className="c6" title="Uncertain parameters" column={null} worst={null} />
         <Notes run={data.run} className="c6" />
       </div>
     </>
@@ -129,7 +129,7 @@ function Figures({ data }: { data: RunData }) {
 const elapsed = (run: RunDetail, now: number): number | null =>
   run.started === null ? null : Math.max(0, now - run.started)
 
-/** The last improvements of each method, the newest first. */
+/** The last improvements of each method, newest first. */
 function Improvements({ data, className }: { data: RunData; className: string }) {
   const rows = searchesOf(data)
     .flatMap(({ stage, series }) => {

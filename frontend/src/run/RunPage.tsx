@@ -1,4 +1,4 @@
-// One run: while it works, how far it is; when it is over, the verdict and everything behind it.
+// The page of a run: progress while it is active, then the verdict and its evidence.
 import { useParams, useSearch } from '@tanstack/react-router'
 import { useState } from 'react'
 import { Refusal } from '../api/problems'
@@ -27,7 +27,7 @@ export function RunPage() {
 function Page({ run, stale }: { run: RunDetail; stale: boolean }) {
   useTitle(`${run.id} ${run.name}`)
   const data = useRunData(run, useSearch({ from: '/runs/$id' }).finding)
-  // Drawn once it is known what stands where, and from then on whatever is asked for again.
+  // Rendered once the layout is known, and from then on also during refetches.
   const [drawn, setDrawn] = useState('')
   if (!isLive(run) && data.complete && drawn !== run.id) setDrawn(run.id)
   return (

@@ -1,4 +1,4 @@
-// The tabs under the figures: they lead to the sections below and show which one is being read.
+// The tabs below the figures: links to the sections, with the current one highlighted.
 import { useEffect, useState } from 'react'
 import { count } from '../format/numbers'
 import { useHotkeys } from '../ui/useHotkeys'

@@ -1,4 +1,4 @@
-// Cards in two columns that end together.
+// Cards in two balanced columns.
 import { expect, it } from 'vitest'
 import { balanced } from './balanced'
 

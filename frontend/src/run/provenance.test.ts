@@ -1,4 +1,4 @@
-// What flew a run, from its verdict and from what was stored as it began.
+// Provenance of a run, from its verdict and from what was stored at its start.
 import { expect, it } from 'vitest'
 import { verdict } from '../api/fixtures'
 import type { Flown } from '../client'

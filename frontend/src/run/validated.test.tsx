@@ -1,4 +1,4 @@
-// What was simulated again: the nominal case from the stage's result, each finding's from the finding itself.
+// Validated cases: the nominal case from the stage's result, each finding's from the finding.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { finding, run, validated, validation } from '../api/fixtures'

@@ -1,4 +1,4 @@
-// Which columns the list has. They keep their order; the run itself is always there.
+// Selects the columns of the list. Their order is fixed; the run column is always shown.
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { COLUMNS } from './columns'
 import type { ColumnKey } from './columnKeys'
@@ -6,7 +6,7 @@ import { Menu, Pick, Picks } from '../ui/Menu'
 
 interface ColumnsMenuProps {
   cols: ColumnKey[] | undefined
-  /** Those without a choice. */
+  /** The default columns. */
   usual: readonly ColumnKey[]
   onChange: (cols: ColumnKey[] | undefined) => void
 }
@@ -26,7 +26,7 @@ export function ColumnsMenu({ cols, usual, onChange }: ColumnsMenuProps) {
       </Picks>
       {cols && (
         <button type="button" className="btn s" onClick={() => onChange(undefined)}>
-          The usual columns
+          Default columns
         </button>
       )}
     </Menu>

@@ -1,4 +1,4 @@
-// A filter with several answers: a button that says what is chosen, and a list to choose from.
+// A filter with multiple choice: a button with the current choice, and a list.
 import { type ReactNode, useState } from 'react'
 import type { Facet } from '../client'
 import { count } from '../format/numbers'
@@ -17,7 +17,7 @@ const FEW = 8
 
 export function FilterMenu({ name, options, value = [], onChange, label = (text) => text }: FilterMenuProps) {
   const [query, setQuery] = useState('')
-  // What is chosen can be taken back even where no run has it any more.
+  // A chosen value can be deselected even if no run has it any more.
   const gone = value.filter((text) => !options.some((option) => option.value === text))
   const all = [...gone.map((text) => ({ value: text, runs: 0 })), ...options]
   const shown = all.filter((option) => option.value.toLowerCase().includes(query.toLowerCase()))

@@ -1,4 +1,4 @@
-// What narrows the list: outcome chips with their counts, search, campaign, tag, method, user, date; all in the address.
+// The filters of the list: outcome chips with their counts, search, campaign, tag, method, user, date; all in the address.
 import { IconPinned, IconSearch, IconTrash } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { useEffect, useRef, useState } from 'react'
@@ -124,7 +124,7 @@ function SearchBox({ value, begin, onChange }: { value: string; begin: boolean; 
     if (begin) input.current?.focus()
   }, [begin])
 
-  // Changes from outside (back button, cleared filters) reach the box; what is being typed stays.
+  // External changes (back button, cleared filters) update the box; text being typed is kept.
   useEffect(() => {
     if (value !== sent.current) {
       sent.current = value

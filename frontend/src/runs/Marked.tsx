@@ -1,4 +1,4 @@
-// What can be done with the selected runs together.
+// Actions on the selected runs.
 import { Modal } from '@mantine/core'
 import { IconGitCompare, IconPinned, IconPlayerStop, IconX } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'

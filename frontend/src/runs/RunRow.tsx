@@ -1,4 +1,4 @@
-// One run in the list. What it shows depends on how far the run has come.
+// One row of the run list; its content depends on the state of the run.
 import { useNavigate } from '@tanstack/react-router'
 import { memo, type MouseEvent } from 'react'
 import type { RunSummary } from '../client'
@@ -11,7 +11,7 @@ import styles from './runs.module.css'
 interface RunRowProps extends CellContext {
   run: RunSummary
   columns: readonly Column[]
-  /** Counted from 1, heads included. */
+  /** Counted from 1, including headers. */
   number: number
   chosen: boolean
   marked: boolean
@@ -61,7 +61,7 @@ export const RunRow = memo(function RunRow(props: RunRowProps) {
   )
 })
 
-/** A run without a verdict: how far it is, or why it ended. */
+/** A run without a verdict: its progress, or why it ended. */
 function Standing({ run, now, span }: { run: RunSummary; now: number; span: number }) {
   if (run.state === 'queued')
     return (
@@ -85,7 +85,7 @@ function Standing({ run, now, span }: { run: RunSummary; now: number; span: numb
   )
 }
 
-/** Progress of the stage in work: budgets of later stages are seldom used up, so the run's own share would mislead. */
+/** Progress of the running stage: later stages seldom use their whole budget, so a fraction of the run would mislead. */
 function Working({ run, now }: { run: RunSummary; now: number }) {
   const { stage } = run
   const share = stage && stage.planned > 0 ? Math.min(1, stage.evaluations / stage.planned) : 0

@@ -1,4 +1,4 @@
-// The table of runs with its orders, its keys (j, k, x, Enter), the rows near the window, and further pages as it scrolls.
+// The table of runs: sorting, keys (j, k, x, Enter), the rows near the window, and further pages as it scrolls.
 import { useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react'
@@ -15,12 +15,12 @@ import styles from './runs.module.css'
 
 const ROW = 46
 const [MARK, NAME] = [42, 190]
-/** [px] Between this width and the next, the usual columns leave some out. */
+/** [px] Between this width and the next, some default columns are omitted. */
 const NARROW = 1300
 
 interface RunTableProps {
   runs: RunSummary[]
-  /** Runs there are in all, loaded or not. */
+  /** Total number of runs, loaded or not. */
   total: number
   cols: ColumnKey[] | undefined
   sort: Sort
@@ -28,7 +28,7 @@ interface RunTableProps {
   onTag: (tag: string) => void
   marked: ReadonlySet<string>
   onMark: (ids: readonly string[], on: boolean) => void
-  /** Whether they are removed ones. */
+  /** Whether the list shows removed runs. */
   removed: boolean
   more: (() => void) | null
   loading: boolean
@@ -114,14 +114,14 @@ export function RunTable({ runs, total, cols, sort, onSort, onTag, marked, onMar
       </div>
       <p className="small mut" style={{ marginTop: 10 }} role="status">
         {loading ? 'Loading further runs … ' : ''}
-        Margin bars span ±30 % of the criterion. A search can miss a worse case: open a run for what its verdict rests
+        Margin bars span ±30 % of the criterion. A search can miss a worse case: open a run for the evidence behind its verdict
         on.
       </p>
     </div>
   )
 }
 
-/** The row that the keys are on, and what they do. */
+/** The row selected by keyboard, and the key bindings. */
 function useKeys(
   runs: RunSummary[],
   reveal: (index: number) => void,

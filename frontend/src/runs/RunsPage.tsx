@@ -1,4 +1,4 @@
-// The run list: what was asked, what came of it, what is being worked on.
+// The run list: campaigns, results, progress.
 import { IconPlus } from '@tabler/icons-react'
 import { useInfiniteQuery } from '@tanstack/react-query'
 import { Link, useNavigate, useSearch } from '@tanstack/react-router'

@@ -1,4 +1,4 @@
-// The lowest value so far against evaluations (log), as small as a word; the criterion dashed.
+// Sparkline of the convergence history over evaluations (log); the criterion dashed.
 
 interface SparkProps {
   course: readonly (readonly [number, number] | number[])[]
@@ -16,7 +16,7 @@ export function Spark({ course, evaluations, threshold, violated }: SparkProps) 
   const known = threshold === null ? values : [...values, threshold]
   const [low, high] = [Math.min(...known), Math.max(...known)]
   const last = Math.max(evaluations, course[course.length - 1]?.[0] ?? 1, 2)
-  // Counted from the first of the search: what was flown before it would leave half of a log axis empty.
+  // Counted from the start of the search: earlier evaluations would leave half of a log axis empty.
   const before = (course[0]?.[0] ?? 1) - 1
   const x = (n: number) => 1 + ((WIDTH - 6) * Math.log(Math.max(1, n - before))) / Math.log(Math.max(2, last - before))
   const y = (v: number) => PAD + ((HEIGHT - 2 * PAD) * (high - v)) / (high - low || 1)

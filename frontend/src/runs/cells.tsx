@@ -1,4 +1,4 @@
-// The cells of the run list that are more than a number. Start reading at `RunName`.
+// The non-numeric cells of the run list. Start reading at `RunName`.
 import { IconAlertTriangle, IconPinned } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import type { RunSummary } from '../client'
@@ -9,7 +9,7 @@ import { MarginBar } from '../ui/bars'
 import type { CellContext } from './columns'
 import styles from './runs.module.css'
 
-/** The first column, which is always there: name, number, campaign, pin. */
+/** The first column, always shown: name, number, campaign, pin. */
 export function RunName({ run, campaign }: { run: RunSummary; campaign: boolean }) {
   return (
     <span className="rn">
@@ -41,7 +41,7 @@ export function Time({ at, now }: { at: number | null; now: number }) {
   )
 }
 
-/** Why a run was taken out of the lists, when and by whom. */
+/** Why, when and by whom a run was removed. */
 export function Removal({ run, now }: { run: RunSummary; now: number }) {
   return (
     <span className="rn" title={run.removed_reason ?? undefined}>
@@ -76,7 +76,7 @@ export function Margin({ run, context }: { run: RunSummary; context: CellContext
   )
 }
 
-/** The tags that fit into the column, at least one; a tag is some letters and its own edges wide. */
+/** The tags that fit into the column, at least one; widths are estimated from the number of letters. */
 function fitting(tags: readonly string[]): readonly string[] {
   let room = 26
   const most = tags.findIndex((tag) => (room -= tag.length + 3) < 0)

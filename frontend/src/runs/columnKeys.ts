@@ -1,4 +1,4 @@
-// The columns of the run list in their order; those of a result stand together, as rows without one span them.
+// The columns of the run list in their order; those of a result are adjacent, because rows without one span them.
 
 export const COLUMN_KEYS = [
   'verdict',
@@ -36,8 +36,8 @@ export const USUAL: readonly ColumnKey[] = [
   'owner',
 ]
 
-/** Of removed runs: there the reason wants room. */
+/** Columns of removed runs, where the reason needs room. */
 export const USUAL_REMOVED: readonly ColumnKey[] = ['verdict', 'worst', 'margin', 'tags', 'submitted']
 
-/** Left out of the usual ones where the window is narrow. */
+/** Omitted from the default columns in narrow windows. */
 export const WIDE_ONLY: readonly ColumnKey[] = ['duration', 'owner']

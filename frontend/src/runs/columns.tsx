@@ -1,4 +1,4 @@
-// The columns of the run list: their names, widths, orders and cells. Start reading at `COLUMNS`.
+// The columns of the run list: names, widths, sort orders and cells. Start reading at `COLUMNS`.
 import type { ReactNode } from 'react'
 import type { RunSummary } from '../client'
 import { withoutValue } from '../format/counts'
@@ -12,16 +12,16 @@ import type { SortKey } from './search'
 import { Spark } from './Spark'
 
 export interface CellContext {
-  /** Units stand in the cells because the rows differ. */
+  /** Units are in the cells because rows differ. */
   units: boolean
   now: number
   onTag: (tag: string) => void
 }
 
-/** What the rows have in common; for the heads. */
+/** Common properties of the rows, for the headers. */
 export interface Common {
   quantity: string
-  /** Undefined where the rows differ. */
+  /** Undefined if rows differ. */
   unit: string | undefined
 }
 
@@ -30,17 +30,17 @@ export interface Column {
   /** In the menu of columns. */
   name: string
   head: (common: Common) => ReactNode
-  /** A second line of the head. */
+  /** Second line of the header. */
   under?: (common: Common) => ReactNode
   /** [px] */
   width: number
   sort?: SortKey
-  /** The head's right padding, where the numbers are not at the right edge [px]. */
+  /** Right padding of the header, if the numbers are not at the right edge [px]. */
   inset?: number
   /** Sorted downwards at first. */
   down?: boolean
   num?: boolean
-  /** Part of a result: a run without one says how it stands instead. */
+  /** Part of a result: a run without one shows its state instead. */
   result?: boolean
   cell: (run: RunSummary, context: CellContext) => ReactNode
 }

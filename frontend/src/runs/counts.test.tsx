@@ -1,4 +1,4 @@
-// Evaluations without a value are said wherever a count, a margin or a check is shown, with the same numbers.
+// Evaluations without a value are reported consistently next to every count, margin and check.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { asCampaign } from '../api/campaign'

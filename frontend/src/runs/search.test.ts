@@ -1,4 +1,4 @@
-// The address of the run list: everything in it and nothing more.
+// The state of the run list in its address.
 import { expect, it } from 'vitest'
 import { filterOf, isNarrowed, readSearch } from './search'
 

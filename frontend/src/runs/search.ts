@@ -1,4 +1,4 @@
-// What the run list can be set to, as it stands in the address. Start reading at `readSearch`.
+// The state of the run list in the address. Start reading at `readSearch`.
 import type { RunFilter } from '../api/calls'
 import { COLUMN_KEYS, type ColumnKey } from './columnKeys'
 
@@ -37,21 +37,21 @@ export interface RunsSearch {
   tag?: string[]
   owner?: string[]
   method?: string[]
-  /** Submitted today, or in so many days up to now. */
+  /** Submitted today, or in the last days. */
   days?: Days
   /** Days as 2026-11-20, both included. */
   since?: string
   until?: string
   pinned?: true
-  /** Those that were removed, instead of all others. */
+  /** Removed runs instead of listed ones. */
   removed?: true
   sort?: Sort
   cols?: ColumnKey[]
-  /** Where to begin: the search box, when it was asked for on another page. */
+  /** Initial focus: the search box, if requested from another page. */
   focus?: 'search'
 }
 
-/** What narrows the list; a cleared search keeps its order and columns. */
+/** The filters of the list; clearing them keeps order and columns. */
 export const NARROWING = ['q', 'show', 'campaign', 'tag', 'owner', 'method', 'days', 'since', 'until', 'pinned', 'removed'] as const
 export const CLEARED = Object.fromEntries(NARROWING.map((key) => [key, undefined])) as Partial<RunsSearch>
 
@@ -60,7 +60,7 @@ export const isNarrowed = (search: RunsSearch): boolean => NARROWING.some((key) 
 const text = (value: unknown): string | undefined =>
   typeof value === 'string' || typeof value === 'number' ? String(value) || undefined : undefined
 
-/** One word or several; none is no condition. */
+/** One or several words; an empty list does not filter. */
 function words(value: unknown): string[] | undefined {
   const found = (Array.isArray(value) ? value : [value]).flatMap((item) => text(item) ?? [])
   return found.length ? [...new Set(found)] : undefined
@@ -74,14 +74,14 @@ function date(value: unknown): string | undefined {
   return found && /^\d{4}-\d\d-\d\d$/.test(found) && !Number.isNaN(Date.parse(found)) ? found : undefined
 }
 
-/** The columns in their fixed order, whatever order they were asked for in. */
+/** The columns in their fixed order, independent of the address. */
 function columns(value: unknown): ColumnKey[] | undefined {
   if (typeof value !== 'string') return undefined
   const asked = value.split(',')
   return COLUMN_KEYS.filter((key) => asked.includes(key))
 }
 
-/** The address as a search; what it does not know is left out. */
+/** Parses the address; unknown values are ignored. */
 export function readSearch(search: Record<string, unknown>): RunsSearch {
   const sort = text(search.sort)
   const found: RunsSearch = {
@@ -105,7 +105,7 @@ export function readSearch(search: Record<string, unknown>): RunsSearch {
 
 const DAY = 86_400_000
 
-/** Midnight in the browser's time zone [s since 1970], so that the same day always asks the same. */
+/** Midnight in the browser's time zone [s since 1970], so that the same day always gives the same query. */
 function midnight(day: string | Date, later = 0): number {
   const at = typeof day === 'string' ? new Date(`${day}T00:00:00`) : new Date(day)
   at.setHours(0, 0, 0, 0)

@@ -1,22 +1,22 @@
-// Only the rows near the window are in the page, however long the list: ten thousand rows stay as fast as fifty.
+// Row virtualisation: only rows near the window are in the page, so that ten thousand rows are as fast as fifty.
 import { useWindowVirtualizer } from '@tanstack/react-virtual'
 import { type RefObject, useSyncExternalStore } from 'react'
 
 const OVERSCAN = 15
-/** Height of the sticky headers of the page and of the table, and what is left free below a row [px]. */
+/** Height of the sticky headers of page and table, and the space below a row [px]. */
 const [HEADERS, BELOW] = [110, 8]
 
 export interface Rows {
-  /** The first row in the page, and the one behind the last. */
+  /** The first row in the page, and the one after the last. */
   first: number
   end: number
   /** Scrolls a row into view. */
   reveal: (index: number) => void
 }
 
-/** The rows of a table's body that are in the page; all are equally high, and the body scrolls with the window. */
+/** The rendered rows of a table; all have the same height, and the table scrolls with the window. */
 export function useRows(body: RefObject<HTMLElement | null>, height: number, count: number): Rows {
-  // Filters above the table take more lines or fewer.
+  // The height of the filters above the table can change.
   const top = useSyncExternalStore(resized, () =>
     body.current ? Math.round(body.current.getBoundingClientRect().top + scrollY) : 0,
   )

@@ -1,4 +1,4 @@
-// Reviewers' sign-offs on a run's page: who signed which results, whether they are still the same, signing, withdrawing.
+// Reviewers' sign-offs on a run's page: who signed which results, whether these are unchanged, signing, withdrawal.
 import { Modal } from '@mantine/core'
 import { IconCircleCheck, IconCircleX, IconSignature } from '@tabler/icons-react'
 import { queryOptions, useMutation, useQuery, useQueryClient } from '@tanstack/react-query'
@@ -134,7 +134,7 @@ const ROLES = ['Independent review', 'Safety engineer', 'Safety authority', 'Pre
 
 interface SignFormProps {
   run: RunDetail
-  /** What the reviewer has in front of them: exactly this is signed. */
+  /** Summary of exactly what is signed. */
   seen: Signoffs
   onDone: () => void
 }

@@ -1,4 +1,4 @@
-// Every class that code takes from a CSS module is in that module: the types know any name.
+// Every class that code uses from a CSS module exists in it: the types accept any name.
 import { readdirSync, readFileSync } from 'node:fs'
 import { dirname, join, relative } from 'node:path'
 import { fileURLToPath } from 'node:url'
@@ -9,13 +9,13 @@ const files = readdirSync(SRC, { recursive: true, encoding: 'utf-8' }).filter((f
 const read = (file: string): string => readFileSync(join(SRC, file), 'utf-8')
 const camel = (name: string): string => name.replace(/-+(\w)/g, (_, letter: string) => letter.toUpperCase())
 
-/** The classes that a module has of its own. */
+/** The classes defined by a module. */
 function classesOf(file: string): Set<string> {
   const own = read(file).replace(/\/\*[^]*?\*\/|:global\([^)]*\)|\[[^\]]*\]|\{[^{}]*\}/g, ' ')
   return new Set([...own.matchAll(/\.([a-zA-Z_][\w-]*)/g)].map(([, name = '']) => camel(name)))
 }
 
-/** What a file takes from each module. */
+/** The classes that a file uses from each module. */
 function taken(file: string): [string, string[]][] {
   const text = read(file)
   return [...text.matchAll(/import (\w+) from '(.*\.module\.css)'/g)].map(([, name = '', path = '']) => [
@@ -34,7 +34,7 @@ it('has every class of a module that is used, and none that is not', () => {
         expect([...classesOf(module)], `${file}: ${name}`).toContain(name)
         used.get(module)?.add(name)
       }
-  // The letters of compared runs are taken by a name put together.
+  // The class names of compared runs' letters are computed.
   for (const [module, names] of used)
     expect([...classesOf(module)].filter((name) => !names.has(name) && !/^letter[A-D]$/.test(name)), module).toEqual([])
 })

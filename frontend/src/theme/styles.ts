@@ -1,4 +1,4 @@
-// All styles that every page has, in the order in which they win: fonts, the component library's, our own over them.
+// The global styles in order of increasing precedence: fonts, component library, own.
 import '@fontsource-variable/inter/index.css'
 import '@fontsource-variable/jetbrains-mono/index.css'
 import '@mantine/core/styles/default-css-variables.css'

@@ -1,4 +1,4 @@
-// A card with its heading, and the small parts that cards are made of.
+// A card with its heading, and small elements of cards.
 import { clsx } from 'clsx'
 import { type ReactNode, useEffect, useRef, useState } from 'react'
 import styles from './ui.module.css'
@@ -28,7 +28,7 @@ export function Card({ title, note, right, footer, flush, className = '', id, ch
   )
 }
 
-/** A body up to the edges; what is wider scrolls in it, by the keyboard too. */
+/** A body without padding; wide content scrolls, also by keyboard. */
 function Flush({ children }: { children: ReactNode }) {
   const body = useRef<HTMLDivElement>(null)
   const [scrolls, setScrolls] = useState(false)
@@ -75,7 +75,7 @@ interface NumHeadProps {
   children: ReactNode
 }
 
-/** The head of a column of numbers: what they are, and below it their unit. */
+/** The header of a numeric column: title, and below it the unit. */
 export function NumHead({ unit, title, className = '', children }: NumHeadProps) {
   return (
     <th className={`num ${className}`} title={title}>

@@ -1,9 +1,9 @@
-// A small button of which only a picture is seen; its name is read out, and shown under the pointer.
+// A small icon button with an accessible name and a tooltip.
 import type { IconLink } from '@tabler/icons-react'
 
 interface IconButtonProps {
   label: string
-  /** What is shown under the pointer, where it says more than the name. */
+  /** The tooltip, if it differs from the name. */
   title?: string
   icon: typeof IconLink
   off?: boolean

@@ -1,4 +1,4 @@
-// Notes as they are shown: the usual words of Markdown, and nothing that could act.
+// Rendering of notes: common Markdown, and no active content.
 import { renderToStaticMarkup } from 'react-dom/server'
 import { expect, it } from 'vitest'
 import { isSafe, Markdown } from './Markdown'

@@ -1,5 +1,5 @@
-// Markdown as elements: the text is parsed, never inserted as HTML, so that nothing in it can become a script. Pictures
-// are not loaded and HTML is shown as it was written. Source of the syntax: GitHub Flavored Markdown. Start: `Markdown`.
+// Markdown as elements: the text is parsed, never inserted as HTML, so that it cannot contain a script. Images
+// are not loaded and HTML is shown as text. Source of the syntax: GitHub Flavored Markdown. Start: `Markdown`.
 import { marked, type Token, type Tokens } from 'marked'
 import { Fragment, type ReactNode, useMemo } from 'react'
 import styles from './ui.module.css'
@@ -57,28 +57,30 @@ function list({ ordered, start, items }: Tokens.List): ReactNode {
 function table({ header, rows, align }: Tokens.Table): ReactNode {
   const side = (i: number) => ({ textAlign: align[i] ?? undefined })
   return (
-    <table className="tight">
-      <thead>
-        <tr>
-          {header.map((cell, i) => (
-            <th key={i} style={side(i)}>
-              {inlines(cell)}
-            </th>
-          ))}
-        </tr>
-      </thead>
-      <tbody>
-        {rows.map((row, j) => (
-          <tr key={j}>
-            {row.map((cell, i) => (
-              <td key={i} style={side(i)}>
+    <div className="scrollx" tabIndex={0} role="region" aria-label="Table">
+      <table className="tight">
+        <thead>
+          <tr>
+            {header.map((cell, i) => (
+              <th key={i} style={side(i)}>
                 {inlines(cell)}
-              </td>
+              </th>
             ))}
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {rows.map((row, j) => (
+            <tr key={j}>
+              {row.map((cell, i) => (
+                <td key={i} style={side(i)}>
+                  {inlines(cell)}
+                </td>
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   )
 }
 
@@ -110,7 +112,7 @@ function inline(token: Token): ReactNode {
   }
 }
 
-/** Only addresses of the web and of this service; anything else, such as a script, stays text. */
+/** Only web addresses and those of this service; anything else, such as a script, stays text. */
 export const isSafe = (href: string): boolean => /^(https?:\/\/|mailto:|\/(?!\/)|#)/i.test(href)
 
 function link(token: Tokens.Link): ReactNode {
@@ -124,5 +126,5 @@ function link(token: Tokens.Link): ReactNode {
 
 const NAMED: Record<string, string> = { amp: '&', lt: '<', gt: '>', quot: '"', '#39': "'" }
 
-/** The parser leaves these as they were written; as text they mean their character. */
+/** The parser does not decode these entities; they are replaced by their characters. */
 const entities = (text: string): string => text.replace(/&(amp|lt|gt|quot|#39);/g, (_, name: string) => NAMED[name] ?? _)

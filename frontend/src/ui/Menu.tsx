@@ -8,7 +8,7 @@ interface MenuProps {
   said: ReactNode
   on: boolean
   icon?: ReactNode
-  /** Opens upwards, in its place in the page: it stands at the foot of what may fill the screen. */
+  /** Opens upwards without a portal, because its container may be in full screen. */
   above?: boolean
   children: ReactNode
 }
@@ -33,7 +33,7 @@ export function Menu({ name, said, on, icon, above, children }: MenuProps) {
   )
 }
 
-/** The choices of a menu, each an entry to tick. */
+/** The choices of a menu as checkboxes. */
 export const Picks = ({ label, children }: { label: string; children: ReactNode }) => (
   <div className="picks" role="group" aria-label={label}>
     {children}

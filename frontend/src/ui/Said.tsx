@@ -1,4 +1,4 @@
-// A sentence of the service as in print: its symbols set, its numbers with their units.
+// Renders a sentence of the service: formatted symbols, numbers with units.
 import type { Span } from '../client'
 import { quantityText } from '../format/quantity'
 import { Sign } from './Sign'

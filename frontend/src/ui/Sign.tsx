@@ -1,4 +1,4 @@
-// A symbol of the field set as in print: italic letter, upright subscript, so that "K_p1" reads K with index p1.
+// Renders a symbol as in print: italic letter, upright subscript, so that "K_p1" reads K with index p1.
 import { Fragment } from 'react'
 import styles from './ui.module.css'
 
@@ -27,10 +27,10 @@ const GREEK: Record<string, string> = {
 
 const greek = (text: string): string => text.replace(/[a-z]+/g, (word) => GREEK[word] ?? word)
 
-/** Whether a label is the path of a parameter, which is shown as it is written; no symbol has a dot. */
+/** Whether a label is a parameter path, which is shown unchanged; symbols contain no dot. */
 export const isPath = (text: string): boolean => text.includes('.')
 
-/** Base and index of a symbol's text. */
+/** Base and index of a symbol. */
 export function split(text: string): [string, string] {
   const at = text.indexOf('_')
   if (at < 1) return [greek(text), '']
@@ -40,7 +40,7 @@ export function split(text: string): [string, string] {
 /** The symbol as plain text, for canvases, labels and files. */
 export const symbolText = (text: string): string => (isPath(text) ? text : split(text).filter(Boolean).join('_'))
 
-/** `path` is that of the parameter, told on hover. */
+/** `path` is the parameter's path, shown on hover. */
 export function Sign({ text, path }: { text: string; path?: string }) {
   if (isPath(text)) return <Path text={text} />
   const [base, index] = split(text)
@@ -52,7 +52,7 @@ export function Sign({ text, path }: { text: string; path?: string }) {
   )
 }
 
-/** A path with places to break behind its dots. */
+/** A path with line-break opportunities after its dots. */
 function Path({ text }: { text: string }) {
   return (
     <span className={styles.path} title={text}>
@@ -70,7 +70,7 @@ function Path({ text }: { text: string }) {
   )
 }
 
-/** The same inside an SVG text. */
+/** A symbol inside an SVG text. */
 export function SvgSign({ text }: { text: string }) {
   if (isPath(text)) return <tspan>{text}</tspan>
   const [base, index] = split(text)

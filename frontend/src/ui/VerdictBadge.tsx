@@ -23,7 +23,7 @@ const LOOK = {
   failed: { tone: 'err', word: 'Failed', Icon: IconAlertTriangle },
 } as const
 
-/** What a run has come to: its verdict once there is one, else its state. */
+/** The outcome of a run: its verdict if there is one, else its state. */
 export function outcomeOf(run: Pick<RunSummary, 'state' | 'verdict'>): Outcome {
   return run.verdict ?? (run.state === 'done' ? 'inconclusive' : run.state)
 }

@@ -1,4 +1,4 @@
-// The switch between the encounter and the whole flight, the same on every chart over time or place.
+// The switch between the encounter and the whole flight, the same on every chart over time or position.
 import { Seg } from './Card'
 
 export type Shown = 'encounter' | 'all'

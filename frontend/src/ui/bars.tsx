@@ -1,4 +1,4 @@
-// Small drawings for tables: where a value lies within its bounds, and how large a margin is.
+// Small drawings for tables: the position of a value within its bounds, and the size of a margin.
 
 interface WithinProps {
   low: number
@@ -23,11 +23,11 @@ export function WithinBounds({ low, high, nominal, value, width = 104 }: WithinP
 interface MarginProps {
   margin: number
   threshold: number
-  /** Evaluations failed, so that the margin is that of the others: it is not drawn as kept. */
+  /** Evaluations failed, so that the margin is only that of the others: it is not drawn as satisfied. */
   open?: boolean
 }
 
-/** A margin as a share of the criterion, to the right where it is kept, to the left where it is not; spans 30 %. */
+/** A margin as a fraction of the criterion: to the right if satisfied, to the left if violated; spans 30 %. */
 export function MarginBar({ margin, threshold, open }: MarginProps) {
   const share = Math.max(-1, Math.min(1, margin / (0.3 * Math.abs(threshold) || 1)))
   const length = Math.max(1.5, Math.abs(share) * 24)
@@ -54,7 +54,7 @@ interface PlaceProps {
   bound: boolean
 }
 
-/** Where a value lies within its bounds, small enough for one of many columns. */
+/** The position of a value within its bounds, for narrow columns. */
 export function Place({ low, high, nominal, value, bound }: PlaceProps) {
   const x = (v: number) => 4 + (30 * (Math.min(Math.max(v, low), high) - low)) / (high - low || 1)
   return (

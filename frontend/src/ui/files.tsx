@@ -1,8 +1,8 @@
-// Taking things out of the page: copy to the clipboard, save as a file.
+// Copy to the clipboard, save as a file.
 import { IconCheck, IconCopy } from '@tabler/icons-react'
 import { type ReactNode, useEffect, useState } from 'react'
 
-/** Offers text, or what is a file already, to be saved. */
+/** Saves text or a blob as a file. */
 export function save(name: string, content: string | Blob, type = 'text/plain'): void {
   const blob = typeof content === 'string' ? new Blob([content], { type: `${type};charset=utf-8` }) : content
   const url = URL.createObjectURL(blob)
@@ -18,7 +18,7 @@ interface CopyProps {
   children: ReactNode
 }
 
-/** A button that copies and says so. */
+/** A button that copies and confirms it. */
 export function CopyButton({ text, children }: CopyProps) {
   const [done, setDone] = useState(false)
   useEffect(() => {

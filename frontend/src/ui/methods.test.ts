@@ -1,4 +1,4 @@
-// Every method can be told from every other: by its mark's shape without colour, by colour on both themes.
+// All methods are distinguishable: by marker shape without colour, and by colour in both themes.
 import { readFileSync } from 'node:fs'
 import { expect, it } from 'vitest'
 import type { Catalogue, MethodEntry } from '../client'

@@ -1,6 +1,5 @@
-// The fixed colour and marker of every search method, the same in every table, chart and list, as the catalogue has them.
-// Those of the shipped methods are known from the start; a catalogue that is read adds those of other packages. Start
-// reading at `methodLook`.
+// The fixed colour and marker of every search method, from the catalogue. Those of the shipped methods are built in; a
+// loaded catalogue adds those of other packages. Start reading at `methodLook`.
 import { useSyncExternalStore } from 'react'
 import type { Catalogue, MethodEntry } from '../client'
 import shipped from './shipped.json'
@@ -31,7 +30,7 @@ const sentence = (name: string): string => {
   return words.charAt(0).toUpperCase() + words.slice(1)
 }
 
-/** Names that methods had in earlier versions. */
+/** Names of methods in earlier versions. */
 const EARLIER: Record<string, string> = { sqp_multistart: 'sqp' }
 
 const lookupIn =
@@ -61,7 +60,7 @@ export function learnMethods(catalogue: Catalogue, kept = false): Catalogue {
   return catalogue
 }
 
-/** How a method looks; a stage that is no search has a grey ring. */
+/** The look of a method; a stage that is not a search has a grey ring. */
 export const methodLook: Lookup = (name) => lookup(name)
 
 function subscribe(listener: () => void): () => void {
@@ -69,7 +68,7 @@ function subscribe(listener: () => void): () => void {
   return () => listeners.delete(listener)
 }
 
-/** `methodLook` for what is drawn on: another function, so that it is drawn again, once a catalogue has told more. */
+/** `methodLook` as a hook, which renders again when a catalogue adds methods. */
 export const useMethodLook = (): Lookup => useSyncExternalStore(subscribe, () => lookup)
 
 /** The outline of a marker in a box of 10 by 10, as SVG path data. */

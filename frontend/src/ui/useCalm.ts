@@ -1,11 +1,11 @@
-// What takes the window's thread for long waits until the page has shown what it has come for.
+// Defers expensive rendering until the page has loaded its main content.
 import { useIsFetching } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 
-/** For how long nothing must have been asked for [ms]. */
+/** Required time without pending requests [ms]. */
 const CALM = 400
 
-/** True once everything asked for has come and been drawn for a moment; stays true. */
+/** True once all requests have been answered and rendered; stays true. */
 export function useCalm(): boolean {
   const fetching = useIsFetching() > 0
   const [calm, setCalm] = useState(false)

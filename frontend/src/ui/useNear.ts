@@ -1,4 +1,4 @@
-// Whether an element has come near the window: what costs much is asked for only then.
+// Whether an element has come near the window; defers expensive requests until then.
 import { type RefObject, useEffect, useRef, useState } from 'react'
 
 /** A reference for the element, and true once it has been near; stays true. */

@@ -1,4 +1,4 @@
-// The present time [s since 1970], renewed at an interval, so that ages on the page grow.
+// The current time [s since 1970], updated at an interval, for ages on the page.
 import { useEffect, useState } from 'react'
 
 export function useNow(interval: number, on = true): number {

@@ -1,5 +1,5 @@
-// Asks again at an interval while a page is shown. Not the query's own interval: that one starts anew with every event
-// that the stream writes into the cache, and would never end.
+// Polls at an interval while a page is visible. The query's own interval would restart with every event that the stream
+// writes into the cache, and never elapse.
 import { useEffect, useRef } from 'react'
 
 export function usePolling(ask: () => unknown, interval: number, on: boolean): void {

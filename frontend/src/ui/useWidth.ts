@@ -1,4 +1,4 @@
-// The width of an element [px], kept up to date, so that drawings are laid out anew instead of being stretched.
+// The width of an element [px], kept up to date, so that drawings are laid out again instead of stretched.
 import { type RefObject, useLayoutEffect, useRef, useState } from 'react'
 
 export function useWidth(first: number): [RefObject<HTMLDivElement | null>, number] {

@@ -54,17 +54,17 @@ def steer(
     own = (k * x, k * y, 0.0)
     flat = 1.0 / (distance + 1e-12)
     right = (y * flat, -x * flat, 0.0)
-    soonest, doubt, best_x, best_y = NEVER, 0.0, own[0], own[1]
+    soonest, nan_guard, best_x, best_y = NEVER, 0.0, own[0], own[1]
     for body in bodies:
         rules = Rules(body.radius + p.clearance, p.horizon, p.sharing)
         r = (body.x - q[0], body.y - q[1], 0.0)
         tau, u = resolve(r, own, (body.vx, body.vy, 0.0), right, rules)
-        doubt += 0.0 * tau
+        nan_guard += 0.0 * tau
         sooner = tau < soonest
         soonest = tau if sooner else soonest
         best_x = u[0] if sooner else best_x
         best_y = u[1] if sooner else best_y
-    return (best_x + doubt, best_y + doubt), ()
+    return (best_x + nan_guard, best_y + nan_guard), ()
 
 
 @kernel

@@ -57,18 +57,18 @@ def steer(
     own = (k * x, k * y, k * z)
     flat = 1.0 / (norm2(x, y) + 1e-12)
     right = (-y * flat, x * flat, 0.0)
-    soonest, doubt, best_x, best_y, best_z = NEVER, 0.0, own[0], own[1], own[2]
+    soonest, nan_guard, best_x, best_y, best_z = NEVER, 0.0, own[0], own[1], own[2]
     for body in bodies:
         rules = Rules(body.radius + p.clearance, p.horizon, p.sharing)
         r = (body.x - q[0], body.y - q[1], body.z - q[2])
         tau, u = resolve(r, own, (body.vx, body.vy, body.vz), right, rules)
-        doubt += 0.0 * tau
+        nan_guard += 0.0 * tau
         sooner = tau < soonest
         soonest = tau if sooner else soonest
         best_x = u[0] if sooner else best_x
         best_y = u[1] if sooner else best_y
         best_z = u[2] if sooner else best_z
-    return (best_x + doubt, best_y + doubt, best_z + doubt), ()
+    return (best_x + nan_guard, best_y + nan_guard, best_z + nan_guard), ()
 
 
 @kernel

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from worker.kernels.component import Avoider
 from worker.kernels.maths import kernel
 from worker.physics.resolution import Plan
-from worker.physics.space import Vector, course
+from worker.physics.space import Vector, velocity_vector
 
 
 class Nothing(NamedTuple):
@@ -24,7 +24,7 @@ class Nothing(NamedTuple):
 def steer(
     t: float, q: Vector, v: Vector, goal: Plan, bodies: Any, memory: tuple[()], p: Nothing
 ) -> tuple[Vector, tuple[()]]:
-    return course(goal.speed, goal.heading, goal.climb), ()
+    return velocity_vector(goal.speed, goal.heading, goal.climb), ()
 
 
 @kernel

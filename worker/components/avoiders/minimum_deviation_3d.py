@@ -29,7 +29,7 @@ from typing import Annotated, Any, NamedTuple
 
 from worker.kernels.component import Avoider, Parameter, extended
 from worker.kernels.maths import kernel
-from worker.physics.resolution import NEVER, Plan, Sensing, aside, doubt, own_reading, perceive, planned, resolve
+from worker.physics.resolution import NEVER, Plan, Sensing, aside, nan_guard, own_reading, perceive, planned, resolve
 from worker.physics.space import Vector, dot3
 
 
@@ -54,7 +54,7 @@ class Soonest(NamedTuple):
     side: float
     approached: float
     latched: float
-    doubt: float
+    nan_guard: float
 
 
 @kernel
@@ -90,7 +90,7 @@ def weigh(
         side if sooner else s.side,
         1.0 if near else s.approached,
         1.0 if near & latched else s.latched,
-        s.doubt + doubt(e, xi, p),
+        s.nan_guard + nan_guard(e, xi, p),
     )
 
 
@@ -103,9 +103,9 @@ def steer(t: float, q: Vector, v: Vector, goal: Plan, s: Soonest, m: Memory, p: 
     last = (s.x if now else m[2], s.y if now else m[3], s.z if now else m[4])
     flies = now | hold
     out = (
-        (last[0] if flies else plan[0]) + s.doubt,
-        (last[1] if flies else plan[1]) + s.doubt,
-        (last[2] if flies else plan[2]) + s.doubt,
+        (last[0] if flies else plan[0]) + s.nan_guard,
+        (last[1] if flies else plan[1]) + s.nan_guard,
+        (last[2] if flies else plan[2]) + s.nan_guard,
     )
     side = s.side if acting & (m[1] == 0.0) else m[1]
     latched = s.latched if s.approached > 0.5 else 0.0

@@ -96,12 +96,12 @@ def tightened(
     best: Pair, wish: Pair, last: Line, before: Line, q: Pair, v: Pair, bodies: Any, p: Orca
 ) -> tuple[Pair, Line]:
     """The point closest to `wish` that satisfies the half-plane most violated by `best`, and the previous ones."""
-    worst, doubt = -TOUCHING, 0.0
+    worst, nan_guard = -TOUCHING, 0.0
     x, y, nx, ny = 0.0, 0.0, 0.0, 0.0
     for body in bodies:
         line = half_plane(body, q, v, p)
         outside = (best[0] - line[0]) * line[2] + (best[1] - line[1]) * line[3]
-        doubt += 0.0 * outside  # a comparison with NaN is False and would lose it
+        nan_guard += 0.0 * outside  # a comparison with NaN is False and would lose it
         worse = outside < worst
         worst = outside if worse else worst
         x = line[0] if worse else x
@@ -121,7 +121,7 @@ def tightened(
     found = worst < -TOUCHING
     best_x = x + s * ny if found else best[0]
     best_y = y - s * nx if found else best[1]
-    return (best_x + doubt, best_y + doubt), (x, y, nx, ny)
+    return (best_x + nan_guard, best_y + nan_guard), (x, y, nx, ny)
 
 
 @kernel
@@ -139,8 +139,8 @@ def steer(t: float, q: Pair, v: Pair, goal: Goal, bodies: Any, memory: tuple[()]
             best, _ = tightened(best, wish, second, first, q, v, bodies, p)
     excess = p.v_max / (norm2(best[0], best[1]) + 1e-300)
     scale = 1.0 if excess > 1.0 else excess
-    doubt = 0.0 * (p.tau + p.escape)
-    return (scale * best[0] + doubt, scale * best[1] + doubt), ()
+    nan_guard = 0.0 * (p.tau + p.escape)
+    return (scale * best[0] + nan_guard, scale * best[1] + nan_guard), ()
 
 
 @kernel

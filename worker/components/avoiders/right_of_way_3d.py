@@ -34,7 +34,7 @@ from worker.physics.resolution import (
     Plan,
     Sensing,
     aside,
-    doubt,
+    nan_guard,
     own_reading,
     perceive,
     planned,
@@ -90,7 +90,7 @@ class Soonest(NamedTuple):
     duty: float
     number: float
     approached: float
-    doubt: float
+    nan_guard: float
 
 
 @kernel
@@ -123,7 +123,7 @@ def weigh(
         what if sooner else s.duty,
         number if sooner else s.number,
         1.0 if near else s.approached,
-        s.doubt + doubt(e, xi, p),
+        s.nan_guard + nan_guard(e, xi, p),
     )
 
 
@@ -132,9 +132,9 @@ def steer(t: float, q: Vector, v: Vector, goal: Plan, s: Soonest, m: Memory, p: 
     plan = planned(goal)
     acts = (s.wait < NEVER) & (s.flies_on < 0.5)
     out = (
-        (s.x if acts else plan[0]) + s.doubt,
-        (s.y if acts else plan[1]) + s.doubt,
-        (s.z if acts else plan[2]) + s.doubt,
+        (s.x if acts else plan[0]) + s.nan_guard,
+        (s.y if acts else plan[1]) + s.nan_guard,
+        (s.z if acts else plan[2]) + s.nan_guard,
     )
     return out, (s.duty if s.approached > 0.5 else NO_DUTY, s.number)
 

@@ -25,7 +25,7 @@ from worker.kernels.maths import clip, kernel, sincos
 from worker.physics import autopilot
 from worker.physics.aerodynamics import Controls, Trimmed
 from worker.physics.aircraft import State
-from worker.physics.autopilot import Loops, aileron, doubt, elevator, throttle, turn
+from worker.physics.autopilot import Loops, aileron, elevator, nan_guard, throttle, turn
 from worker.physics.space import Vector, norm3
 
 
@@ -44,7 +44,7 @@ Sums = tuple[float, float, float]
 
 @kernel
 def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
-    return *p[0:], at.alpha + doubt(p) + 0.0 * p.phi_max, at.elevator, at.throttle
+    return *p[0:], at.alpha + nan_guard(p) + 0.0 * p.phi_max, at.elevator, at.throttle
 
 
 @kernel

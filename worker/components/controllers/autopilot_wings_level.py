@@ -27,7 +27,7 @@ from worker.kernels.maths import kernel
 from worker.physics import autopilot
 from worker.physics.aerodynamics import Controls, Trimmed
 from worker.physics.aircraft import State
-from worker.physics.autopilot import Loops, aileron, doubt, elevator, held, throttle, turn
+from worker.physics.autopilot import Loops, aileron, elevator, held, nan_guard, throttle, turn
 from worker.physics.space import Vector
 
 
@@ -45,7 +45,7 @@ Sums = tuple[float, float, float, float]
 
 @kernel
 def derive(p: Any, at: Trimmed) -> tuple[float, ...]:
-    return *p[0:], at.alpha + doubt(p), at.elevator, at.throttle
+    return *p[0:], at.alpha + nan_guard(p), at.elevator, at.throttle
 
 
 @kernel

@@ -64,13 +64,13 @@ def move(t: float, o: State, q: Vector, v: Vector, p: CooperativeCircle) -> Stat
         (q[0] - o[0], q[1] - o[1], 0.0), own, (v[0], v[1], 0.0), right, Rules(p.clearance, p.horizon, p.sharing)
     )
     conflict = tau < NEVER
-    doubt = 0.0 * tau  # NaN if a conflict cannot be determined
+    nan_guard = 0.0 * tau  # NaN if a conflict cannot be determined
     per_lag = 1.0 / p.lag
     return (
         o[2],
         o[3],
-        per_lag * ((u[0] if conflict else own[0]) - o[2] + doubt),
-        per_lag * ((u[1] if conflict else own[1]) - o[3] + doubt),
+        per_lag * ((u[0] if conflict else own[0]) - o[2] + nan_guard),
+        per_lag * ((u[1] if conflict else own[1]) - o[3] + nan_guard),
     )
 
 

@@ -70,15 +70,15 @@ def move(t: float, o: State, q: Vector, v: Vector, p: CooperativeSphere) -> Stat
         Rules(p.clearance, p.horizon, p.sharing),
     )
     conflict = tau < NEVER
-    doubt = 0.0 * tau  # NaN if a conflict cannot be determined
+    nan_guard = 0.0 * tau  # NaN if a conflict cannot be determined
     per_lag = 1.0 / p.lag
     return (
         o[3],
         o[4],
         o[5],
-        per_lag * ((u[0] if conflict else own[0]) - o[3] + doubt),
-        per_lag * ((u[1] if conflict else own[1]) - o[4] + doubt),
-        per_lag * ((u[2] if conflict else own[2]) - o[5] + doubt),
+        per_lag * ((u[0] if conflict else own[0]) - o[3] + nan_guard),
+        per_lag * ((u[1] if conflict else own[1]) - o[4] + nan_guard),
+        per_lag * ((u[2] if conflict else own[2]) - o[5] + nan_guard),
     )
 
 

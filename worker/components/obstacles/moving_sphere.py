@@ -13,7 +13,7 @@ from typing import Annotated, NamedTuple
 from worker.kernels.component import Derived, Obstacle, ObstacleLook, Parameter, Reach
 from worker.kernels.maths import kernel
 from worker.kernels.views import Body3
-from worker.physics.space import Vector, ball, course
+from worker.physics.space import Vector, ball, velocity_vector
 
 
 class MovingSphere(NamedTuple):
@@ -38,7 +38,7 @@ class Constants(NamedTuple):
 
 @kernel
 def derive(p: MovingSphere, trim: object) -> tuple[float, ...]:
-    vx, vy, vz = course(p.speed, p.heading, p.climb)
+    vx, vy, vz = velocity_vector(p.speed, p.heading, p.climb)
     return p.position_x, p.position_y, p.position_z, vx, vy, vz, p.radius
 
 

@@ -1,1 +1,1 @@
-"""Writes the text that stands between the components of a scenario and the loop. Start reading at `written`."""
+"""Generates the code that connects the components of a scenario to the loop. Start reading at `written`."""

@@ -1,4 +1,4 @@
-"""Writes what stands between the avoider and the controller: the demand, when it is asked for, held, late, translated.
+"""Generates the code between avoider and controller: the demand, continuous or sampled, delayed and translated.
 
 Start reading at `guide`.
 """
@@ -10,9 +10,9 @@ from worker.kernels.text.perception import seen, summed
 from worker.kernels.text.scenario import Function, Scenario, tupled
 
 
-def asked(s: Scenario) -> None:
+def avoider_demand(s: Scenario) -> None:
     avoider, own = s.parts.avoider, ("t", "q", "v")
-    f = s.function("asked(t, q, v, seen, memory, p)")
+    f = s.function("avoider_demand(t, q, v, seen, memory, p)")
     bodies = "seen"
     if avoider.weigh is not None:
         bodies = "weighed"
@@ -23,16 +23,16 @@ def asked(s: Scenario) -> None:
     f.add(f"return {f.call('avoider', avoider.steer, *own, f.own('goal'), bodies, 'memory')}")
 
 
-def asked_at(s: Scenario) -> None:
-    f = s.function("asked_at(t, x, g, place, p)")
+def avoider_demand_at(s: Scenario) -> None:
+    f = s.function("avoider_demand_at(t, x, g, position, p)")
     errors = summed(s, f, "navigation", "errors", "t")
     f.add(f"xm = {f.call('vehicle', s.parts.vehicle.measured, s.state['vehicle'], errors)}")
-    f.add(f"v = {f.call('vehicle', s.parts.vehicle.velocity, 'xm')}", f"seen = {seen(s, f, 'place')}")
-    f.add(f"return asked(t, place, v, seen, {memory(s)}, p)[0]")
+    f.add(f"v = {f.call('vehicle', s.parts.vehicle.velocity, 'xm')}", f"seen = {seen(s, f, 'position')}")
+    f.add(f"return avoider_demand(t, position, v, seen, {memory(s)}, p)[0]")
 
 
 def memory(s: Scenario, held: str = "g") -> str:
-    """The avoider's memory in what guidance holds."""
+    """The expression for the avoider's memory within the held guidance."""
     count = s.parts.avoider.memory
     return f"{held}[{s.dimension}:{s.dimension + count}]" if count else "()"
 
@@ -40,7 +40,7 @@ def memory(s: Scenario, held: str = "g") -> str:
 def demand(s: Scenario) -> None:
     f, d = s.function("demand(t, q, v, seen, g, p)"), s.dimension
     if not s.parts.sampled:
-        f.add(f"return asked(t, q, v, seen, {memory(s)}, p)[0]")
+        f.add(f"return avoider_demand(t, q, v, seen, {memory(s)}, p)[0]")
     elif not s.parts.late:
         f.add(f"return g[0:{d}]")
     else:
@@ -51,26 +51,26 @@ def demand(s: Scenario) -> None:
 
 
 def translated(s: Scenario, f: Function, x: str) -> str:
-    """A demand as the controller's own references, where it has such."""
+    """The expression for a demand as the controller's own references, if it translates demands."""
     translate = s.parts.controller.translate
     return f.call("controller", translate[s.parts.avoider.demand], x, "want") if translate else "want"
 
 
 def guide(s: Scenario) -> None:
     d, late = s.dimension, s.parts.late
-    f = s.function("on_sample(xm, want, p)")
+    f = s.function("held_demand(xm, want, p)")
     f.add(f"return {translated(s, f, 'xm') if s.parts.sampled and not late else 'want'}")
     f = s.function("guide(t, x, g, p)")
-    f.add("xm, q, v, seen = aware(t, x, p)", f"want, memory = asked(t, q, v, seen, {memory(s)}, p)")
+    f.add("xm, q, v, seen = measurements(t, x, p)", f"want, memory = avoider_demand(t, q, v, seen, {memory(s)}, p)")
     if late:
         first = d + s.parts.avoider.memory
         f.add(f"earlier = g[0:{d}] + g[{first}:{first + (KEPT - 1) * d}] if t > 0.0 else {' + '.join(['want'] * KEPT)}")
-    f.add(f"return on_sample(xm, want, p) + memory{' + earlier' if late else ''}")
+    f.add(f"return held_demand(xm, want, p) + memory{' + earlier' if late else ''}")
 
 
-def blank(s: Scenario) -> None:
+def initial_guidance(s: Scenario) -> None:
     d = s.dimension
-    f = s.function("blank(p)")
+    f = s.function("initial_guidance(p)")
     nothing = [tupled(["0.0"] * d)]
     if s.parts.avoider.memory:
         nothing.append(f.call("avoider", s.parts.avoider.remember))

@@ -1,4 +1,4 @@
-"""Writes the closed loop itself: parameters, start, derivative, what is read from it and judged.
+"""Generates the closed loop itself: parameters, initial state, derivative, criteria and checks.
 
 Start reading at `loop`.
 """
@@ -78,10 +78,10 @@ def initial(s: Scenario) -> None:
     f.add(f"xv = {s.name('vehicle', vehicle.begin)}({f.own('start')}, {f.own('vehicle')})")
     if n.obstacles:
         x = "x"
-        f.add(f"xo = {_woken(s, f, s.obstacles)}", "# What is between them is not known yet, and not read.")
+        f.add(f"xo = {_woken(s, f, s.obstacles)}", "# The states in between are still unknown and not read.")
         f.add(f"x = xv + {tupled(['0.0'] * (n.controller + n.actuators + n.environment))} + xo")
-    f.add(f"xm, q, v, seen = aware(0.0, {x}, p)")
-    f.add(f"want, _ = asked(0.0, q, v, seen, {memory(s, 'blank(p)')}, p)")
+    f.add(f"xm, q, v, seen = measurements(0.0, {x}, p)")
+    f.add(f"want, _ = avoider_demand(0.0, q, v, seen, {memory(s, 'initial_guidance(p)')}, p)")
     if n.environment:
         f.add(f"xe = {_woken(s, f, s.environment)}")
     if vehicle.felt:
@@ -101,14 +101,14 @@ def initial(s: Scenario) -> None:
 
 
 def _woken(s: Scenario, f: Function, prefixes: list[str]) -> str:
-    """The states of these components at the start."""
+    """The expression for the initial states of these components."""
     return " + ".join(f.call(prefix, s.component[prefix].wake) for prefix in prefixes if s.component[prefix].states)
 
 
 def _instant(s: Scenario, f: Function) -> str:
-    """From the state to what reaches the vehicle, at one instant; what the environment is called in it."""
+    """Add the lines from the state to the inputs of the vehicle at one instant; returns the environment's variable."""
     vehicle, controller = s.parts.vehicle, s.parts.controller
-    f.add("xm, q, v, seen = aware(t, x, p)", "want = demand(t, q, v, seen, g, p)", f"xv = {s.state['vehicle']}")
+    f.add("xm, q, v, seen = measurements(t, x, p)", "want = demand(t, q, v, seen, g, p)", f"xv = {s.state['vehicle']}")
     f.add(f"q = {f.call('vehicle', vehicle.position, 'xv')}", f"v = {f.call('vehicle', vehicle.velocity, 'xv')}")
     env = "env" if s.environment else s.view("STILL")
     if s.environment:
@@ -155,7 +155,7 @@ def judgement(s: Scenario) -> None:
     f.add(f"return {f.call('vehicle', vehicle.settle, s.state['vehicle'])}{rest}" if vehicle.settle else "return x")
     f = s.function("envelope(x, p)")
     f.add(f"return {f.call('vehicle', vehicle.outside, s.state['vehicle'])}")
-    f = s.function("barred(first, p)")
+    f = s.function("excluded(first, p)")
     f.add(f"return {f.call('criterion', s.parts.criterion.excluded, _channels(s, 'criterion', 'first'))}")
     f = s.function("cost(found, p)")
     f.add(f"return {f.call('criterion', s.parts.criterion.value, _channels(s, 'criterion', 'found'))}")

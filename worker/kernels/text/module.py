@@ -1,4 +1,4 @@
-"""A generated text as a module of a real file, so that tracebacks and debuggers show its lines.
+"""Loads generated code as a module with a real file, so that tracebacks and debuggers show its lines.
 
 Start reading at `loaded`.
 """
@@ -16,13 +16,13 @@ from worker.kernels.cache import cache_folder
 
 
 def loaded(text: str, name: str) -> ModuleType:
-    """The text as a module; its file is in the cache folder, its lines are known where that cannot be written."""
+    """The text as a module with a file in the cache folder; tracebacks show its lines even if that is not writable."""
     name = f"{name}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     file = cache_folder() / "scenarios" / f"{name}.py"
     with suppress(OSError):
         _write(file, text)
     linecache.cache[str(file)] = len(text), None, text.splitlines(keepends=True), str(file)
-    # Compiled code on disk holds the name of its functions' module, which every later process must be able to import.
+    # Cached compiled code stores the module name of its functions, which every later process must be able to import.
     module = ModuleType(__name__)
     module.__file__ = str(file)
     exec(compile(text, str(file), "exec", dont_inherit=True), vars(module))
@@ -30,7 +30,7 @@ def loaded(text: str, name: str) -> ModuleType:
 
 
 def _write(file: Path, text: str) -> None:
-    """Write the file in one step, unless it is there: other processes may read it, or write it at the same time."""
+    """Write the file atomically unless it exists: other processes may read or write it at the same time."""
     if file.exists() and file.read_text(encoding="utf-8") == text:
         return
     file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""How the text of a scenario names kernels and types: by the module that they are in, `unicycle.derivative`.
+"""Names of kernels and types in the generated code, qualified by their module: `unicycle.derivative`.
 
 Start reading at `Names.of`.
 """
@@ -15,22 +15,22 @@ from typing import Any
 from worker.kernels.component import Component
 
 OWN = re.compile(r"^d?x.$|_\d+$")
-"""Names like those of the text's own variables: dxv, obstacle_0."""
+"""Names that look like the generated code's own variables: dxv, obstacle_0."""
 
 
 class UnnamedError(TypeError):
-    """A component has a kernel or a type that no text can name; the message says which, and what to do."""
+    """A component has a kernel or a type that cannot be imported by name; the message states which and what to do."""
 
 
 class Names:
-    """The modules of one text, by the names that it gives them; `taken` are the names that it uses otherwise."""
+    """The modules that a text imports, by local name; `taken` are the other names that it uses."""
 
     def __init__(self, taken: frozenset[str]) -> None:
         self._taken = taken
         self._short: dict[str, str] = {}
 
     def of(self, thing: Any, component: Component) -> str:
-        """A component's kernel or type as the text names it; UnnamedError where it has no name in any module."""
+        """The qualified name of a component's kernel or type; UnnamedError if no module has a name for it."""
         for home in _homes(thing, component):
             for name in (thing.__name__, *vars(home)):
                 if name.isidentifier() and vars(home).get(name) is thing:
@@ -41,7 +41,7 @@ class Names:
         )
 
     def module(self, full: str) -> str:
-        """What the text calls a module: its last name, with as many before it as set it apart."""
+        """The local name of a module: its last name, with as many parent names as make it unique."""
         if full not in self._short:
             parts = full.split(".")
             named = ["_".join(parts[-count:]) for count in range(1, len(parts) + 1)]
@@ -51,7 +51,7 @@ class Names:
         return self._short[full]
 
     def imports(self) -> list[str]:
-        """The text's lines of imports."""
+        """The import statements of the text."""
         lines = []
         for full, short in sorted(self._short.items()):
             package, _, last = full.rpartition(".")
@@ -61,14 +61,14 @@ class Names:
 
 
 def _homes(thing: Any, component: Component) -> Iterator[ModuleType]:
-    """The modules in which a component's kernel or type may have a name: its own, then those of the component."""
+    """The modules that may name a component's kernel or type: its own, then those of the component."""
     named = [thing.__module__, *(kernel.__module__ for kernel in _kernels(component))]
     yield from (sys.modules[name] for name in dict.fromkeys(named) if name in sys.modules)
     yield from [m for m in list(sys.modules.values()) if getattr(m, "__dict__", {}).get("component") is component]
 
 
 def _kernels(part: Any) -> Iterator[Any]:
-    """The kernels of a component, and of what it derives."""
+    """The kernels of a component, including those of its derived constants."""
     for field in fields(part):
         value = getattr(part, field.name)
         for each in value.values() if isinstance(value, dict) else (value,):

@@ -1,6 +1,6 @@
-"""Writes what the vehicle perceives: the obstacles as they are, its own state as measured, the obstacles as seen.
+"""Generates the perception code: true obstacles, the vehicle's measured state, obstacles as perceived.
 
-Start reading at `aware`.
+Start reading at `measurements`.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from worker.kernels.text.scenario import Function, Scenario, tupled
 
 ADDED = {"errors": ("NO_ERRORS", "both_errors"), "sight": ("CLEAR_SIGHT", "both_sights")}
-"""In `views`: what stands for a path without faults, and what two of them add together."""
+"""Names in `views`: the neutral value of a path without faults, and the function that adds two effects."""
 
 
 def bodies(s: Scenario) -> None:
@@ -22,10 +22,10 @@ def _body(prefix: str) -> str:
     return f"body_{prefix.partition('.')[2]}"
 
 
-def aware(s: Scenario) -> None:
+def measurements(s: Scenario) -> None:
     if s.senses:
         _perceived(s)
-    f, vehicle = s.function("aware(t, x, p)"), s.parts.vehicle
+    f, vehicle = s.function("measurements(t, x, p)"), s.parts.vehicle
     errors = summed(s, f, "navigation", "errors", "t")
     f.add(f"xm = {f.call('vehicle', vehicle.measured, s.state['vehicle'], errors)}")
     f.add(f"q = {f.call('vehicle', vehicle.position, 'xm')}", f"v = {f.call('vehicle', vehicle.velocity, 'xm')}")
@@ -33,14 +33,14 @@ def aware(s: Scenario) -> None:
 
 
 def seen(s: Scenario, f: Function, q: str) -> str:
-    """The obstacles as a vehicle perceives them that takes itself to be at q."""
+    """The expression for the obstacles as perceived from the measured position q."""
     if not s.senses:
         return f"bodies(t, {s.state['obstacles']}, {q}, p)"
     return f"perceived(t, {s.state['obstacles']}, {f.call('vehicle', s.parts.vehicle.pose, 'xm')}, {q}, v, p)"
 
 
 def summed(s: Scenario, f: Function, path: str, name: str, *arguments: str) -> str:
-    """The variable that holds the effects of all faults on a path, which add up."""
+    """The variable that holds the sum of the effects of all faults on a path."""
     none, both = ADDED[name]
     prefixes = s.faults.get(path, [])
     for prefix in prefixes:
@@ -56,7 +56,7 @@ def _perceived(s: Scenario) -> None:
         f.add(f"pose = {s.space('q')} + own[3:6]", f"speed = {s.space('v')}")
     for prefix, state in s.each(s.obstacles, "o").items():
         body = s.component[prefix].body
-        # The past of an obstacle with states is not kept: it is taken back along its velocity now.
+        # Past states of an obstacle are not stored: its position is extrapolated back along its current velocity.
         at, ahead = ("t", "when.ahead - (t - when.at)") if state != "()" else ("when.at", "when.ahead")
         at = at if late else "t"
         there = f.call(prefix, body, at, state, "q")
@@ -71,7 +71,7 @@ def _perceived(s: Scenario) -> None:
 
 
 def _seen_at(s: Scenario, f: Function) -> bool:
-    """When obstacles are seen: through every fault of timing on what those before it let through; is there any?"""
+    """Add the observation instant, delayed by every timing fault in turn; returns whether there is any such fault."""
     prefixes = s.faults.get("timing", [])
     for prefix in prefixes:
         kernel = s.component[prefix].kernel

@@ -1,4 +1,4 @@
-"""What the text of a scenario is written with: where its components' numbers stand, functions, lines that fit.
+"""The state of code generation for a scenario: positions of its components' numbers, functions, wrapped lines.
 
 Start reading at `Scenario`.
 """
@@ -10,25 +10,25 @@ from collections.abc import Iterable
 from typing import Any
 
 from worker.kernels.component import Component
-from worker.kernels.layout import Parts, channels, places, sections, states
+from worker.kernels.layout import Parts, channels, sections, spans, states
 from worker.kernels.text.names import Names
 
 WIDTH = 120
 
 VARIABLES = """
-vehicle controller avoider start goal criterion trim kernel t x g p q v u o e a own place first found seen memory want
-weighed errors sight there pose speed when then late earlier env more arrives around
+vehicle controller avoider start goal criterion trim kernel t x g p q v u o e a own position first found seen memory
+want weighed errors sight there pose speed when then late earlier env more arrives around
 """
-"""Names of the text's own variables, besides numbered and two-letter ones: no module is given one of them."""
+"""The generated code's own variables, besides numbered and two-letter ones; no module gets one of these names."""
 
 
 class Scenario:
-    """One scenario while its text is written, function by function."""
+    """One scenario while its code is generated, function by function."""
 
     def __init__(self, parts: Parts, described: dict[str, str]) -> None:
         self.parts, self.dimension, self.described = parts, parts.vehicle.dimension, described
         self.sections = sections(parts)
-        self.places = places(parts, self.sections)
+        self.spans = spans(parts, self.sections)
         self.channels, self.states = channels(parts), states(parts)
         self.names = Names(frozenset([*described, *VARIABLES.split()]))
         self.obstacles = [f"obstacles.{i}" for i in range(len(parts.obstacles))]
@@ -49,30 +49,30 @@ class Scenario:
         self.functions: list[Function] = []
 
     def function(self, head: str) -> Function:
-        """Begin one more function of the text."""
+        """Start a new function of the text."""
         self.functions.append(Function(self, head))
         return self.functions[-1]
 
     def name(self, prefix: str, thing: Any) -> str:
-        """A kernel or a type of the component with this prefix, as the text names it."""
+        """The qualified name of a kernel or a type of the component with this prefix."""
         component: Component = self.component[prefix]
         return self.names.of(thing, component)
 
     def view(self, name: str) -> str:
-        """Something of `views`; with a 2 or 3 behind it where the plane and space have their own."""
+        """The qualified name of an attribute of `views`."""
         return f"{self.names.module('worker.kernels.views')}.{name}"
 
     def space(self, vector: str) -> str:
-        """A vector of the loop's dimension in space."""
+        """The expression for a vector of the loop's dimension as one in space."""
         return vector if self.dimension == 3 else f"({vector}[0], {vector}[1], 0.0)"
 
     @property
     def senses(self) -> bool:
-        """Whether obstacles are perceived otherwise than they are."""
+        """Whether faults alter how obstacles are perceived."""
         return bool(self.faults.keys() & {"perception", "timing"})
 
     def each(self, prefixes: Iterable[str], state: str, first: int = 0) -> dict[str, str]:
-        """What each component has of a state, from a position on."""
+        """The slice of a state that each component has, from a position on."""
         found = {}
         for prefix in prefixes:
             last = first + self.component[prefix].states
@@ -81,7 +81,7 @@ class Scenario:
         return found
 
     def _slices(self) -> dict[str, str]:
-        """Where each kind of component has its state in that of the loop."""
+        """The slice of the loop's state that each kind of component has."""
         found, first = {}, 0
         for kind in ("vehicle", "controller", "actuators", "environment", "obstacles"):
             last = first + getattr(self.states, kind)
@@ -91,7 +91,7 @@ class Scenario:
 
 
 class Function:
-    """One function of the text while it is written: its lines, and the parameters that they take from p."""
+    """One function of the text while it is generated: its lines, and the parameters that they take from p."""
 
     def __init__(self, scenario: Scenario, head: str) -> None:
         self._scenario, self._head = scenario, head
@@ -99,13 +99,13 @@ class Function:
         self._lines: list[str] = []
 
     def own(self, prefix: str) -> str:
-        """The variable that holds a component's parameters, or what it derives from them."""
-        at = self._scenario.places[prefix]
+        """The variable that holds a component's parameters or derived constants."""
+        at = self._scenario.spans[prefix]
         self._taken[prefix] = f"{variable(prefix)} = {self._scenario.name(prefix, at.fields)}(*p[{at.first}:{at.last}])"
         return variable(prefix)
 
     def call(self, prefix: str, kernel: Any, *arguments: str) -> str:
-        """A call of a component's kernel, its parameters last."""
+        """A call of a component's kernel, with its parameters as last argument."""
         return f"{self._scenario.name(prefix, kernel)}({', '.join([*arguments, self.own(prefix)])})"
 
     def add(self, *lines: str) -> None:
@@ -113,25 +113,25 @@ class Function:
 
     def __str__(self) -> str:
         name, described = self._head.partition("(")[0], self._scenario.described
-        says = described[name if name in described else name.rpartition("_")[0]]
-        body = [f'"""{says}"""', *self._taken.values(), *self._lines]
+        description = described[name if name in described else name.rpartition("_")[0]]
+        body = [f'"""{description}"""', *self._taken.values(), *self._lines]
         return "\n".join(["@kernel", f"def {self._head}:", *(folded(f"    {line}") for line in body)])
 
 
 def variable(prefix: str) -> str:
-    """A component's variable: obstacle_0, environment_1, vehicle."""
+    """The name of a component's variable: obstacle_0, environment_1, vehicle."""
     kind, _, number = prefix.partition(".")
     return f"{kind.removesuffix('s')}_{number}" if number else kind
 
 
 def tupled(values: Iterable[str]) -> str:
-    """A tuple of these values."""
+    """The expression for a tuple of these values."""
     every = list(values)
     return f"({every[0]},)" if len(every) == 1 else f"({', '.join(every)})"
 
 
 def folded(line: str) -> str:
-    """A line of the text, in several where it is too long: what is assigned or returned moves into parentheses."""
+    """A line of the text; if too long, wrapped with the assigned or returned expression in parentheses."""
     if len(line) <= WIDTH:
         return line
     head, joint, rest = line.partition("return ") if "return " in line else line.partition(" = ")

@@ -1,4 +1,4 @@
-"""CMA-ES with restarts: samples from a normal distribution that adapts to the shape of its valley.
+"""CMA-ES with restarts: samples from a normal distribution that adapts to the shape of the valley.
 
 Hansen and Ostermeier, Completely derandomized self-adaptation in evolution strategies (Evol. Comput. 9, 2001), as
 pycma; restarts with twice the population each time (Auger and Hansen, IPOP, CEC 2005) or, by default, alternating with
@@ -92,7 +92,7 @@ def _descend(space: Space, population: int, deviation: float, most: float = np.i
 
 
 def _strategy(start: Floats, deviation: float, population: int, random: np.random.Generator) -> Any:
-    import cma  # only now: it takes most of a second to load
+    import cma  # imported late: it takes most of a second to load
 
     options = {
         "bounds": [0.0, 1.0],
@@ -111,7 +111,7 @@ def _strategy(start: Floats, deviation: float, population: int, random: np.rando
 
 
 def _last(values: Floats) -> Floats:
-    """Values to rank by: those that are infinite come after every other, all at one place."""
+    """Values to rank by: infinite ones rank after all others, with equal rank."""
     known = np.isfinite(values)
     if known.all():
         return values

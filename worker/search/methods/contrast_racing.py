@@ -28,7 +28,7 @@ KINDS = ((COMPASS, 0.1, 0.03), (COMPASS, 0.1, 0.03), (NELDER_MEAD, 0.1, 0.03), (
 """Machine, its first step, and the deviation of the CMA-ES that follows it; drawn at random."""
 ETA = 3
 HOPPING = 10
-"""Hops combine so many of the best incumbents."""
+"""The number of best incumbents that hops combine."""
 
 Steps = Generator[Floats, Batch, None]
 
@@ -67,7 +67,7 @@ def search(space: Space, options: Options) -> Search:
 
 
 class Race:
-    """The samples, the searchers, the rungs they stand on, and the evaluations used so far."""
+    """The samples, the searchers, their rungs, and the evaluations used so far."""
 
     def __init__(self, space: Space, options: Options) -> None:
         n = space.dimension
@@ -80,7 +80,7 @@ class Race:
         self.openings: list[Opening] = []
 
     def sample(self, count: int) -> Steps:
-        """The first sample: so many points with a value, at least 10 per parameter."""
+        """Draw the first sample: `count` points with a value, at least 10 per parameter."""
         count = max(count, 10 * self.dimension)
         while self.samples.count < count:
             points = self.samples.draw(count - self.samples.count)
@@ -89,12 +89,12 @@ class Race:
             self.samples.add(points, batch.ranked())
 
     def run(self, until: int) -> Steps:
-        """Race until so many evaluations are used in all."""
+        """Race until `until` evaluations are used in total."""
         while self.used < until:
             self._fill()
             rows = np.array(self.running, dtype=np.int64)
             blocks = [opening.points for opening in self.openings]
-            points = np.concatenate([*blocks, self.pool.wanted(rows)])
+            points = np.concatenate([*blocks, self.pool.requested(rows)])
             batch = yield points.copy()
             values = batch.ranked()
             self.used += len(points)
@@ -104,9 +104,9 @@ class Race:
             self._open(values)
 
     def _fill(self) -> None:
-        """Promote, the top rung first, or open new searches, until as many are under way as may be.
+        """Promote searchers, top rung first, or start new ones, up to the number of concurrent searches.
 
-        Few at first: the more are running, the less the next start can use their results.
+        That number is small at first: the more searches are running, the fewer results the next start can use.
         """
         while len(self.running) + len(self.openings) < min(self.options.abreast, 2 + self.pool.count // 8):
             promoted = self._promoted()
@@ -124,13 +124,13 @@ class Race:
         return None
 
     def _arrived(self, t: int) -> bool:
-        """Whether searcher t has used what its rung gives it; it then waits there."""
+        """Whether searcher t has used the evaluations of its rung; it then waits there."""
         k = int(self.pool.rung[t])
         if self.pool.state.evaluations[t] < self.options.first * self.dimension * ETA**k:
             return False
         while len(self.rungs) <= k:
             self.rungs.append(Rung())
-        self.rungs[k].reach(t, float(self.pool.cost[t]))
+        self.rungs[k].add(t, float(self.pool.cost[t]))
         return True
 
     def _opening(self) -> Opening:
@@ -141,7 +141,7 @@ class Race:
         return Opening(self.samples.draw(self.options.fresh * self.dimension), hop=False)
 
     def _open(self, values: Floats) -> None:
-        """The openings' values have come, the first of them all: begin a search from each."""
+        """Start a search from each opening, given their values at the beginning of `values`."""
         openings, self.openings = self.openings, []
         at = 0
         for opening in openings:
@@ -161,14 +161,14 @@ class Race:
 
 @dataclass(frozen=True)
 class Opening:
-    """Points whose values decide where the next search begins: candidates of a hop, or more of the sample."""
+    """Points whose values decide where the next search starts: candidates of a hop, or further sample points."""
 
     points: Floats
     hop: bool
 
 
 def hops(pool: Pool, count: int, random: np.random.Generator) -> Floats:
-    """Candidates (count, n) from the best incumbents: differences of some on others, or one of them mutated."""
+    """Candidates (count, n) from the best incumbents: differences of two added to another, or a mutation of one."""
     elite = pool.best[pool.apart(HOPPING)]
     n = elite.shape[1]
     made = np.empty((count, n))
@@ -188,9 +188,9 @@ def hops(pool: Pool, count: int, random: np.random.Generator) -> Floats:
     return made
 
 
-def _some(n: int, share: float, random: np.random.Generator) -> np.ndarray:
+def _some(n: int, fraction: float, random: np.random.Generator) -> np.ndarray:
     """A random subset of the parameters, never empty."""
-    chosen = random.random(n) < share
+    chosen = random.random(n) < fraction
     chosen[random.integers(n)] |= not chosen.any()
     return chosen
 

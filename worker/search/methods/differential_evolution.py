@@ -1,4 +1,4 @@
-"""Differential evolution: every member of a population is compared with a combination of others, by their differences.
+"""Differential evolution: every member of a population competes with a combination of others and their differences.
 
 Storn and Price, Differential evolution (J. Global Optimization 11, 1997), as SciPy's differential_evolution with its
 defaults, one generation per batch. A point without a value loses to every point with one. It ends when the population
@@ -18,12 +18,12 @@ from worker.search.parts.callback import Ask, called_back
 from worker.search.parts.lowest import Lowest
 
 GENERATIONS = 10**9
-"""More than any budget has."""
+"""Larger than any budget."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """SciPy's names and defaults, but that `mutation` and `dither` are the lower end and the width of its pair."""
+    """SciPy's names and defaults, except that `mutation` and `dither` are the lower end and width of its pair."""
 
     strategy: Literal[
         "best1bin", "best1exp", "best2bin", "best2exp", "rand1bin", "rand1exp", "rand2bin", "rand2exp",
@@ -40,7 +40,7 @@ class Options:
 
 
 def search(space: Space, options: Options) -> Search:
-    """One generation is one request; ends by the tolerance alone."""
+    """One generation is one request; only the tolerance ends it."""
     text = ""
     for _ in range(options.restarts + 1):
         text = yield from _gather(space, options)
@@ -73,7 +73,7 @@ def _run(ask: Ask, space: Space, options: Options, best: Lowest) -> str:
     box: Any = [(0.0, 1.0)] * space.dimension
     vectorised: Any = costs
     mutation = (options.mutation, options.mutation + options.dither) if options.dither else options.mutation
-    from scipy.optimize import differential_evolution  # a campaign's process must start fast
+    from scipy.optimize import differential_evolution  # imported late: slow to load
 
     done = differential_evolution(
         vectorised,

@@ -19,10 +19,10 @@ from worker.search.base import Ended, Floats, Method, MethodLook, Search, Space
 Ints = NDArray[np.int64]
 
 DEEPEST = 30
-"""Sides are divided at most this often: 3^-30 is 5e-15, where centres stop being distinct."""
+"""The largest number of divisions per side: 3^-30 is 5e-15, below which centres are no longer distinct."""
 
 MOST = 10_000_000
-"""Iterations: each makes two evaluations or more."""
+"""The largest number of iterations; each makes at least two evaluations."""
 
 TIE = 1e-12
 """Values this close, relatively, are ties: otherwise rounding would distinguish mirrored rectangles."""
@@ -50,7 +50,7 @@ class Boxes:
         self.value: Floats = np.empty(capacity)
         self.lost: NDArray[np.bool_] = np.empty(capacity, dtype=np.bool_)
         self.near: Floats = np.empty(capacity)
-        """Of one without a value: the lowest value nearby, infinity if there is none."""
+        """For rectangles without a value: the lowest value nearby, infinity if there is none."""
 
     def add(self, centre: Floats, depth: Ints, value: Floats) -> None:
         """Append m rectangles."""
@@ -70,16 +70,16 @@ class Boxes:
 def sizes(levels: Ints, dimension: int) -> Floats:
     """Half diagonals of rectangles by their level, the number of divisions summed over the sides.
 
-    Sides of one rectangle differ by at most one division, so the level alone tells every side.
+    Sides of one rectangle differ by at most one division, so the level determines all sides.
     """
     whole, extra = np.divmod(levels, dimension)
     return 0.5 * np.sqrt((dimension - extra) * 9.0**-whole + extra * 9.0 ** -(whole + 1.0))
 
 
 def promising(boxes: Boxes, epsilon: float, biased: bool = False) -> Ints:
-    """Indices of the potentially optimal rectangles (definition 4.1), the smallest first, every tie included.
+    """Indices of the potentially optimal rectangles (definition 4.1), smallest first, including all ties.
 
-    biased: their longest side is their size, and the oldest stands for all ties (Gablonsky, Kelley 2001).
+    biased: the size is the longest side, and only the oldest of ties is included (Gablonsky, Kelley 2001).
     """
     n = boxes.count
     dimension = boxes.centre.shape[1]
@@ -100,7 +100,7 @@ def promising(boxes: Boxes, epsilon: float, biased: bool = False) -> Ints:
 
 
 def _hull(size: list[float], lowest: list[float], epsilon: float) -> list[int]:
-    """Which points (size, lowest), sizes increasing, lie on the lower right convex hull and pass the eps test."""
+    """The points (size, lowest), in ascending size, that are on the lower right convex hull and pass the eps test."""
     if len(size) == 0:
         return []
     best = min(lowest)
@@ -200,7 +200,7 @@ def _rescue(boxes: Boxes, divided: Ints, first: int) -> None:
 
     Such a rectangle takes the lowest value among the feasible centres inside it at twice its size, slightly raised: it
     is divided in turn but never before that neighbour. If there is none, it takes more than the highest value so far.
-    `divided` have shrunk and those from `first` on are new since the last time; the others' neighbours stand.
+    `divided` have shrunk and those from `first` on are new since the last call; neighbours of the others are unchanged.
     """
     lost = np.flatnonzero(boxes.lost[: boxes.count])
     if len(lost) == 0:
@@ -223,7 +223,7 @@ def _lowest_near(boxes: Boxes, rows: Ints, feasible: Ints) -> Floats:
         return found
     centre, value = boxes.centre[feasible], boxes.value[feasible]
     for some in np.array_split(np.arange(len(rows)), -(-len(rows) * len(feasible) // 1_000_000) or 1):
-        # Centres of equal rectangles are exactly one reach apart but for rounding.
+        # Centres of equal rectangles are exactly one reach apart, except for rounding.
         reach = 3.0 ** -boxes.depth[rows[some]].astype(np.float64) * (1.0 + 1e-9)
         inside = np.ones((len(some), len(feasible)), dtype=np.bool_)
         for k in range(centre.shape[1]):
@@ -233,7 +233,7 @@ def _lowest_near(boxes: Boxes, rows: Ints, feasible: Ints) -> Floats:
 
 
 def extend(options: Options, more: int) -> Options:
-    """Iterations enough for so many evaluations more, and no rectangle too small."""
+    """Enough iterations for `more` further evaluations, and no smallest size."""
     return replace(options, iterations=min(options.iterations + more, MOST), smallest=0.0)
 
 

@@ -1,8 +1,8 @@
 """DIRECT-L: DIRECT with a bias towards the neighbourhood of its best point.
 
 Gablonsky, Kelley, A locally-biased form of the DIRECT algorithm (J. Global Optim. 21, 2001): a rectangle's size is its
-longest side, which makes fewer sizes, and of every size a single rectangle is divided, the oldest of ties. Quicker
-where there are few local minima; otherwise as `direct`, on which it is based.
+longest side, which gives fewer distinct sizes, and one rectangle per size is divided, the oldest of ties. Faster if
+there are few local minima; otherwise as `direct`, on which it is based.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ class Options:
 
 @dataclass
 class Population:
-    """Points (m, n) and their costs (m,), infinity where there is none; rows never change in place."""
+    """Points (m, n) and their costs (m,), infinity if there is no cost; rows never change in place."""
 
     points: Floats
     costs: Floats
@@ -65,7 +65,7 @@ class Population:
 
 
 def search(space: Space, options: Options) -> Search:
-    """One generation is one request: the children that are no copies of a parent."""
+    """One generation is one request: the children that are not copies of a parent."""
     points = space.random.random((options.population, space.dimension))
     given = space.starts[: options.population]
     points[: len(given)] = given
@@ -107,8 +107,8 @@ def _adapted(length: float, improved: bool, options: Options) -> float:
 def _change(best: list[float], options: Options) -> float:
     """The relative change of the best cost over the last generations.
 
-    cumulative: all of it. weighted, as ga computes it: the mean, each generation's change weighing half of the next
-    one's, which forgives what changed early and mostly stops at the first chance.
+    cumulative: the total change. weighted, as in ga: the mean with weights that double from one generation to the next,
+    so early changes count little and it mostly stops as soon as allowed.
     """
     last = np.array(best[-options.stall_generations - 1 :])
     if not np.isfinite(last).all():
@@ -166,9 +166,9 @@ def _mutated(random: np.random.Generator, options: Options, parents: Floats, len
 
 
 def extend(options: Options, more: int) -> Options:
-    """The generations again on the same population, surely often enough: the budget ends what is more.
+    """Repeat the generations on the same population, often enough for the budget, which then ends the search.
 
-    Counted are a schedule's fewest generations and a quarter of its mutants: others may be copies on a bound.
+    The count assumes the fewest generations of a schedule and a quarter of its mutants; others may be copies.
     """
     size, elite = options.population, min(options.elite, options.population - 1)
     mutants = size - elite - round(options.crossover_fraction * (size - elite))

@@ -58,14 +58,14 @@ class Found:
 
 @dataclass
 class Sample:
-    """The best points so far, the lowest first: points (m, n), costs (m,), the cluster of each or ALONE (m,)."""
+    """The best points so far, lowest first: points (m, n), costs (m,), the cluster of each or ALONE (m,)."""
 
     points: Floats
     costs: Floats
     cluster: NDArray[np.int64]
 
     def add(self, points: Floats, costs: Floats) -> None:
-        """Take up points that have a value."""
+        """Add the points that have a value."""
         costs = np.concatenate([self.costs, costs[np.isfinite(costs)]])
         points = np.concatenate([self.points, points])
         cluster = np.concatenate([self.cluster, np.full(len(costs) - len(self.cluster), ALONE)])
@@ -78,7 +78,7 @@ class Sample:
 
 @dataclass
 class Clusters:
-    """What a cycle works on: the sample, how many of it are clustered, the minima, the critical distance."""
+    """The state of a cycle: the sample, the number of clustered points, the minima, the critical distance."""
 
     sample: Sample
     reduced: int
@@ -86,18 +86,18 @@ class Clusters:
     distance: float
 
     def grow(self, label: int, point: Floats, cost: float) -> None:
-        """Single linkage: every lone point near a lower one of the cluster joins it, and brings in others."""
-        sample, front = self.sample, [(point, cost)]
+        """Single linkage: every lone point near a lower point of the cluster joins it, transitively."""
+        sample, queue = self.sample, [(point, cost)]
         points, costs, cluster = (a[: self.reduced] for a in (sample.points, sample.costs, sample.cluster))
-        while front:
-            point, cost = front.pop(0)
+        while queue:
+            point, cost = queue.pop(0)
             near = (cluster == ALONE) & (costs > cost)
             near[near] = np.abs(points[near] - point).max(axis=1) < self.distance
             cluster[near] = label
-            front += [(points[i], float(costs[i])) for i in np.flatnonzero(near)]
+            queue += [(points[i], float(costs[i])) for i in np.flatnonzero(near)]
 
     def grow_all(self) -> None:
-        """To everything known: minima and their members first, then seeds."""
+        """Grow all clusters: from minima and their members first, then from seeds."""
         sample = self.sample
         for label, found in enumerate(self.minima):
             members = np.flatnonzero(sample.cluster[: self.reduced] == label)
@@ -156,7 +156,7 @@ def critical_distance(sampled: int, dimension: int) -> float:
 
 
 def _search_locally(space: Space, options: Options, clusters: Clusters) -> Generator[Floats, Batch, None]:
-    """From the lone points, the lowest first: what joins a cluster meanwhile is not searched from, or no longer."""
+    """Search from the lone points, lowest first; a point that joins a cluster meanwhile is skipped or abandoned."""
     if options.at_once:
         yield from side_by_side([_while_alone(space, options, clusters, i) for i in clusters.alone()])
         return
@@ -180,7 +180,7 @@ def _while_alone(space: Space, options: Options, clusters: Clusters, i: int) -> 
 
 
 def _settle(space: Space, options: Options, clusters: Clusters, i: int, end: End) -> None:
-    """Tell whether the end of the search from point i is a new minimum, and cluster to it, or to its start if not."""
+    """Add the end of the search from point i if it is a new minimum, and cluster to it, otherwise to its start."""
     start, cost = clusters.sample.at(i)
     label = next((k for k, m in enumerate(clusters.minima) if _same(m.point, end.point, clusters.distance)), None)
     if label is None:

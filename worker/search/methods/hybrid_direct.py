@@ -23,7 +23,7 @@ from worker.search.parts import basins
 
 @dataclass(frozen=True)
 class Options(direct.Options):
-    """DIRECT's own, how much of the budget it may use, and what the descents need."""
+    """DIRECT's options, its share of the budget, and the settings of the descents."""
 
     share: Annotated[float, Field(gt=0, le=1, description="DIRECT's largest share of the budget")] = 0.7
     biased: Annotated[bool, Field(description="Divide as DIRECT-L does")] = False
@@ -55,7 +55,7 @@ def search(space: Space, options: Options) -> Search:
 
 
 def _divided(boxes: direct.Boxes, space: Space, options: Options) -> Generator[Floats, Batch, str]:
-    """DIRECT until it stops or asks for more than its share; the first iterations it always gets."""
+    """DIRECT until it stops or requests more than its share; the first iterations are always completed."""
     dividing, spent = direct.divided(boxes, options, options.biased), 0
     try:
         points = next(dividing)

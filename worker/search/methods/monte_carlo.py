@@ -50,7 +50,7 @@ def search(space: Space, options: Options) -> Search:
         drawn += len(block)
         violations, samples = violations + _violations(batch, space.threshold), samples + _samples(batch)
         if options.interval > 0.0 and drawn == until:
-            level = looked(drawn, space.confidence)[1]
+            level = interim_analyses(drawn, space.confidence)[1]
             low, high = interval(violations, samples, level)
             if high - low < options.interval:
                 return Ended(
@@ -62,12 +62,12 @@ def search(space: Space, options: Options) -> Search:
     return Ended("drawn", "drew all {samples} samples", samples=drawn)
 
 
-def looked(drawn: int, confidence: float) -> tuple[int, float]:
+def interim_analyses(drawn: int, confidence: float) -> tuple[int, float]:
     """The number of interim analyses of a sample with early stopping after so many draws, and the confidence that the
     last one needs for all of them to hold jointly."""
     sizes = _sizes()
-    looks = next(k for k, size in enumerate(sizes, 1) if size >= drawn)
-    return looks, 1.0 - (1.0 - confidence) / (looks * (looks + 1))
+    analyses = next(k for k, size in enumerate(sizes, 1) if size >= drawn)
+    return analyses, 1.0 - (1.0 - confidence) / (analyses * (analyses + 1))
 
 
 def interval(violations: int, samples: int, confidence: float) -> tuple[float, float]:

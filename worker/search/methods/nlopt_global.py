@@ -19,7 +19,7 @@ from worker.search.base import Ended, Method, MethodLook, Search, Space
 from worker.search.parts.nlopt_calls import optimised
 
 AGS_PARAMETERS = 10
-"""NLopt is built with so many at most."""
+"""The largest number of parameters that NLopt is built with for ags."""
 
 
 @dataclass(frozen=True)

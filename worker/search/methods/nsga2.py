@@ -35,7 +35,7 @@ class Options:
 
 
 def search(space: Space, options: Options) -> Search:
-    """One generation is one request; how many criteria there are, the first batch tells."""
+    """One generation is one request; the first batch determines the number of criteria."""
     points = space.random.random((options.population, space.dimension))
     given = space.starts[: options.population]
     points[: len(given)] = given
@@ -53,7 +53,7 @@ def search(space: Space, options: Options) -> Search:
 
 
 def _breeder(space: Space, options: Options, points: Floats, criteria: int) -> Any:
-    """The library's algorithm, about to ask for these points first; it is heavy to import."""
+    """The library's algorithm, starting with these points; imported late because it is slow to load."""
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.population import Population
     from pymoo.core.problem import Problem
@@ -74,7 +74,7 @@ def _breeder(space: Space, options: Options, points: Floats, criteria: int) -> A
 
 
 def _evaluated(breeder: Any, population: Any, batch: Batch) -> Any:
-    """The points with their costs; what has none breaks a constraint, and its costs are never looked at."""
+    """The points with their costs; a point without a cost violates a constraint, so its costs are never used."""
     from pymoo.problems.static import StaticProblem
 
     lost = batch.status != OK
@@ -84,7 +84,7 @@ def _evaluated(breeder: Any, population: Any, batch: Batch) -> Any:
 
 
 def extend(options: Options, more: int) -> Options:
-    """More generations, surely enough: each asks for one new point at least; the budget ends what is more."""
+    """Enough further generations, at one new point or more per generation; the budget ends the search."""
     return replace(options, generations=min(options.generations + more, 10_000_000))
 
 

@@ -1,13 +1,13 @@
-"""Portfolio: several methods share one budget, side by side; those likely to improve the best value get more of it.
+"""Portfolio: several methods share one budget; those likely to improve the best value get more of it.
 
 No method is best everywhere, so none needs to be chosen beforehand (Baudis and Posik, Online black-box algorithm
 portfolios for continuous optimization, PPSN 2014). Members: contrast racing, DIRECT, GLOBAL, differential evolution,
 CMA-ES, MLSL, and SQP, which starts at the lowest point found by any of them away from its earlier starts.
-The rule: at first all get the same share. Later a member has a small base share, and up to 1 more depending on how soon
-it would reach the best cost at its rate of improvement. A member that has not improved for long loses both, but members
-that keep exploring retain their base share. A member that ends restarts with other random numbers; an unpromising
-descent is stopped in favour of a lower start. The record states which member requested which evaluation. It guarantees
-no more than its members do. Start reading at `search`.
+The rule: at first all get the same share. Later a member has a small base share, plus up to 1 depending on how soon it
+would reach the best cost at its rate of improvement. A member that has not improved for long loses both, but members
+that keep exploring retain their base share. A member that ends is restarted with new random numbers; an unpromising
+descent is stopped in favour of a lower start. The record states which member requested which evaluation. Its guarantees
+are those of its members. Start reading at `search`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from worker.search.parts.portfolio_record import Record
 
 @dataclass(frozen=True)
 class Part:
-    """A member: method and options, its own part, whether it goes on looking elsewhere, whether it begins anew."""
+    """A member: method, options, base share, whether it keeps exploring, and whether it restarts after its end."""
 
     method: Method
     options: Any
@@ -36,9 +36,9 @@ class Part:
 
 
 SMALL = differential_evolution.Options(population=4, recombination=0.2)
-"""Within thousands of evaluations a small population that changes few parameters at a time gets much further than the
-usual one: it solves eight-dimensional Levy in 12 and five-dimensional Rastrigin in 10 of 12 seeds, the usual one in 1
-and in none."""
+"""Within thousands of evaluations, a small population that changes few parameters at a time does much better than the
+default: it solves eight-dimensional Levy with 12 and five-dimensional Rastrigin with 10 of 12 seeds, the default with 1
+and 0."""
 
 MEMBERS = [
     Part(contrast_racing.method, contrast_racing.Options(abreast=4), 0.2, explores=True),
@@ -51,24 +51,24 @@ MEMBERS = [
 ]
 
 WINDOW = 20
-"""A member's pace is measured over so many of its evaluations per parameter."""
+"""Evaluations per parameter over which the rate of improvement of a member is measured."""
 HORIZON = 10
-"""A member that would take so many evaluations per parameter to overtake the best has half of that 1."""
+"""A member that needs this many evaluations per parameter to beat the best gets half of the variable share."""
 LOWER = 1e-3
-"""To overtake means to be lower than the best by this share of the spread."""
+"""To beat the best means to be lower by this fraction of the spread."""
 PATIENCE = 20
-"""So many evaluations per parameter without getting lower halve the part of a member that does not explore."""
+"""Evaluations per parameter without improvement that halve the share of a member that does not explore."""
 HOPELESS = 0.3
-"""A descent that promises less is given up where there is a lower start."""
+"""A descent with a lower promise is stopped if there is a lower start."""
 EPOCH = 1000
-"""The budget that contrast racing first plans with; it doubles it itself."""
+"""The initial budget of contrast racing, which doubles it when it is used up."""
 AHEAD = 100
-"""So many evaluations of all a member may be ahead of its share, for the sake of large requests."""
+"""Total evaluations by which a member may be ahead of its share, to allow large requests."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """When shares begin to differ."""
+    """Options of the portfolio."""
 
     fair: Annotated[
         int, Field(ge=0, le=1000, description="Evaluations per parameter of every member before shares differ")
@@ -85,11 +85,11 @@ def search(space: Space, options: Options) -> Search:
             if not turn:
                 return Ended("members", "every member has ended")
             for member in turn:
-                space.attribute(member.method.name, len(member.wanted))
-            batch = yield np.concatenate([member.wanted for member in turn])
+                space.attribute(member.method.name, len(member.requested))
+            batch = yield np.concatenate([member.requested for member in turn])
             at = 0
             for member in turn:
-                rows = slice(at, at + len(member.wanted))
+                rows = slice(at, at + len(member.requested))
                 at = rows.stop
                 member.tell(Batch(batch.costs[rows], batch.status[rows]), record)
     finally:
@@ -98,11 +98,11 @@ def search(space: Space, options: Options) -> Search:
 
 
 class Member:
-    """One method at work: the points it wants, when its next turn is, and how it gets on."""
+    """One running method: the points it requests, the time of its next turn, and its progress."""
 
     def __init__(self, part: Part, space: Space) -> None:
         self.part, self.method, self.space = part, part.method, space
-        self.wanted: Floats = np.empty((0, space.dimension))
+        self.requested: Floats = np.empty((0, space.dimension))
         self.search: Search | None = None
         self.used = self.stale = 0
         self.ever = np.inf
@@ -112,7 +112,7 @@ class Member:
         self.best: Floats | None = None
 
     def ready(self, record: Record) -> bool:
-        """Whether it wants points; begins it, or begins it anew, where it can."""
+        """Whether it requests points; starts or restarts it if possible."""
         if self.search is not None:
             return True
         if self.used and not self.part.again:
@@ -136,13 +136,13 @@ class Member:
         return self._advance(None, record)
 
     def tell(self, batch: Batch, record: Record) -> None:
-        """The values of the points it wanted."""
+        """Pass the values of the points that it requested."""
         values = batch.ranked()
-        record.see(self.wanted, values)
+        record.see(self.requested, values)
         self.used += len(values)
         low = int(np.argmin(values))
         if values[low] < self.lowest:
-            self.lowest, self.best = float(values[low]), self.wanted[low].copy()
+            self.lowest, self.best = float(values[low]), self.requested[low].copy()
         self.stale += len(values)
         if self.lowest < self.ever - LOWER * record.spread():
             self.ever, self.stale = self.lowest, 0
@@ -156,12 +156,12 @@ class Member:
             self._advance(batch, record)
 
     def weight(self, record: Record) -> float:
-        """Its part of the evaluations to come, next to the others'."""
+        """Its share of the coming evaluations, relative to the others."""
         fresh = 1.0 / (1.0 + self.stale / (PATIENCE * self.space.dimension))
         return self.part.own * (1.0 if self.part.explores else fresh) + fresh * self.promise(record)
 
     def promise(self, record: Record) -> float:
-        """From 0 to 1: how soon it would overtake the best at its pace."""
+        """How soon it would beat the best at its rate of improvement, from 0 to 1."""
         if len(self.past) < 2:
             return 0.5
         used, lowest = self.past[0]
@@ -172,14 +172,14 @@ class Member:
         return float(1.0 / (1.0 + gap / (pace * HORIZON * self.space.dimension)))
 
     def close(self) -> None:
-        """End it."""
+        """Close the method's generator."""
         if self.search is not None:
             self.search.close()
 
     def _advance(self, batch: Batch | None, record: Record) -> bool:
         assert self.search is not None
         try:
-            self.wanted = (next(self.search) if batch is None else self.search.send(batch)).copy()
+            self.requested = (next(self.search) if batch is None else self.search.send(batch)).copy()
         except StopIteration:
             self._end(record)
             return False
@@ -193,7 +193,7 @@ class Member:
 
 
 def _turn(members: list[Member], record: Record, fair: int) -> list[Member]:
-    """Those whose turn it is: each request puts off a member's next by its length over the member's share."""
+    """The members whose turn it is: a request delays the next turn by its length divided by the member's share."""
     able = [m for m in members if m.ready(record)]
     if not able:
         return []
@@ -202,7 +202,7 @@ def _turn(members: list[Member], record: Record, fair: int) -> list[Member]:
     now = min(m.due for m in able)
     for member, part in zip(able, parts, strict=True):
         member.due = max(member.due, now)
-        member.cost = len(member.wanted) * sum(parts) / part
+        member.cost = len(member.requested) * sum(parts) / part
     first = min(m.due + m.cost for m in able)
     turn = [m for m in able if m.due + m.cost <= first + AHEAD]
     for member in turn:

@@ -1,4 +1,4 @@
-"""SQP multistart: sequential quadratic programming from every start, all starts side by side.
+"""SQP multistart: sequential quadratic programming from every start in parallel.
 
 Kraft, A software package for sequential quadratic programming (DFVLR-FB 88-28, 1988), as NLopt's LD_SLSQP or, as a
 cross-check, SciPy's SLSQP. Gradients by finite differences; a point and its differences are one batch. Finds the

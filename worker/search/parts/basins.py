@@ -18,19 +18,19 @@ from worker.search.parts.descent import Settings, descend
 BETWEEN = np.array([0.5, 0.25, 0.75])
 """Positions on the straight line between two minima at which a barrier is tested."""
 NEAREST = 3
-"""A minimum is compared with so many of the others, the nearest ones."""
+"""Number of nearest minima that each minimum is compared with."""
 LOOKED_AT = 2000
 """The lowest evaluations among which points to descend from are chosen: the choice compares every pair."""
 ROUGH = Settings(differences="forward", iterations=25)
-"""Which basin a point is in."""
+"""Settings of the descents that assign points to basins."""
 FINE = Settings(difference=1e-6, step_tolerance=1e-9, iterations=60)
-"""How low a basin is."""
+"""Settings of the descents that polish the minimum of a basin."""
 
 
 @dataclass(frozen=True)
 class Rules:
-    """When two minima are one: nearer than `distance` (largest fraction of any range), or no barrier above
-    `barrier` (in the cost's unit) between them; `at_most` are retained."""
+    """Two minima are merged if they are closer than `distance` (largest fraction of any range) or have no barrier above
+    `barrier` (in the cost's unit) between them; at most `at_most` are retained."""
 
     distance: float
     barrier: float
@@ -49,28 +49,28 @@ class Basin:
 def promising(points: Floats, ranked: Floats, at_most: int) -> NDArray[np.int64]:
     """Rows of points (m, n) to descend from: low, and far from anything lower (nearest-better distance).
 
-    ranked (m,) is infinite where there is no cost. The lowest comes first; at most `at_most`.
+    ranked (m,): costs, infinite if there is no cost. The lowest comes first; returns at most `at_most` rows.
     """
     order = np.argsort(ranked, kind="stable")[:LOOKED_AT]
     order = order[np.isfinite(ranked[order])]
     if len(order) <= 1:
         return order
     low = points[order]
-    gap = np.empty(len(order))
-    gap[0] = np.inf
+    nearest = np.empty(len(order))
+    nearest[0] = np.inf
     for first in range(1, len(order), 256):
         rows = np.arange(first, min(first + 256, len(order)))
         apart = np.abs(low[rows, None, :] - low[None, : rows[-1] + 1, :]).max(axis=2)
         apart[np.arange(rows[-1] + 1)[None, :] >= rows[:, None]] = np.inf
-        gap[rows] = apart.min(axis=1)
-    chosen = np.argsort(-gap, kind="stable")[:at_most]
+        nearest[rows] = apart.min(axis=1)
+    chosen = np.argsort(-nearest, kind="stable")[:at_most]
     return order[np.sort(chosen)]
 
 
 def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) -> Generator[Floats, Batch, str]:
-    """Descend from candidates points (c, n) of known costs (c,), merge what ends in one basin, polish each.
+    """Descend from candidate points (c, n) of known costs (c,), merge ends in the same basin, and polish each basin.
 
-    `found` contains the current basins after every step, the lowest first, so that none is lost when the budget ends.
+    `found` contains the current basins after every step, lowest first, so that none is lost when the budget ends.
     """
     ends = [Basin(p.copy(), float(c), [i]) for i, (p, c) in enumerate(zip(points, costs, strict=True))]
     found[:] = _close(ends, rules.distance / 3)
@@ -84,7 +84,7 @@ def distinct(points: Floats, costs: Floats, rules: Rules, found: list[Basin]) ->
 
 
 def _close(basins: list[Basin], distance: float) -> list[Basin]:
-    """The basins, the lowest first, without those nearer than `distance` to a lower one, which they join."""
+    """The basins, lowest first; those closer than `distance` to a lower one are merged into it."""
     kept: list[Basin] = []
     for basin in sorted(basins, key=lambda b: b.cost):
         near = next((k for k in kept if np.abs(k.point - basin.point).max() < distance), None)
@@ -96,7 +96,7 @@ def _close(basins: list[Basin], distance: float) -> list[Basin]:
 
 
 def _descend(basins: list[Basin], settings: Settings) -> Generator[Floats, Batch, None]:
-    """SQP from every basin, side by side; a descent that ends no lower than it began changes nothing."""
+    """SQP from every basin in parallel; a descent that ends no lower than it started changes nothing."""
     if basins:
         yield from side_by_side([_lowered(basin, settings) for basin in basins])
     basins.sort(key=lambda b: b.cost)
@@ -110,7 +110,7 @@ def _lowered(basin: Basin, settings: Settings) -> Search:
 
 
 def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
-    """From the lowest on: a basin joins one of the nearest lower ones unless there is a barrier between them."""
+    """Merge basins, lowest first: each joins one of the nearest lower ones unless there is a barrier in between."""
     waiting = _close(found, rules.distance)
     kept: list[Basin] = []
     while waiting:
@@ -122,8 +122,8 @@ def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
             others = np.array([k.point for k in near])[:, None, :]
             batch = yield (others + line * (basin.point - others)).reshape(-1, len(basin.point))
             heights = batch.ranked().reshape(len(near), len(BETWEEN))
-            open_way = (heights <= basin.cost + rules.barrier).all(axis=1)
-            joined = near[int(np.argmax(open_way))] if open_way.any() else None
+            connected = (heights <= basin.cost + rules.barrier).all(axis=1)
+            joined = near[int(np.argmax(connected))] if connected.any() else None
         if joined is None:
             kept.append(basin)
         else:
@@ -132,7 +132,7 @@ def _merge(found: list[Basin], rules: Rules) -> Generator[Floats, Batch, None]:
 
 
 def _poll(basins: list[Basin], step: float = 1e-3, smallest: float = 1e-9) -> Generator[Floats, Batch, None]:
-    """Compass search around every basin, side by side: for what no gradient finds, edges and kinks."""
+    """Compass search around every basin in parallel, for edges and kinks where gradients fail."""
     steps = np.full(len(basins), step)
     for _ in range(200):
         active = np.flatnonzero(steps >= smallest)

@@ -18,33 +18,33 @@ Rows = NDArray[np.intp]
 
 
 def expectation(costs: Floats) -> Floats:
-    """Expected fraction of the parents: 1 / sqrt(rank), the lowest cost first; sums to 1.
+    """Expected fraction of the parents: proportional to 1 / sqrt(rank), the lowest cost first; sums to 1.
 
-    Only the order counts, so what has no cost (infinity) ranks last without needing a number.
+    Only the order counts, so points without a cost (infinity) rank last without a penalty value.
     """
-    share = np.empty(len(costs))
-    share[np.argsort(costs, kind="stable")] = 1.0 / np.sqrt(np.arange(1.0, len(costs) + 1.0))
-    return np.asarray(share / share.sum())
+    fractions = np.empty(len(costs))
+    fractions[np.argsort(costs, kind="stable")] = 1.0 / np.sqrt(np.arange(1.0, len(costs) + 1.0))
+    return np.asarray(fractions / fractions.sum())
 
 
-def _on_wheel(share: Floats, places: Floats) -> Rows:
-    return np.minimum(np.searchsorted(np.cumsum(share), places, side="right"), len(share) - 1)
+def _on_wheel(fractions: Floats, positions: Floats) -> Rows:
+    return np.minimum(np.searchsorted(np.cumsum(fractions), positions, side="right"), len(fractions) - 1)
 
 
-def roulette(random: np.random.Generator, share: Floats, count: int, entrants: int) -> Rows:
-    """Every parent by its own spin of a wheel whose slots are as wide as the fractions."""
-    return _on_wheel(share, random.random(count))
+def roulette(random: np.random.Generator, fractions: Floats, count: int, entrants: int) -> Rows:
+    """Every parent by a separate spin of a wheel whose slots are as wide as the fractions."""
+    return _on_wheel(fractions, random.random(count))
 
 
-def stochastic_uniform(random: np.random.Generator, share: Floats, count: int, entrants: int) -> Rows:
+def stochastic_uniform(random: np.random.Generator, fractions: Floats, count: int, entrants: int) -> Rows:
     """Equal steps along the wheel from one random position: a fraction of 10 % gets 10 % of the parents."""
-    return random.permutation(_on_wheel(share, (random.random() + np.arange(count)) / max(count, 1)))
+    return random.permutation(_on_wheel(fractions, (random.random() + np.arange(count)) / max(count, 1)))
 
 
-def tournament(random: np.random.Generator, share: Floats, count: int, entrants: int) -> Rows:
+def tournament(random: np.random.Generator, fractions: Floats, count: int, entrants: int) -> Rows:
     """Every parent is the best of some drawn at random."""
-    drawn = random.integers(len(share), size=(count, entrants))
-    return np.asarray(drawn[np.arange(count), np.argmax(share[drawn], axis=1)])
+    drawn = random.integers(len(fractions), size=(count, entrants))
+    return np.asarray(drawn[np.arange(count), np.argmax(fractions[drawn], axis=1)])
 
 
 Select = Callable[[np.random.Generator, Floats, int, int], Rows]
@@ -89,8 +89,8 @@ def gaussian(random: np.random.Generator, parents: Floats, deviation: float) -> 
 
 def uniform(random: np.random.Generator, parents: Floats, rate: float) -> Floats:
     """Every parameter redrawn from its range with this probability."""
-    anew = random.random(parents.shape) < rate
-    return np.where(anew, random.random(parents.shape), parents)
+    mutated = random.random(parents.shape) < rate
+    return np.where(mutated, random.random(parents.shape), parents)
 
 
 def directed(random: np.random.Generator, parents: Floats, length: float) -> Floats:

@@ -67,7 +67,7 @@ def called_back(run: Callable[[Ask], T]) -> Generator[Floats, Batch, T]:
                 raise request.error
             answers.put((yield request))
     finally:
-        # An interrupt may come at any moment: the thread ends whether it waits for an answer or has yet to ask.
+        # An interrupt may come at any time: the thread ends whether it is waiting for an answer or about to ask.
         abandoned.set()
         answers.put(nothing)
         thread.join()

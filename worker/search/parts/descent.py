@@ -21,11 +21,11 @@ Library = Literal["nlopt", "scipy", "bfgs"]
 Objective = Callable[[Floats], tuple[float, Floats]]
 
 LARGE = 1e3
-"""Slopes per range above which costs are scaled so that the first is 1."""
+"""If the first slope per range exceeds this, costs are scaled so that it becomes 1."""
 
 
 class End(NamedTuple):
-    """The end of a local search: point (n,), its cost (infinity if none), the evaluations it used, and the reason."""
+    """The end of a local search: point (n,), its cost (infinity if none), evaluations used, and the reason."""
 
     point: Floats
     cost: float
@@ -35,7 +35,7 @@ class End(NamedTuple):
 
 @dataclass(frozen=True)
 class Settings:
-    """Differences and tolerances are fractions of each parameter's range and of the cost. most: evaluations at most."""
+    """Differences and tolerances as fractions of each parameter's range and of the cost. most: evaluation limit."""
 
     library: Library = "nlopt"
     differences: Literal["central", "forward"] = "central"
@@ -47,7 +47,7 @@ class Settings:
 
 
 def descend(start: Floats, settings: Settings) -> Generator[Floats, Batch, End]:
-    """Descend from a start: a request contains a point and its differences, so points may repeat."""
+    """Descend from a start; a request has a point and its finite-difference neighbours, so points may repeat."""
     return called_back(lambda ask: _run(ask, start, settings))
 
 
@@ -127,7 +127,7 @@ def _nlopt(trail: Objective, settings: Settings, start: Floats) -> str:
         optimiser.optimize(start)
     except (nlopt.RoundoffLimited, nlopt.roundoff_limited):
         return Ended("rounding", "rounding stopped the descent")
-    except (nlopt.runtime_error, RuntimeError):  # the library's own is no RuntimeError
+    except (nlopt.runtime_error, RuntimeError):  # nlopt.runtime_error is not a subclass of RuntimeError
         return FAILED
     return {
         nlopt.FTOL_REACHED: CHANGES,
@@ -137,7 +137,7 @@ def _nlopt(trail: Objective, settings: Settings, start: Floats) -> str:
 
 
 def _scipy(trail: Objective, settings: Settings, start: Floats) -> str:
-    from scipy.optimize import minimize  # heavy, and not the usual choice
+    from scipy.optimize import minimize  # imported late: slow to load, and not the default
 
     found = minimize(
         trail, start, method="SLSQP", jac=True, bounds=[(0.0, 1.0)] * len(start),
@@ -157,7 +157,7 @@ def _bfgs(trail: Objective, settings: Settings, start: Floats) -> str:
 
 
 def _snapped(x: Floats) -> Floats:
-    """A point within rounding of a bound, on it: the optimiser leaves 1 - 3e-16 where it means 1."""
+    """The point with coordinates within rounding of a bound set to it: optimisers return 1 - 3e-16 for 1."""
     x = np.where(x < 1e-12, 0.0, x)
     return np.where(x > 1.0 - 1e-12, 1.0, x)
 
@@ -181,7 +181,7 @@ def stencil(x: Floats, settings: Settings) -> tuple[Floats, Floats]:
 
 
 def gradient(values: Floats, steps: Floats) -> Floats:
-    """Differences from the values that exist; if neither neighbour has one the slope is 0."""
+    """Finite differences of the available values; the slope is 0 if neither neighbour has a value."""
     n = steps.shape[1]
     centre = values[0]
     around = values[1:].reshape(len(steps), n)

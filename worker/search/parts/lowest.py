@@ -17,13 +17,13 @@ class Lowest:
         self.evaluations = 0
 
     def see(self, points: Floats, values: Floats) -> None:
-        """Points (m, n) and their values (m,), infinity where there is none."""
+        """Update with points (m, n) and their values (m,), infinity if there is no value."""
         self.evaluations += len(points)
         low = int(np.argmin(values))
         if values[low] < self.cost:
             self.cost, self.point = float(values[low]), points[low].copy()
 
     def report(self, space: Space, text: str) -> None:
-        """Report it, if there is one."""
+        """Report the lowest point as a minimum, if there is one."""
         if self.point is not None:
             space.report(Minimum(self.point, self.cost, self.start, self.evaluations, text))

@@ -1,7 +1,7 @@
-"""Runs an optimiser of NLopt, which asks for one point at a time, as a search. Start reading at `optimised`.
+"""Runs an NLopt optimiser, which requests one point at a time, as a search. Start reading at `optimised`.
 
-NLopt needs a number for every point. One without a value gets the highest cost so far; that number stays inside the
-library: everything counted, stored and reported comes from the evaluations themselves.
+NLopt needs a number for every point. A point without a value gets the highest cost so far, but only inside the library:
+everything counted, stored and reported comes from the evaluations themselves.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from worker.search.base import Ended, Floats, Search, Space
 from worker.search.parts.callback import Ask, called_back
 from worker.search.parts.lowest import Lowest
 
-SAID = {
+STOPPED = {
     nlopt.FTOL_REACHED: Ended("converged", "the cost no longer changes"),
     nlopt.XTOL_REACHED: Ended("converged", "the step is within its tolerance"),
     nlopt.STOPVAL_REACHED: Ended("optimal", "the cost cannot be lower"),
@@ -27,7 +27,7 @@ OWN = Ended("library", "the library's own rule stopped the search")
 
 
 def optimised(space: Space, build: Callable[[], Any]) -> Search:
-    """Let the optimiser that `build` makes search the unit cube until it ends by itself; reports its lowest point."""
+    """Run the optimiser returned by `build` on the unit cube until it ends; reports its lowest point."""
     best = Lowest()
     text = "the search ended"
     seed = int(space.random.integers(1, 2**31))
@@ -43,7 +43,7 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
 
     def cost(x: Floats, gradient: Floats) -> float:
         nonlocal highest
-        # A model spoilt by rounding may request NaN: use the centre instead.
+        # An internal model degraded by rounding may request NaN: use the centre instead.
         point = np.where(np.isfinite(x), np.clip(x, 0.0, 1.0), 0.5)[None, :]
         values = ask(point.copy()).ranked()
         best.see(point, values)
@@ -53,7 +53,7 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
         highest = max(highest, value)
         return value
 
-    nlopt.srand(seed)  # NLopt's stream belongs to the thread, and this thread is the search's own
+    nlopt.srand(seed)  # NLopt's random stream is per thread, and each search has its own thread
     optimiser = build()
     optimiser.set_min_objective(cost)
     optimiser.set_lower_bounds(np.zeros(dimension))
@@ -64,4 +64,4 @@ def _run(ask: Ask, dimension: int, build: Callable[[], Any], best: Lowest, seed:
         return Ended("rounding", "rounding stopped the search")
     except (nlopt.runtime_error, RuntimeError, MemoryError, ValueError) as error:
         return Ended("library", "the library stopped the search: {error}", error=str(error) or type(error).__name__)
-    return SAID.get(optimiser.last_optimize_result(), OWN)
+    return STOPPED.get(optimiser.last_optimize_result(), OWN)

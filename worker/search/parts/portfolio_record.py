@@ -15,7 +15,7 @@ KEPT = 256
 
 
 class Record:
-    """The lowest points away from every start so far, and the first costs."""
+    """The lowest points away from all starts so far, and the first costs."""
 
     def __init__(self, dimension: int) -> None:
         self.dimension = dimension
@@ -26,7 +26,7 @@ class Record:
         self.first: list[float] = []
 
     def see(self, points: Floats, values: Floats) -> None:
-        """Points (m, n) and their values (m,), infinity where there is none."""
+        """Update with points (m, n) and their values (m,), infinity if there is no value."""
         known = np.isfinite(values)
         if not known.any():
             return
@@ -42,7 +42,7 @@ class Record:
             self.points, self.values = points[order], values[order]
 
     def spread(self) -> float:
-        """The median of the first costs less the lowest of all; 0 before there are any."""
+        """The median of the first costs minus the lowest of all; 0 if there are no costs yet."""
         return float(np.median(self.first)) - self.lowest if self.first else 0.0
 
     def lowest_start(self) -> float:

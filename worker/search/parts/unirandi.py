@@ -1,7 +1,7 @@
 """UNIRANDI: a local search along random directions that uses only values.
 
 Jarvi, A random search optimizer (University of Turku, 1973), as in GLOBAL (Csendes 1988): a step along a random
-direction or against it; a success is doubled until it fails, two failures halve the step. Start at `unirandi`.
+direction or against it; a successful step is doubled until it fails, two failures halve it. Start at `unirandi`.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ TINY = 1e-300
 def unirandi(
     random: np.random.Generator, start: Floats, cost: float, tolerance: float, most: int
 ) -> Generator[Floats, Batch, End]:
-    """Search from a start of known cost, one point at a time, at most so many; steps beyond a bound end on it.
+    """Search from a start of known cost, one point at a time, at most `most`; steps across a bound end on it.
 
-    Ends when, after two failures, the last line gained less than the tolerance relatively or the step is shorter.
+    It ends after two failures if the relative gain of the last line or the step is below the tolerance.
     """
     tolerance = max(tolerance, 1e-14)  # below that no step changes a point
     point, step, failures, gain, spent = start.copy(), STEP, 0, 1.0, 0
@@ -35,7 +35,7 @@ def unirandi(
         for direction in directions:
             better = False
             for reach in (step, -step):
-                # Doubled for as long as it succeeds; the failure after a success ends the line.
+                # Double the step while it succeeds; the first failure ends the line.
                 while True:
                     trial = np.minimum(np.maximum(point + reach * direction, 0.0), 1.0)
                     if (trial == point).all():

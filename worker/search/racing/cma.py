@@ -1,8 +1,8 @@
-"""CMA-ES as a compiled state machine, many side by side: (mu/mu_w, lambda), restarted at its best point without end.
+"""(mu/mu_w, lambda)-CMA-ES as a compiled state machine for many instances, restarted at the best point.
 
-Hansen, The CMA evolution strategy: a tutorial (arXiv:1604.00772, 2016), its constants; with a Cholesky factor in place
-of the symmetric square root (Suttorp, Hansen, Igel, Machine Learning 75, 2009). Points are reflected at the box's
-faces; one without a value is drawn again, five times at most, and then plays no part. Start reading at `tell`.
+Hansen, The CMA evolution strategy: a tutorial (arXiv:1604.00772, 2016), with its constants, but with a Cholesky factor
+in place of the symmetric square root (Suttorp, Hansen, Igel, Machine Learning 75, 2009). Points are reflected at the
+faces of the box; a point without a value is redrawn up to five times and then ignored. Start reading at `tell`.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from worker.search.racing.state import BEGIN, CMA, Ints, State, compiled, inner
 Random = np.random.Generator
 
 FINEST = 1e-6
-"""A strategy whose deviations are all below this restarts."""
+"""An instance restarts when all its standard deviations are below this."""
 FLAT, REDRAWS = 10, 5
 
 
 def tell(s: State, rows: Ints, random: Random) -> None:
-    """Advance those of these searchers that are CMA-ES, until each requests points."""
+    """Advance the CMA-ES instances among these searchers until each requests points."""
     _tell(s, rows, random)
 
 
@@ -57,8 +57,8 @@ def _begin(s: State, t: int, random: Random) -> None:
 @inner
 def _draw_all(s: State, t: int, random: Random) -> None:
     s.stage[t] = 0
-    s.wanted[t] = int(s.rates[6])
-    for i in range(s.wanted[t]):
+    s.requested[t] = int(s.rates[6])
+    for i in range(s.requested[t]):
         s.which[t, i] = i
         _draw(s, t, i, random)
 
@@ -79,7 +79,7 @@ def _draw(s: State, t: int, i: int, random: Random) -> None:
 
 @inner
 def _redrawn(s: State, t: int, random: Random) -> bool:
-    """Whether some points without a value are drawn again; wants them then."""
+    """Redraw and request points without a value; returns whether there are any."""
     lost = 0
     if s.stage[t] < REDRAWS:
         for i in range(int(s.rates[6])):
@@ -88,13 +88,13 @@ def _redrawn(s: State, t: int, random: Random) -> bool:
                 lost += 1
                 _draw(s, t, i, random)
     s.stage[t] += 1
-    s.wanted[t] = lost
+    s.requested[t] = lost
     return lost > 0
 
 
 @inner
 def _learn(s: State, t: int) -> None:
-    """One generation: mean, both paths, covariance, deviation."""
+    """One generation: update mean, evolution paths, covariance and step size."""
     population = int(s.rates[6])
     rank = np.empty(population, np.int64)
     known = _ranked(s, t, rank)
@@ -115,7 +115,7 @@ def _learn(s: State, t: int) -> None:
 
 @inner
 def _ranked(s: State, t: int, rank: Ints) -> int:
-    """The order of a generation from its lowest value, by insertion; returns how many points have a value."""
+    """Rank a generation from its lowest value, by insertion sort; returns the number of points with a value."""
     known = 0
     for i in range(len(rank)):
         value = s.values[t, i]
@@ -130,7 +130,7 @@ def _ranked(s: State, t: int, rank: Ints) -> int:
 
 @inner
 def _adapt(s: State, t: int, rank: Ints, mu: int) -> None:
-    """Mean, paths, covariance and deviation from the mu best points (Hansen 2016, equations 24 to 37)."""
+    """Mean, evolution paths, covariance and sigma from the mu best points (Hansen 2016, equations 24 to 37)."""
     n, sigma = s.best.shape[1], s.step[t]
     total = 0.0
     for i in range(mu):
@@ -151,9 +151,9 @@ def _adapt(s: State, t: int, rank: Ints, mu: int) -> None:
         squared += walk[k] * walk[k]
     length = np.sqrt(squared)
     expected = np.sqrt(n) * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n))
-    straight = 1.0 if length < (1.4 + 2.0 / (n + 1.0)) * expected else 0.0  # no path while the deviation must grow
+    h_sigma = 1.0 if length < (1.4 + 2.0 / (n + 1.0)) * expected else 0.0  # 0 stalls the path while sigma must grow
     for k in range(n):
-        path[k] = path[k] * (1.0 - c_c) + straight * np.sqrt(c_c * (2.0 - c_c) * m) * y[k]
+        path[k] = path[k] * (1.0 - c_c) + h_sigma * np.sqrt(c_c * (2.0 - c_c) * m) * y[k]
     for a in range(n):
         for b in range(a + 1):
             many = 0.0
@@ -168,7 +168,7 @@ def _adapt(s: State, t: int, rank: Ints, mu: int) -> None:
 
 @inner
 def _solved(factor: Floats, y: Floats) -> Floats:
-    """z of factor z = y, the factor lower triangular."""
+    """Solve factor z = y for a lower triangular factor."""
     z = np.empty(len(y))
     for k in range(len(y)):
         z[k] = y[k]
@@ -180,7 +180,7 @@ def _solved(factor: Floats, y: Floats) -> Floats:
 
 @inner
 def _factorise(s: State, t: int) -> None:
-    """Cholesky; a covariance spoilt by rounding gets a step of 0, which causes a restart."""
+    """Cholesky factorisation; if rounding made the covariance indefinite, the step becomes 0 and causes a restart."""
     n = s.best.shape[1]
     for a in range(n):
         for b in range(a + 1):
@@ -198,7 +198,7 @@ def _factorise(s: State, t: int) -> None:
 
 @inner
 def _widest(s: State, t: int) -> float:
-    """The largest deviation along any parameter."""
+    """The largest standard deviation of any parameter."""
     widest = 0.0
     for k in range(s.best.shape[1]):
         widest = max(widest, s.matrix[t, k, k])

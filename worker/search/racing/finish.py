@@ -1,4 +1,4 @@
-"""The finish of contrast racing: incumbents without a barrier between them form one valley; the best are polished.
+"""The final phase of contrast racing: merges incumbents without a barrier between them and polishes the best.
 
 Hill-valley test: Ursem, Multinational evolutionary algorithms (CEC 1999). Start reading at `Finish.run`.
 """
@@ -16,15 +16,15 @@ from worker.search.racing.samples import Samples
 from worker.search.racing.state import COMPASS, Ints
 
 CANDIDATES, VALLEYS, COMPARED = 30, 12, 3
-"""Best incumbents merged; valleys kept; nearest valleys each is compared with."""
+"""Number of best incumbents to merge; of valleys to keep; of nearest valleys that each is compared with."""
 CAP = 0.04
 """Fraction of the budget that merging may use."""
 LAST = 1_000_000
-"""The rung of those that are polished: above every other."""
+"""The rung of polished searchers, above all others."""
 
 
-class Asked(Protocol):
-    """The options of the finish."""
+class Options(Protocol):
+    """The options of the final phase."""
 
     @property
     def first(self) -> int: ...
@@ -35,15 +35,15 @@ class Asked(Protocol):
 
 
 class Finish:
-    """The valleys found, by the number of the searcher that stands for each."""
+    """The valleys found, each by the index of the searcher at its lowest point."""
 
     def __init__(self, pool: Pool) -> None:
         self.pool = pool
         self.valleys: list[int] = []
         self.polished: list[int] = []
 
-    def run(self, used: int, total: int, samples: Samples, asked: Asked) -> Generator[Floats, Batch, int]:
-        """Merge, then polish until `total` evaluations are used; returns how many it used itself."""
+    def run(self, used: int, total: int, samples: Samples, asked: Options) -> Generator[Floats, Batch, int]:
+        """Merge, then polish until `total` evaluations are used; returns the number used in this phase."""
         if self.pool.count == 0:
             return 0
         median = float(np.median(samples.value[: samples.count]))
@@ -69,21 +69,21 @@ class Finish:
         return spent
 
     def _same(self, c: int, valleys: Ints, scale: float) -> Generator[Floats, Batch, tuple[bool, int]]:
-        """Whether there is no barrier between c and one of these: the middle first, the quarters only if it is low."""
+        """Whether c has no barrier to one of these valleys: tests the midpoint, and if it is low the quarter points."""
         pool, spent = self.pool, 0
-        for shares in ((0.5,), (0.25, 0.75)):
+        for fractions in ((0.5,), (0.25, 0.75)):
             if len(valleys) == 0:
                 return False, spent
             a, b = pool.best[valleys], pool.best[c]
-            points = np.concatenate([a + share * (b - a) for share in shares])
+            points = np.concatenate([a + fraction * (b - a) for fraction in fractions])
             batch = yield points
             spent += len(points)
-            values = batch.ranked().reshape(len(shares), len(valleys))
+            values = batch.ranked().reshape(len(fractions), len(valleys))
             limit = np.maximum(pool.cost[valleys], pool.cost[c]) + scale
             valleys = valleys[(values <= limit).all(axis=0)]
         return len(valleys) > 0, spent
 
-    def _polish(self, room: int, asked: Asked) -> Generator[Floats, Batch, int]:
+    def _polish(self, room: int, asked: Options) -> Generator[Floats, Batch, int]:
         """Polish the best valleys, those with the fewest evaluations first."""
         pool, spent = self.pool, 0
         n = pool.best.shape[1]
@@ -95,14 +95,14 @@ class Finish:
         while spent < room:
             count = had + pool.state.evaluations[rows] - began
             some = rows[count < count.min() + 2 * n]
-            points = pool.wanted(some)
+            points = pool.requested(some)
             batch = yield points.copy()
             spent += len(points)
             pool.tell(some, batch.ranked())
         return spent
 
     def _polisher(self, t: int) -> int:
-        """The searcher that polishes t: one that was made for it, and counts on from its evaluations."""
+        """The searcher that polishes t: a new one, unless t is one itself, which inherits its evaluation count."""
         pool = self.pool
         if pool.rung[t] == LAST:
             return t
@@ -111,7 +111,7 @@ class Finish:
         return made
 
     def report(self, space: Space) -> None:
-        """The valleys as minima; where it ended before it merged any, the best incumbents that are not near."""
+        """Report the valleys as minima; if none were merged, the best incumbents that are not close to each other."""
         pool = self.pool
         merged = bool(self.valleys)
         for t in self.valleys or pool.apart(VALLEYS):

@@ -1,4 +1,4 @@
-"""Compass search and Nelder-Mead as compiled state machines, many side by side; both are followed by CMA-ES.
+"""Compass search and Nelder-Mead as compiled state machines for many instances; both hand over to CMA-ES.
 
 Compass: Kolda, Lewis, Torczon, Optimization by direct search (SIAM Review 45, 2003), over random bases; Nelder and Mead
 (Computer Journal 7, 1965) with the coefficients of Gao and Han (Comput. Optim. Appl. 51, 2012), which suit any
@@ -14,11 +14,11 @@ from worker.search.racing.state import BEGIN, CMA, COMPASS, NELDER_MEAD, Ints, S
 Random = np.random.Generator
 
 FINE = 1e-4
-"""A search whose step is below this hands over."""
+"""A search hands over to CMA-ES when its step is below this."""
 
 
 def tell(s: State, rows: Ints, random: Random) -> None:
-    """Go on with those of these searchers that are of this file, until each wants points or is handed over."""
+    """Advance the compass and Nelder-Mead searchers among these until each requests points or is handed over."""
     _tell(s, rows, random)
 
 
@@ -31,13 +31,13 @@ def _tell(s: State, rows: Ints, random: Random) -> None:
                 _poll(s, t, random)
                 _compass_next(s, t, random)
             else:
-                _compass_told(s, t, random)
+                _compass_tell(s, t, random)
         elif s.kind[t] == NELDER_MEAD:
             if s.stage[t] == BEGIN:
                 s.step[t] = s.begin[t, 0]
                 _simplex_begin(s, t)
             else:
-                _simplex_told(s, t)
+                _simplex_tell(s, t)
 
 
 @inner
@@ -45,7 +45,7 @@ def _hand_over(s: State, t: int) -> None:
     s.kind[t] = CMA
     s.stage[t] = BEGIN
     s.step[t] = s.begin[t, 1]
-    s.wanted[t] = 0
+    s.requested[t] = 0
 
 
 @inner
@@ -54,16 +54,16 @@ def _clip(x: float) -> float:
 
 
 @inner
-def _want(s: State, t: int, count: int) -> None:
-    """Want the first `count` rows of its points."""
-    s.wanted[t] = count
+def _request(s: State, t: int, count: int) -> None:
+    """Request the first `count` rows of its points."""
+    s.requested[t] = count
     for i in range(count):
         s.which[t, i] = i
 
 
 @inner
-def _take(s: State, t: int, i: int) -> bool:
-    """Take its point i for the incumbent if it is better."""
+def _accept(s: State, t: int, i: int) -> bool:
+    """Make point i the incumbent if it is better."""
     if not s.values[t, i] < s.cost[t]:
         return False
     s.cost[t] = s.values[t, i]
@@ -72,12 +72,12 @@ def _take(s: State, t: int, i: int) -> bool:
     return True
 
 
-# ---- compass: a random orthonormal basis each time, the last good direction first
+# ---- compass search: a random orthonormal basis per poll, the last successful direction first
 
 
 @inner
 def _poll(s: State, t: int, random: Random) -> None:
-    """A fresh random basis (Gram and Schmidt) and order; position -1 is the last good direction."""
+    """Draw a random basis (Gram-Schmidt) and a random order; position -1 is the last successful direction."""
     n = s.best.shape[1]
     q = s.matrix[t]
     for i in range(n):
@@ -106,7 +106,7 @@ def _poll(s: State, t: int, random: Random) -> None:
 
 @inner
 def _compass_next(s: State, t: int, random: Random) -> None:
-    """The next point of the poll that differs from the incumbent; after the last one half the step."""
+    """Request the next point of the poll that differs from the incumbent; after the last one, halve the step."""
     n = s.best.shape[1]
     while s.step[t] >= FINE:
         s.stage[t] += 1
@@ -125,14 +125,14 @@ def _compass_next(s: State, t: int, random: Random) -> None:
             s.points[t, 0, k] = _clip(s.best[t, k] + s.step[t] * along)
             moved = max(moved, abs(s.points[t, 0, k] - s.best[t, k]))
         if moved > 0.0:
-            _want(s, t, 1)
+            _request(s, t, 1)
             return
     _hand_over(s, t)
 
 
 @inner
-def _compass_told(s: State, t: int, random: Random) -> None:
-    if _take(s, t, 0):
+def _compass_tell(s: State, t: int, random: Random) -> None:
+    if _accept(s, t, 0):
         at = s.stage[t]
         if at < 0:
             s.step[t] = min(2.0 * s.step[t], 0.5)
@@ -149,7 +149,7 @@ def _compass_told(s: State, t: int, random: Random) -> None:
 
 @inner
 def _simplex_begin(s: State, t: int) -> None:
-    """One vertex more along each axis, inwards at the box's faces."""
+    """Request one vertex per axis, towards the inside at the faces of the box."""
     n = s.best.shape[1]
     for i in range(n):
         for k in range(n):
@@ -160,12 +160,12 @@ def _simplex_begin(s: State, t: int) -> None:
         s.matrix[t, 0, k] = s.best[t, k]
     s.order[t, 0] = s.cost[t]
     s.stage[t] = 0
-    _want(s, t, n)
+    _request(s, t, n)
 
 
 @inner
 def _simplex_point(s: State, t: int, i: int, along: float) -> None:
-    """Point i of its request: from the centre of all vertices but the worst, so far away from the worst."""
+    """Point i of the request: on the line from the worst vertex through the centroid of the others."""
     n = s.best.shape[1]
     for k in range(n):
         centre = 0.0
@@ -184,12 +184,12 @@ def _simplex_put(s: State, t: int, row: int, i: int) -> None:
 
 
 @inner
-def _simplex_told(s: State, t: int) -> None:
-    """Stages: 0 vertices came, 1 reflected, 2 expanded, 3 and 4 contracted outside and inside."""
+def _simplex_tell(s: State, t: int) -> None:
+    """Stages: 0 initial vertices or shrink, 1 reflection, 2 expansion, 3 outside contraction, 4 inside contraction."""
     n = s.best.shape[1]
-    wanted, stage = s.wanted[t], s.stage[t]
-    for i in range(wanted):
-        _take(s, t, i)
+    requested, stage = s.requested[t], s.stage[t]
+    for i in range(requested):
+        _accept(s, t, i)
     expand, contract, shrink = 1.0 + 2.0 / n, 0.75 - 0.5 / n, max(1.0 - 1.0 / n, 0.5)
     value = s.values[t, 0]
     if stage == 0:
@@ -197,12 +197,12 @@ def _simplex_told(s: State, t: int) -> None:
             _simplex_put(s, t, i + 1, i)
     elif stage == 1:
         for k in range(n):
-            s.points[t, 1, k] = s.points[t, 0, k]  # kept: the next point may be worse
+            s.points[t, 1, k] = s.points[t, 0, k]  # the reflected point, in case the next point is worse
         s.values[t, 1] = value
         if value < s.order[t, 0]:
             s.stage[t] = 2
             _simplex_point(s, t, 0, expand)
-            _want(s, t, 1)
+            _request(s, t, 1)
             return
         if value < s.order[t, n - 1]:
             _simplex_put(s, t, n, 1)
@@ -210,7 +210,7 @@ def _simplex_told(s: State, t: int) -> None:
             outside = value < s.order[t, n]
             s.stage[t] = 3 if outside else 4
             _simplex_point(s, t, 0, contract if outside else -contract)
-            _want(s, t, 1)
+            _request(s, t, 1)
             return
     elif stage == 2:
         _simplex_put(s, t, n, 0 if value < s.values[t, 1] else 1)
@@ -221,14 +221,14 @@ def _simplex_told(s: State, t: int) -> None:
             for k in range(n):
                 s.points[t, i, k] = _clip(s.matrix[t, 0, k] + shrink * (s.matrix[t, i + 1, k] - s.matrix[t, 0, k]))
         s.stage[t] = 0
-        _want(s, t, n)
+        _request(s, t, n)
         return
     _simplex_next(s, t)
 
 
 @inner
 def _sort(s: State, t: int) -> None:
-    """Sort the vertices by cost, by insertion; those without a value are last."""
+    """Sort the vertices by cost (insertion sort); those without a value come last."""
     n = s.best.shape[1]
     for i in range(1, n + 1):
         j = i
@@ -244,7 +244,7 @@ def _sort(s: State, t: int) -> None:
 
 @inner
 def _simplex_next(s: State, t: int) -> None:
-    """Sort the vertices and reflect the worst, or hand over when they have come together."""
+    """Sort the vertices and reflect the worst, or hand over when the simplex is small."""
     n = s.best.shape[1]
     _sort(s, t)
     size = 0.0
@@ -256,4 +256,4 @@ def _simplex_next(s: State, t: int) -> None:
         return
     s.stage[t] = 1
     _simplex_point(s, t, 0, 1.0)
-    _want(s, t, 1)
+    _request(s, t, 1)

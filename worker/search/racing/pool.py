@@ -1,4 +1,4 @@
-"""The searchers of contrast racing: their starts, their results so far, and their rungs in the race.
+"""The searchers of contrast racing: their starts, incumbents and rungs.
 
 Start reading at `Pool.begin`; the search steps are in `moves` and `cma`.
 """
@@ -12,14 +12,14 @@ import numpy as np
 from worker.search.base import Floats
 from worker.search.racing import cma as racing_cma
 from worker.search.racing import moves as racing_moves
-from worker.search.racing.state import BEGIN, Ints, grown, receive, room, wanted
+from worker.search.racing.state import BEGIN, Ints, grown, receive, requested, room
 
 NEAR = 0.03
 """Incumbents closer than this (largest difference of a parameter) count as one valley until tested."""
 
 
 class Pool:
-    """All searchers begun so far, by number."""
+    """All searchers started so far, by index."""
 
     def __init__(self, dimension: int, random: np.random.Generator) -> None:
         self.state = room(64, dimension)
@@ -30,16 +30,16 @@ class Pool:
 
     @property
     def cost(self) -> Floats:
-        """(count,) of the incumbents."""
+        """Costs of the incumbents (count,)."""
         return self.state.cost[: self.count]
 
     @property
     def best(self) -> Floats:
-        """(count, n) the incumbents."""
+        """The incumbents (count, n)."""
         return self.state.best[: self.count]
 
     def begin(self, point: Floats, cost: float, start: Floats, kind: int, first: float, after: float, rung: int) -> int:
-        """A new searcher from a point of known cost; it comes from `start`; `after`: the deviation of its CMA-ES."""
+        """Start a searcher at a point of known cost; `start`: its origin; `after`: initial deviation of its CMA-ES."""
         t = self.count
         if t == len(self.rung):
             self.state = grown(self.state)
@@ -52,24 +52,24 @@ class Pool:
         s.best[t], s.cost[t] = point, cost
         s.begin[t] = first, after
         s.step[t] = first
-        self._go_on(np.array([t]))
+        self._advance(np.array([t]))
         return t
 
-    def wanted(self, rows: Ints) -> Floats:
+    def requested(self, rows: Ints) -> Floats:
         """The points that these searchers request."""
-        return wanted(self.state, rows)
+        return requested(self.state, rows)
 
     def tell(self, rows: Ints, values: Floats) -> None:
-        """The values of those points, infinity where there is none."""
+        """Pass the values of those points, infinity if there is no value."""
         receive(self.state, rows, values)
-        self._go_on(rows)
+        self._advance(rows)
 
-    def _go_on(self, rows: Ints) -> None:
+    def _advance(self, rows: Ints) -> None:
         racing_moves.tell(self.state, rows, self.random)
         racing_cma.tell(self.state, rows, self.random)
 
     def apart(self, most: int) -> list[int]:
-        """The best incumbents that are not near one another, the best first."""
+        """The best incumbents that are not close to each other, best first."""
         chosen: list[int] = []
         for t in np.argsort(self.cost, kind="stable"):
             if len(chosen) == most:
@@ -79,28 +79,28 @@ class Pool:
         return chosen
 
     def follows(self, t: int) -> bool:
-        """Whether it is near a better one on a higher rung."""
+        """Whether searcher t is close to a better one on a higher rung."""
         above = (self.rung[: self.count] > self.rung[t]) & (self.cost < self.cost[t])
         return bool((np.abs(self.best[above] - self.best[t]).max(axis=1) < NEAR).any()) if above.any() else False
 
 
 class Rung:
-    """Those who have reached one number of evaluations, by their cost then."""
+    """The searchers that have reached a given number of evaluations, by their cost at that time."""
 
     def __init__(self) -> None:
         self.costs: list[float] = []
         self.standing: list[tuple[float, int]] = []
         self.promoted = 0
 
-    def reach(self, t: int, cost: float) -> None:
-        """Searcher t has come."""
+    def add(self, t: int, cost: float) -> None:
+        """Add searcher t."""
         insort(self.costs, cost)
         insort(self.standing, (cost, t))
 
     def next(self, eta: int, pool: Pool) -> int | None:
-        """The next to go up: among the best 1/eta of all who came, the best that has not gone; None if it is too early.
+        """The next searcher to promote: the best one left among the best 1/eta of all; None if the quota is used up.
 
-        One that follows a better one is dropped on the way.
+        Searchers close to a better one on a higher rung are dropped.
         """
         quota = len(self.costs) // eta
         if quota <= self.promoted:

@@ -1,7 +1,7 @@
-"""The sample that contrast racing takes its starts from: Sobol points, their values, and their contrast.
+"""The sample from which contrast racing takes its starts: Sobol points, their values and their contrast.
 
-The contrast of a point is its value less the median of its nearest neighbours' in the sample: a point that is low for
-its neighbourhood. Start reading at `Samples.start`.
+The contrast of a point is its value minus the median value of its nearest neighbours in the sample: negative for a
+point that is low within its neighbourhood. Start reading at `Samples.start`.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from worker.search.base import Floats
 from worker.search.racing.state import compiled, inner
 
 BLOCK = 1024
-"""So many Sobol points are drawn at a time: a power of 2, as the sequence requires."""
+"""Number of Sobol points drawn at a time: a power of 2, as the sequence requires."""
 CLOSEST = 1e-6
-"""Starts are never closer than this."""
+"""The smallest distance between starts."""
 
 
 class Samples:
-    """Points (m, n) in the order drawn with values, neighbours and contrasts; `reach` is how far starts lie apart."""
+    """Points (m, n) in the order drawn, with values, neighbours and contrasts; reach: minimum distance of starts."""
 
     def __init__(self, dimension: int, neighbours: int, reach: float, random: np.random.Generator) -> None:
         self.dimension, self.neighbours, self.reach = dimension, neighbours, reach
-        from scipy.stats import qmc  # a campaign's process must start fast
+        from scipy.stats import qmc  # imported late: a campaign's process must start fast
 
         self.sobol = qmc.Sobol(dimension, rng=random)
         self.ahead: Floats = np.empty((0, dimension))
@@ -37,14 +37,14 @@ class Samples:
         self.starts: list[Floats] = []
 
     def draw(self, count: int) -> Floats:
-        """The next so many points (count, n) of the scrambled Sobol sequence."""
+        """The next points (count, n) of the scrambled Sobol sequence."""
         while len(self.ahead) < count:
             self.ahead = np.concatenate([self.ahead, self.sobol.random(BLOCK)])
         drawn, self.ahead = self.ahead[:count], self.ahead[count:]
         return drawn.copy()
 
     def add(self, points: Floats, values: Floats) -> None:
-        """Take in the points that have a value."""
+        """Add the points that have a value."""
         known = np.isfinite(values)
         points, values = points[known], values[known]
         first, last = self.count, self.count + len(points)
@@ -57,12 +57,12 @@ class Samples:
         self.contrast[first:last] = 0.0
         self.count = last
         self._close(first)
-        _meet(self.axes, self.value, self.far, self.around, self.contrast, first, last)
+        _update_neighbours(self.axes, self.value, self.far, self.around, self.contrast, first, last)
 
     def start(self, by_contrast: bool) -> tuple[Floats, float] | None:
-        """The point (n,) with the lowest contrast, or value, that no start is near, and its value; it is one now.
+        """Choose as a start the point (n,) of lowest contrast or value away from all starts; returns it and its value.
 
-        Where every point has a start near it, starts may lie closer from now on. None without any point.
+        If every point is close to a start, the minimum distance is halved. None if there are no points.
         """
         n = self.count
         while self.closed[:n].all():
@@ -78,7 +78,7 @@ class Samples:
         return point, float(self.value[chosen])
 
     def _close(self, first: int) -> None:
-        """Close the points from `first` on that a start is near."""
+        """Mark the points from `first` on that are close to a start as closed."""
         self.closed[first : self.count] = False
         for start in self.starts:
             near = np.abs(self.axes[:, first : self.count] - start[:, None]).max(axis=0) < self.reach
@@ -92,10 +92,12 @@ class Samples:
 
 
 @compiled
-def _meet(axes: Floats, value: Floats, far: Floats, around: Floats, contrast: Floats, first: int, last: int) -> None:
-    """The points from `first` on meet all before them: who is whose neighbour; contrasts follow.
+def _update_neighbours(
+    axes: Floats, value: Floats, far: Floats, around: Floats, contrast: Floats, first: int, last: int
+) -> None:
+    """Update the nearest neighbours for the points from `first` on, and the contrasts that change.
 
-    far (m, k) and around (m, k): squared distances of the nearest, in rising order, and their values.
+    far (m, k) and around (m, k): squared distances of the nearest neighbours, in ascending order, and their values.
     """
     changed = np.empty(last, np.bool_)
     for i in range(last):
@@ -125,7 +127,7 @@ def _meet(axes: Floats, value: Floats, far: Floats, around: Floats, contrast: Fl
 
 @inner
 def _median(values: Floats, count: int) -> float:
-    """The median of the first `count` values, of which there are few; NaN without any."""
+    """The median of the first `count` values, which are few; NaN if there are none."""
     if count == 0:
         return np.nan
     ordered = np.empty(count)
@@ -141,7 +143,7 @@ def _median(values: Floats, count: int) -> float:
 
 @inner
 def _insert(far: Floats, around: Floats, squared: float, value: float) -> None:
-    """Put one neighbour in its place; the farthest drops out."""
+    """Insert one neighbour in order of distance; the farthest is dropped."""
     at = len(far) - 1
     while at > 0 and far[at - 1] > squared:
         far[at] = far[at - 1]

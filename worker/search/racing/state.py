@@ -1,7 +1,7 @@
-"""The state of many local searches at once, one row each, and what their compiled machines share.
+"""The state of many local searches, one row each, and the functions that their compiled state machines share.
 
-Start reading at `State`. Compiled code is cached on disk by its own file alone, so no compiled function calls one of
-another file: a machine hands a searcher over by setting its kind and wanting nothing.
+Start reading at `State`. numba's cache of a compiled function depends only on its own file, so no compiled function
+calls one of another file: a machine hands a searcher over by setting its kind and requesting no points.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ Ints = NDArray[np.int64]
 COMPASS, NELDER_MEAD, CMA = 0, 1, 2
 
 BEGIN = -3
-"""The stage of a searcher whose machine is to begin at its incumbent."""
+"""The stage of a searcher whose machine starts at its incumbent."""
 
 
 def compiled(function: F) -> F:
-    """The function as machine code, stored on disk."""
+    """Compile the function, with numba's disk cache."""
     made: Any = njit(cache=True, error_model="numpy")(function)
     return cast(F, made)
 
 
 def inner(function: F) -> F:
-    """The same for a function that only compiled functions of its own file call; Python cannot call it.
+    """Compile a function that only compiled functions of the same file call; Python cannot call it.
 
-    A wrapper for Python, which unpacks the whole state, takes longer to compile than most of these functions. For the
-    same reason they copy and add element by element: whole-array statements bring their messages of wrong shapes along.
+    A Python wrapper, which unpacks the whole state, takes longer to compile than most of these functions. For the same
+    reason they copy and add element by element: whole-array statements also compile their shape checks.
     """
     bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     made: Any = njit(error_model="numpy", **bare)(function)
@@ -42,14 +42,14 @@ def inner(function: F) -> F:
 
 
 class State(NamedTuple):
-    """All searchers; r rows, n parameters, c points at most in one request."""
+    """All searchers: r rows, n parameters, at most c points in one request."""
 
     kind: Ints
-    """(r,) which machine works now"""
+    """(r,) the active machine"""
     stage: Ints
-    """(r,) where in it: the position in a poll, the last Nelder-Mead move, redraws of a generation"""
+    """(r,) the state within it: position in a poll, last Nelder-Mead move, redraws of a generation"""
     flat: Ints
-    """(r,) flat generations of CMA-ES"""
+    """(r,) generations of CMA-ES with equal values"""
     evaluations: Ints
     """(r,)"""
     begin: Floats
@@ -60,8 +60,8 @@ class State(NamedTuple):
     """(r,) its cost"""
     step: Floats
     """(r,) step of the compass, deviation of CMA-ES"""
-    wanted: Ints
-    """(r,) how many points are wanted"""
+    requested: Ints
+    """(r,) number of requested points"""
     which: Ints
     """(r, c) their rows in points"""
     points: Floats
@@ -73,17 +73,17 @@ class State(NamedTuple):
     factor: Floats
     """(r, n, n) Cholesky factor of the covariance"""
     vectors: Floats
-    """(r, 4, n) last good direction; mean, path of the covariance, path of the deviation"""
+    """(r, 4, n) last successful direction; mean, evolution path of the covariance, evolution path of sigma"""
     order: Floats
     """(r, 2 n + 1) order of a poll; costs of a simplex"""
     weights: Floats
-    """(mu,) of CMA-ES, for all"""
+    """(mu,) recombination weights of CMA-ES, shared by all"""
     rates: Floats
-    """(7,) of CMA-ES, for all: mu_eff, c_sigma, d_sigma, c_c, c_1, c_mu, lambda"""
+    """(7,) constants of CMA-ES, shared by all: mu_eff, c_sigma, d_sigma, c_c, c_1, c_mu, lambda"""
 
 
 def room(rows: int, n: int) -> State:
-    """Space for so many searchers of n parameters, with the constants of CMA-ES (Hansen 2016, table 1)."""
+    """An empty state for `rows` searchers of n parameters, with the constants of CMA-ES (Hansen 2016, table 1)."""
     population = max(4 + int(3 * np.log(n)), 4)
     mu = population // 2
     weights = np.log(population / 2 + 0.5) - np.log(np.arange(1, mu + 1))
@@ -98,7 +98,7 @@ def room(rows: int, n: int) -> State:
     return State(
         kind=np.zeros(rows, np.int64), stage=np.zeros(rows, np.int64), flat=np.zeros(rows, np.int64),
         evaluations=np.zeros(rows, np.int64), begin=np.zeros((rows, 2)),
-        best=np.zeros((rows, n)), cost=np.full(rows, np.inf), step=np.zeros(rows), wanted=np.zeros(rows, np.int64),
+        best=np.zeros((rows, n)), cost=np.full(rows, np.inf), step=np.zeros(rows), requested=np.zeros(rows, np.int64),
         which=np.zeros((rows, c), np.int64), points=np.zeros((rows, c, n)), values=np.zeros((rows, c)),
         matrix=np.zeros((rows, n + 1, n)), factor=np.zeros((rows, n, n)), vectors=np.zeros((rows, 4, n)),
         order=np.zeros((rows, 2 * n + 1)), weights=weights,
@@ -107,7 +107,7 @@ def room(rows: int, n: int) -> State:
 
 
 def grown(s: State) -> State:
-    """The same searchers with as many free rows again."""
+    """The same searchers with twice the number of rows."""
     shared = {"weights": s.weights, "rates": s.rates}
     rows = {name: np.concatenate([held, np.zeros_like(held)]) for name, held in s._asdict().items()}
     return State(**(rows | shared))
@@ -115,25 +115,25 @@ def grown(s: State) -> State:
 
 @compiled
 def receive(s: State, rows: Ints, values: Floats) -> None:
-    """Hand these searchers the values of the points they wanted, one searcher after another."""
+    """Pass the values of the requested points to these searchers, in their order."""
     at = 0
     for t in rows:
-        for i in range(s.wanted[t]):
+        for i in range(s.requested[t]):
             s.values[t, s.which[t, i]] = values[at]
             at += 1
-        s.evaluations[t] += s.wanted[t]
+        s.evaluations[t] += s.requested[t]
 
 
 @compiled
-def wanted(s: State, rows: Ints) -> Floats:
-    """The points these searchers want, one searcher after another."""
+def requested(s: State, rows: Ints) -> Floats:
+    """The points that these searchers request, in their order."""
     count = 0
     for t in rows:
-        count += s.wanted[t]
+        count += s.requested[t]
     points = np.empty((count, s.best.shape[1]))
     at = 0
     for t in rows:
-        for i in range(s.wanted[t]):
+        for i in range(s.requested[t]):
             for k in range(s.best.shape[1]):
                 points[at, k] = s.points[t, s.which[t, i], k]
             at += 1

@@ -29,7 +29,7 @@ Result = TypeVar("Result")
 FLUSH_SECONDS = 0.2
 FLUSH_ROWS = 4096
 FULL_BLOCKS = 16
-"""A system that evaluates in blocks is given at least so many at once."""
+"""Minimum number of points per call for a system that evaluates in blocks."""
 
 
 class Seeded(NamedTuple):
@@ -41,7 +41,7 @@ class Seeded(NamedTuple):
 
 Request = Floats | Seeded
 Asking = Generator[Request, Batch, Result]
-"""Yields what to evaluate, receives the batch; a `Search` is one that returns a sentence and draws no seeds."""
+"""Yields requests, receives batches; a `Search` is one that returns a sentence and draws no seeds."""
 
 
 class Cancelled(Exception):
@@ -49,14 +49,14 @@ class Cancelled(Exception):
 
 
 class ReplayMismatch(RuntimeError):
-    """A resumed stage requests other points than it stored: the code or the machine has changed during the run.
+    """A resumed stage requests different points from the stored ones: the code or the machine changed during the run.
 
-    Start the campaign again as a new run.
+    The campaign must be started again as a new run.
     """
 
     def __init__(self, position: int, index: int) -> None:
         super().__init__(
-            f"stage {position} was resumed, but its method no longer asks for the point stored as evaluation {index}: "
+            f"stage {position} was resumed, but its method no longer requests the point stored as evaluation {index}: "
             "the code or the machine changed in between; start the campaign again as a new run"
         )
 
@@ -186,7 +186,7 @@ class _Driver:
         columns = join(self.unsaved)
         if columns is not None:
             first = self.tally.evaluations - len(columns.status)
-            self.unsaved = []  # never twice: a store that raises may have stored them
+            self.unsaved = []  # even on error: the store may have written them before it raised
             self.context.store.append(self.position, first, columns)
         self.saved = time.perf_counter()
         self.context.progress(self.position, self.tally)
@@ -240,7 +240,7 @@ class _Driver:
         return columns
 
     def _piece(self) -> int:
-        """How many points are evaluated before a cancel is looked for: what takes as long as stored rows may wait."""
+        """Points per call, so that cancellation is checked and results are stored at the interval for storing."""
         system = self.context.problem.system
         least = max(FULL_BLOCKS * system.block, 1)
         return (

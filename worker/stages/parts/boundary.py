@@ -1,8 +1,8 @@
-"""How far from nominal the boundary of a violation is: along each parameter, and straight towards the worst case.
+"""The distance from nominal to the boundary of a violation: along each parameter, and straight to the worst case.
 
 Every ray is sampled in equal steps; the interval between the last clear evaluation and the first violation is then
-halved. A violation between two samples may be missed; the result states the number of steps. `after` is everything that
-is evaluated around a finding.
+bisected. A violation between two samples may be missed; the result states the number of steps. `after` requests all
+evaluations around a finding.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from worker.search.base import Batch
 from worker.stages.parts import slices
 from worker.systems.base import Floats
 
-LOOKS = 20
-"""On every ray."""
+SAMPLES = 20
+"""Steps on every ray."""
 
 TOLERANCE = 1e-5
 """Fraction of each range to which a boundary is located."""
@@ -52,28 +52,28 @@ def after(problem: Problem, point: Floats, cost: float) -> Generator[Floats, Bat
 
 
 def most(dimension: int) -> int:
-    """Evaluations that `after` takes at most."""
+    """The largest number of evaluations of `after`."""
     rays = 2 * dimension + 1
-    halvings = int(np.ceil(np.log2(1.0 / (LOOKS * TOLERANCE)))) + 1
-    return dimension * (slices.POINTS + 1) + 1 + rays * (LOOKS + halvings)
+    halvings = int(np.ceil(np.log2(1.0 / (SAMPLES * TOLERANCE)))) + 1
+    return dimension * (slices.POINTS + 1) + 1 + rays * (SAMPLES + halvings)
 
 
 def boundary(problem: Problem, worst: Floats) -> Generator[Floats, Batch, Boundary]:
     """Along each parameter alone towards either bound, and along the straight line to the worst case."""
     nominal = np.clip(problem.nominal_point, 0.0, 1.0)
     rays = [*_along(problem, nominal), _Ray(worst, "", "the worst case")]
-    shares = np.arange(1, LOOKS + 1) / LOOKS
-    looks = np.concatenate([nominal[None, :], *(_at(nominal, ray, shares) for ray in rays)])
-    batch = yield looks
+    fractions = np.arange(1, SAMPLES + 1) / SAMPLES
+    points = np.concatenate([nominal[None, :], *(_at(nominal, ray, fractions) for ray in rays)])
+    batch = yield points
     beyond = _beyond(batch, problem.threshold)
     if beyond[0]:
         said = say("the nominal case itself violates the criterion or fails")
-        return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=[], line=None, said=said)
-    costs = batch.costs[1:, 0].reshape(len(rays), LOOKS)
-    for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), LOOKS), costs, strict=True):
+        return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=[], line=None, said=said)
+    costs = batch.costs[1:, 0].reshape(len(rays), SAMPLES)
+    for ray, hit, values in zip(rays, beyond[1:].reshape(len(rays), SAMPLES), costs, strict=True):
         if hit.any():
             first = int(np.argmax(hit))
-            ray.beyond, ray.clear, ray.cost = float(shares[first]), first / LOOKS, float(values[first])
+            ray.beyond, ray.clear, ray.cost = float(fractions[first]), first / SAMPLES, float(values[first])
     yield from _halved(problem, nominal, [ray for ray in rays if np.isfinite(ray.beyond)])
     return _described(problem, nominal, rays)
 
@@ -89,8 +89,8 @@ def _along(problem: Problem, nominal: Floats) -> list[_Ray]:
     return rays
 
 
-def _at(nominal: Floats, ray: _Ray, shares: Floats) -> Floats:
-    return np.asarray(nominal + shares[:, None] * (ray.end - nominal))
+def _at(nominal: Floats, ray: _Ray, fractions: Floats) -> Floats:
+    return np.asarray(nominal + fractions[:, None] * (ray.end - nominal))
 
 
 def _beyond(batch: Batch, threshold: float) -> NDArray[np.bool_]:
@@ -100,7 +100,7 @@ def _beyond(batch: Batch, threshold: float) -> NDArray[np.bool_]:
 
 
 def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Floats, Batch, None]:
-    """Halve every ray's interval, all of them in one batch, until each is within tolerance."""
+    """Bisect the intervals of all rays, in one batch per step, until each is within tolerance."""
     while wide := [ray for ray in rays if (ray.beyond - ray.clear) * np.abs(ray.end - nominal).max() > TOLERANCE]:
         middles = [(ray.clear + ray.beyond) / 2 for ray in wide]
         batch = yield np.concatenate([_at(nominal, ray, np.array([m])) for ray, m in zip(wide, middles, strict=True)])
@@ -115,19 +115,19 @@ def _halved(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Generator[Fl
 def _described(problem: Problem, nominal: Floats, rays: list[_Ray]) -> Boundary:
     *single, line = [_ray(problem, nominal, ray) for ray in rays]
     hits = [(ray.share, ray) for ray in single if ray.share is not None and ray.value is not None]
-    said = say("no violation was found along any single parameter, sampled in ", count(LOOKS), " steps")
+    said = say("no violation was found along any single parameter, sampled in ", count(SAMPLES), " steps")
     if hits:
-        share, near = min(hits, key=lambda hit: hit[0])
+        fraction, near = min(hits, key=lambda hit: hit[0])
         assert near.value is not None
-        parameter = problem.signs[near.path]
+        parameter = problem.symbols[near.path]
         said = say(
             *("the nearest boundary along a single parameter is at ", parameter, " = ", number(near.value)),
-            *(", ", percent(share), " of its range from nominal"),
+            *(", ", percent(fraction), " of its range from nominal"),
         )
     if line.way is not None:
         crossed = "; on the straight line to the worst case it is crossed at "
         said = say(said, crossed, percent(line.way), " of the distance")
-    return Boundary(tolerance=TOLERANCE, looks=LOOKS, rays=single, line=line, said=said)
+    return Boundary(tolerance=TOLERANCE, looks=SAMPLES, rays=single, line=line, said=said)
 
 
 def _ray(problem: Problem, nominal: Floats, ray: _Ray) -> Ray:

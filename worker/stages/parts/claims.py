@@ -19,30 +19,30 @@ def bound(violations: int, samples: int, confidence: float) -> float:
     return float(stats.beta.ppf(confidence, violations + 1, samples - violations))
 
 
-def order(samples: int, share: float, confidence: float) -> int:
-    """Wilks: the highest r so that the r-th lowest of the sample is at most the quantile at `share`; 0 for none.
+def order(samples: int, fraction: float, confidence: float) -> int:
+    """Wilks: the highest r so that the r-th lowest of the sample is at most the quantile at `fraction`; 0 for none.
 
-    One-sided, for any distribution: P(r-th lowest <= quantile) is at least P(Binomial(samples, share) >= r).
+    One-sided, for any distribution: P(r-th lowest <= quantile) is at least P(Binomial(samples, fraction) >= r).
     """
-    if samples == 0 or not 0.0 < share < 1.0:
+    if samples == 0 or not 0.0 < fraction < 1.0:
         return 0
-    r = int(stats.binom.ppf(1.0 - confidence, samples, share))
-    while held(r + 1, samples, share) >= confidence:
+    r = int(stats.binom.ppf(1.0 - confidence, samples, fraction))
+    while held(r + 1, samples, fraction) >= confidence:
         r += 1
-    while r > 0 and held(r, samples, share) < confidence:
+    while r > 0 and held(r, samples, fraction) < confidence:
         r -= 1
     return r
 
 
-def held(r: int, samples: int, share: float) -> float:
-    """The confidence with which the r-th lowest of the sample is at most the quantile at `share`."""
-    return float(stats.binom.sf(r - 1, samples, share)) if 0 < r <= samples and share > 0.0 else 0.0
+def held(r: int, samples: int, fraction: float) -> float:
+    """The confidence with which the r-th lowest of the sample is at most the quantile at `fraction`."""
+    return float(stats.binom.sf(r - 1, samples, fraction)) if 0 < r <= samples and fraction > 0.0 else 0.0
 
 
-def needed(share: float, confidence: float) -> int:
-    """The smallest sample whose lowest value bounds the quantile at `share`: 59 for 5 % with 95 % confidence."""
-    size = max(1, math.floor(math.log1p(-confidence) / math.log1p(-share)) - 1)
-    while held(1, size, share) < confidence:
+def needed(fraction: float, confidence: float) -> int:
+    """The smallest sample whose lowest value bounds the quantile at `fraction`: 59 for 5 % with 95 % confidence."""
+    size = max(1, math.floor(math.log1p(-confidence) / math.log1p(-fraction)) - 1)
+    while held(1, size, fraction) < confidence:
         size += 1
     return size
 

@@ -1,4 +1,4 @@
-"""The methods side by side: best, effort, when each came near the best known, findings reached, how it ended."""
+"""Comparison of the methods: best, effort, evaluations to come near the best known, findings reached, how it ended."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Confirm: evaluate cases again by the other means that the system has, such as half the step and another integrator.
+"""Confirm: evaluate cases again by the system's independent means, such as half the step and the reference integrator.
 
-A case agrees when all differences are within tolerance and all values lie on the same side of the threshold. It is a
+A case agrees when all differences are within tolerance and all values are on the same side of the threshold. It is a
 confirmed violation when all of them violate, however much they differ. Either way it is validated. Tolerances have
 a floor taken from the scale of the threshold, because a fraction of 0 is 0. Start reading at `cases`.
 """
@@ -32,7 +32,7 @@ class Case:
 
 
 def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
-    """Every case as the campaign specifies, and by every other means that the system has. Raises `Cancelled`."""
+    """Every case as the campaign specifies, and by all independent means of the system. Raises `Cancelled`."""
     if not asked:
         return []
     found = context.problem.system.confirm(*_asked(context, asked), context.cancelled)
@@ -42,7 +42,7 @@ def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
 
 
 def reference(context: Context, asked: Sequence[Case]) -> list[Comparison]:
-    """Every case, all with a cost, by the strongest of the other means. Raises `Cancelled`."""
+    """Every case, all with a cost, by the strongest independent means. Raises `Cancelled`."""
     if not asked:
         return []
     found = context.problem.system.compare(*_asked(context, asked), context.cancelled)
@@ -57,7 +57,7 @@ def _asked(context: Context, asked: Sequence[Case]) -> tuple[Floats, list[int | 
 
 
 def scale(context: Context) -> float:
-    """The size of what is compared [the criterion's unit]: the threshold or the nominal value, whichever is larger."""
+    """The scale of tolerances [the criterion's unit]: the larger of the threshold and the nominal value."""
     return max(abs(context.problem.threshold), abs(context.nominal_cost or 0.0), 1e-9)
 
 

@@ -1,8 +1,8 @@
 """Encounter: evidence that the avoidance was tested at all, as values; the verdict draws the conclusions.
 
-When the closest approach of nominal and findings took place, how far the vehicle moved, what the nominal case would be
-if the avoider saw no obstacle (if the system can show these), and how much each uncertain parameter changes the
-criterion.
+The evidence: when the closest approach of the nominal case and the findings took place, how far the vehicle moved, the
+nominal case with an avoider that sees no obstacle (if the system supports these), and the effect of each uncertain
+parameter on the criterion.
 """
 
 from __future__ import annotations

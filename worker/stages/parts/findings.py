@@ -1,9 +1,9 @@
 """Findings: all distinct worst cases, from the local minima of every method and the low end of all evaluations.
 
 Gathers candidates stage by stage, descends from them, merges what ends in one basin, polishes, evaluates neighbours
-(the objective is not smooth), slices and the boundary. Whatever is evaluated on the way and is lower than the worst
-case becomes a candidate itself, until nothing lower is stored anywhere in the run. The tests of what is distinct are in
-`worker.search.parts.basins`. Start reading at `search`.
+(the objective is not smooth), slices and the boundary. Any evaluation below the worst case becomes a candidate itself,
+until the run has no lower stored evaluation. `worker.search.parts.basins` tests which minima are distinct. Start
+reading at `search`.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from worker.stages.parts.store import Columns
 from worker.systems.base import Floats
 
 EACH, ALL = 12, 60
-"""Points to descend from: of every stage's evaluations at most, and of everything at most."""
+"""Limits on the points to descend from: per stage, and in total."""
 SAME_COST, SAME_PLACE = 0.01, 0.05
-"""A method found a worst case if it came this close by itself: fraction of nominal minus worst, of every range."""
+"""A method found a worst case if its evaluations came this close: fraction of nominal minus worst, of every range."""
 FINDINGS_STREAM = 2**20
 """Spawn key of this stage's random numbers; searches are numbered from 0."""
 ROUNDING = 1e-6
 """Fraction of nominal minus worst by which a nearby point may be lower without becoming a new candidate."""
 ROUNDS = 20
-"""At most so many rounds in which lower evaluations found on the way become candidates."""
+"""The largest number of rounds in which lower evaluations become candidates."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Evidence:
 
 @dataclass
 class Found:
-    """What is known so far: candidates, basins, the evidence of each basin, the lowest of all evaluations."""
+    """The state of the search: candidates, basins, the evidence of each basin, the lowest of all evaluations."""
 
     candidates: list[Candidate] = field(default_factory=list)
     basins: list[Basin] = field(default_factory=list)
@@ -90,9 +90,9 @@ def search(context: Context, position: int, found: Found) -> Search:
 
 
 def settle(context: Context, position: int, found: Found) -> bool:
-    """Make the lowest stored evaluation the worst case where the budget ended too early; whether that was needed.
+    """Make the lowest stored evaluation the worst case if the budget ended too early; returns whether that was needed.
 
-    Of what was not yet distinguished then, as many as the campaign keeps are left, the lowest.
+    Of the basins not yet distinguished, the lowest are kept, as many as the campaign retains.
     """
     lower = _lower(context, position, found, settled=True)
     if lower is not None:
@@ -110,7 +110,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
     if not found.candidates:
         return "no evaluation succeeded"
     random = _space(context).random
-    yield from _told_apart(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
+    yield from _distinguished(context, found, [Basin(c.point, c.cost, [i]) for i, c in enumerate(found.candidates)])
     yield from _evidence(context, found, random)
     while found.rounds < ROUNDS and (lower := _lower(context, position, found)) is not None:
         if _same(context, found, lower):
@@ -118,7 +118,7 @@ def _search(context: Context, position: int, found: Found) -> Search:
         found.rounds += 1
         found.candidates.append(lower)
         fresh = Basin(lower.point, lower.cost, [len(found.candidates) - 1])
-        yield from _told_apart(context, found, [*found.basins, fresh])
+        yield from _distinguished(context, found, [*found.basins, fresh])
         yield from _evidence(context, found, random)
     return "polished every distinct worst case and evaluated its neighbours"
 
@@ -141,7 +141,7 @@ def gather(context: Context, position: int) -> list[Candidate]:
 
 
 def reached(context: Context, columns: Columns, basin: Basin) -> int | None:
-    """How many evaluations a stage needed until it first came close to this worst case; None where it never did."""
+    """The evaluations that a stage needed to come close to this worst case; None if it never did."""
     near = SAME_COST * scale(context, basin.cost)
     low = (columns.status == OK) & (columns.costs[:, 0] <= basin.cost + near)
     close = low & (np.abs(columns.points - basin.point) <= SAME_PLACE).all(axis=1)
@@ -167,7 +167,7 @@ def _drawn(context: Context, position: int, found: Found) -> Search:
     return "evaluated the lowest drawn points under the stated realisations"
 
 
-def _told_apart(context: Context, found: Found, starts: list[Basin]) -> Search:
+def _distinguished(context: Context, found: Found, starts: list[Basin]) -> Search:
     """Descend from these starts and merge; the end of a descent takes over what its start represented."""
     points, costs = np.array([b.point for b in starts]), np.array([b.cost for b in starts])
     basins: list[Basin] = []
@@ -191,7 +191,7 @@ def _evidence(context: Context, found: Found, random: np.random.Generator) -> Se
 
 
 def _same(context: Context, found: Found, lower: Candidate) -> bool:
-    """Replace the worst case by a nearby point that is lower by rounding only, which is not a new candidate."""
+    """Replace the worst case by a nearby point that is lower only by rounding; it is not a new candidate."""
     worst = found.basins[0]
     near = np.abs(worst.point - lower.point).max() <= context.campaign.stages.validate_.reach
     if not near or worst.cost - lower.cost > ROUNDING * scale(context, worst.cost):
@@ -202,7 +202,7 @@ def _same(context: Context, found: Found, lower: Candidate) -> bool:
 
 
 def _lower(context: Context, position: int, found: Found, settled: bool = False) -> Candidate | None:
-    """The lowest evaluation of the run, where it is lower than the worst case; `settled`: this stage has ended."""
+    """The lowest evaluation of the run if it is lower than the worst case; settled: this stage has ended."""
     known = found.basins[0].cost if found.basins else np.inf
     candidates = []
     if found.seen.point is not None:
@@ -230,7 +230,7 @@ def _space(context: Context) -> Space:
 
 
 def _keep_the_worst(context: Context, found: Found) -> None:
-    """Whether a minimum is a worst case: it is worse than the nominal case, violates, or is the lowest."""
+    """Keep the minima that are worst cases: worse than the nominal case, violating, or the lowest."""
     nominal = context.nominal_cost
     limit = max(np.inf if nominal is None else nominal, context.problem.threshold)
     kept = [b for i, b in enumerate(found.basins) if i == 0 or b.cost < limit]
@@ -239,7 +239,7 @@ def _keep_the_worst(context: Context, found: Found) -> None:
 
 
 def _neighbours(context: Context, found: Found, basin: Basin, random: np.random.Generator) -> Search:
-    """A few hundred neighbours of a worst case; the lowest of them takes its place."""
+    """Evaluate a few hundred neighbours of a worst case, which moves to the lowest of them."""
     asked = context.campaign.stages.validate_
     if asked.neighbours == 0:
         return "no neighbours were requested"

@@ -23,7 +23,7 @@ DIVIDE = {"direct": direct.divided, "direct_l": partial(direct.divided, biased=T
 """The methods that keep rectangles."""
 
 DIGITS = 12
-"""Centres are distinguished to so many decimals, enough for sides of 3^-24."""
+"""Decimals by which centres are distinguished, enough for sides of 3^-24."""
 
 
 def estimate(problem: Problem, method: str, options: Any, columns: Columns) -> Gap | None:

@@ -128,6 +128,6 @@ def _rows(problem: Problem, found: Any, columns: dict[str, str]) -> list[tuple[s
 def _leading(problem: Problem, values: dict[str, float | None]) -> Said:
     ordered, parameters = (
         sorted(values.items(), key=lambda item: -(item[1] or 0.0)),
-        problem.signs,
+        problem.symbols,
     )
     return listed([say(parameters[path], " ", number(value or 0.0, digits=3)) for path, value in ordered[:3]])

@@ -1,4 +1,4 @@
-"""Which member of a portfolio requested which evaluation."""
+"""Attributes the evaluations of a portfolio to its members."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Members:
         finally:
             search.close()
 
-    def told(self, columns: Columns) -> list[Member]:
+    def rows(self, columns: Columns) -> list[Member]:
         """A row per member, in the order of their first evaluations: how many, the best, and how often it led."""
         if not self.owner:
             return []

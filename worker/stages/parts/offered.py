@@ -1,4 +1,4 @@
-"""Simulates stored violations of all stages and a random choice of all evaluations again.
+"""Simulates stored violations and a random choice of the evaluations of all stages again.
 
 Violations that are not findings are examined as well: up to `AT_MOST` of the violating evaluations are simulated at
 half the step and with the reference integrator, and the counts are reported. `SPOT_CHECKS` random evaluations are
@@ -44,7 +44,7 @@ class Stored:
 
 
 class _Stored:
-    """All evaluations of some stages that have a cost, in columns; at or below a limit where one is given."""
+    """All evaluations of some stages that have a cost (at or below a limit, if given), in columns."""
 
     def __init__(self, context: Context, positions: range, limit: float = np.inf) -> None:
         self.columns = dict(all_columns(context, [*positions]))

@@ -1,4 +1,4 @@
-"""What a stage is and what it returns; stages are discovered, one file each."""
+"""The types of a stage and its outcome; stages are discovered, one file each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Outcome(Generic[R]):
 
 @dataclass(frozen=True)
 class Stage:
-    """A kind of stage, as `campaigns.stages` declares it, and what runs it at a position."""
+    """A kind of stage, as `campaigns.stages` declares it, and the function that runs it at a position."""
 
     kind: str
     run: Callable[[Context, int], Outcome[StageResult]]

@@ -37,9 +37,9 @@ POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol poin
 
 @dataclass(frozen=True)
 class Noise:
-    """Which realisations of the scenario's noise a statement holds for.
+    """The realisations of the scenario's noise that a statement holds for.
 
-    `kind`: none (no noise), drawn (one for every sample), stated (those that the campaign lists); `clause` in words.
+    kind: none (no noise), drawn (one for every sample), stated (those that the campaign lists); clause: as text.
     """
 
     kind: NoiseKind = "none"
@@ -205,7 +205,7 @@ def of_search(context: Context, options: Any, columns: Columns) -> Statement:
         return sample.unclaimed("samples drawn from the stated distributions", WENT_ON)
     if not isinstance(options, monte_carlo.Options) or options.interval == 0.0:
         return sample.statement()
-    looks, level = monte_carlo.looked(len(columns.status), confidence)
+    looks, level = monte_carlo.interim_analyses(len(columns.status), confidence)
     statement = sample.statement(level)
     how = say(
         "; early stopping spends the error over interim analyses (alpha spending), so all their bounds hold together; "

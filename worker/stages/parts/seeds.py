@@ -1,6 +1,6 @@
-"""Which noise realisation each evaluation simulated, if a stage draws one per evaluation.
+"""The noise realisation of each evaluation, if a stage draws one per evaluation.
 
-Computed from the campaign's seed and the evaluation's index alone, so it is never stored: the highest bits of
+It is computed from the campaign's seed and the evaluation's index, so it is never stored: the highest bits of
 SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 """
 
@@ -44,7 +44,7 @@ def drawn(context: Context, positions: Iterable[int]) -> list[tuple[int, Columns
 
 
 def _drawn(context: Context, position: int) -> int:
-    """How many of a stage's first evaluations drew their own realisation."""
+    """The number of a stage's first evaluations that drew their own realisation."""
     result = context.results.get(position)
     return result.drawn_realisations if isinstance(result, CertifyResult) else 0
 

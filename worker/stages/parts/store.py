@@ -1,4 +1,4 @@
-"""Where the results of a run are stored as they arise, and where a resumed run finds them.
+"""The interface of the storage for results of a run, from which a resumed run reads them.
 
 `Store` is the interface: the database behind a lease (`backend.db.store`) or memory (`worker.runs.store`).
 Every write of a store that has lost its lease raises, so a stale worker never overwrites anything. The data passed are
@@ -49,7 +49,7 @@ class Store(Protocol):
         """All stored evaluations of a stage, in order; None if there are none."""
 
     def append(self, position: int, first: int, columns: Columns) -> None:
-        """Store evaluations from index `first` on, and bring the stage's and the run's counts and best up to date."""
+        """Store evaluations from index `first` on, and update the counts and best of the stage and the run."""
 
     def finish(
         self,
@@ -59,7 +59,7 @@ class Store(Protocol):
         findings: Sequence[Finding] = (),
         traces: Sequence[Trace] = (),
     ) -> None:
-        """Store a stage's result and what it found, and mark it done: all or nothing."""
+        """Store a stage's result, findings and traces, and mark it done, atomically."""
 
     def found(self) -> list[Finding]:
         """The findings stored so far, the worst first."""

@@ -1,1 +1,1 @@
-"""The closed loop of components: realisations of noise, traces, and the field of an avoider."""
+"""The closed loop of components as a system: simulation, noise realisations, traces, and avoider fields."""

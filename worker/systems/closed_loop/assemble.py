@@ -1,7 +1,7 @@
-"""From components to a compiled loop: lays out the flat parameter vector, writes the text that stands between the
-components and the loop, fills the loop's slots, compiles or stays plain.
+"""Builds a loop from components: lays out the flat parameter vector, generates the code that connects the components,
+fills the loop's slots, and compiles it unless plain Python is requested.
 
-Start reading at `assemble`; `Loop` is what the rest of the worker flies.
+Start reading at `Loop`, which the rest of the worker simulates with.
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ from worker.kernels import guidance, loop, maths
 from worker.kernels.bind import Function, compile_loop, digest, filled, plain
 from worker.kernels.component import Signal
 from worker.kernels.lanes import LaneOps, lane_ops, plain_ops
-from worker.kernels.layout import Parts, channels, places, sections, states
+from worker.kernels.layout import Parts, channels, sections, spans, states
 from worker.kernels.text.module import loaded
 from worker.kernels.text.written import written
 
 Floats = NDArray[np.float64]
 
 LANES = 16
-"""The one width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single flight 1.5 times slower; searches
-fly batches (DECISIONS.md)."""
+"""The lane width. Measured: 16 makes a full batch 1.3 times faster than 8 and a single simulation 1.5 times slower;
+searches evaluate batches (DECISIONS.md)."""
 
 LIBRARY: dict[Any, Function] = {
     maths.sincos: lambda x: (math.sin(x), math.cos(x)),
     maths.atan2: math.atan2,
     maths.log: math.log,
 }
-"""What the platform has in place of the elementary functions of `maths`."""
+"""The platform's functions for the elementary functions of `maths`."""
 
-FLOWN = ("extend", "initial", "blank", "guide", "closed_loop", "settled", "envelope", "costs_of", "barred")
+SLOTS = ("extend", "initial", "initial_guidance", "guide", "closed_loop", "settled", "envelope", "costs_of", "excluded")
 
 
-class Flown:
-    """What `Loop.fly` returns: costs (n, k) of k criteria, the one that decides first, NaN unless ok; status (n,) and
+class Simulations:
+    """The output of `Loop.fly`: costs (n, k) of k criteria, the deciding one first, NaN unless ok; status (n,) and
     when (n,) [s] as in `loop.fly`; trace."""
 
     def __init__(self, n: int, k: int, trace: Floats) -> None:
@@ -49,27 +49,27 @@ class Flown:
 
 
 class Loop:
-    """One closed loop, ready to fly; compiled at its first flight unless `compiled` is False."""
+    """One closed loop, ready to simulate; compiled at its first simulation unless `compiled` is False."""
 
     def __init__(self, parts: Parts, lanes: int = LANES, compiled: bool = True) -> None:
         self.parts = parts
         self.lanes = lanes
         self.compiled = compiled
         self.sections = sections(parts)
-        self.extended = places(parts, self.sections)
+        self.extended = spans(parts, self.sections)
         self.size = self.extended["trim"].last if "trim" in self.extended else self.sections[-1].last
         self.states = states(parts)
         self.n_state = self.states.total
         self.n_held = parts.vehicle.dimension * (1 + guidance.KEPT * parts.late) + parts.avoider.memory
         self.channels = channels(parts)
         self.text = written(parts)
-        """What stands between the components and the loop, as it is simulated."""
+        """The generated code that connects the components to the loop."""
         self.module = loaded(self.text, parts.vehicle.name)
         self._plain: dict[tuple[str, bool], Any] = {}
 
     @cached_property
     def _fly(self) -> Any:
-        return self._made(loop.fly, FLOWN)
+        return self._made(loop.fly, SLOTS)
 
     @cached_property
     def _observe(self) -> Any:
@@ -78,18 +78,18 @@ class Loop:
     @property
     def size_extended(self) -> int:
         """Length of the parameter vector with all derived constants."""
-        return max(self.size, *(place.last for place in self.extended.values()))
+        return max(self.size, *(span.last for span in self.extended.values()))
 
     @property
     def signals(self) -> tuple[Signal, ...]:
-        """Columns that `observe` gives, in order."""
+        """The columns of `observe`, in order."""
         pose = [Signal(n, n, "m") for n in ("x", "y", "z")] + [Signal(n, n, "rad") for n in ("roll", "pitch", "yaw")]
         centres = [Signal(f"obstacle.{i}.{a}", a, "m") for i in range(len(self.parts.obstacles)) for a in "xyz"]
         channels = [Signal(f"channel.{i}", f"y{i}", "") for i in range(self.channels.total)]
         return (*pose, *self.parts.vehicle.inputs, *self.parts.controller.signals, *centres, *channels)
 
-    def fly(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Flown:
-        """Fly every row of params (n, size); `traced` flights keep their states. Threads may fly at the same time.
+    def fly(self, params: Floats, step: float, steps: int, every: int = 1, traced: int = 0) -> Simulations:
+        """Simulate every row of params (n, size); the first `traced` ones store their states. Thread-safe.
 
         step [s]; every: steps per guidance sample, for sampled guidance.
         """
@@ -97,35 +97,35 @@ class Loop:
             every = 1 if self.parts.avoider.memory else steps + 1
         params = np.ascontiguousarray(params, dtype=np.float64)
         trace = np.full((traced, steps + 1, self.n_state + self.n_held), np.nan)
-        flown = Flown(len(params), len(self.parts.criteria), trace)
-        # Comparisons inside components may swallow a NaN: a flight of parameters that are no numbers is none.
-        numbers: NDArray[np.bool_] = np.asarray(np.isfinite(params).all(axis=1))
-        if not numbers.all():
-            fine = self.fly(params[numbers], step, steps, every, int(np.count_nonzero(numbers[:traced])))
-            flown.costs[:], flown.status[:], flown.when[:] = np.nan, loop.NOT_FINITE, 0.0
-            flown.costs[numbers], flown.status[numbers], flown.when[numbers] = fine.costs, fine.status, fine.when
-            trace[numbers[:traced]] = fine.trace
-            return flown
+        result = Simulations(len(params), len(self.parts.criteria), trace)
+        # Comparisons inside components may lose a NaN, so rows with non-finite parameters are not simulated at all.
+        finite: NDArray[np.bool_] = np.asarray(np.isfinite(params).all(axis=1))
+        if not finite.all():
+            fine = self.fly(params[finite], step, steps, every, int(np.count_nonzero(finite[:traced])))
+            result.costs[:], result.status[:], result.when[:] = np.nan, loop.NOT_FINITE, 0.0
+            result.costs[finite], result.status[finite], result.when[finite] = fine.costs, fine.status, fine.when
+            trace[finite[:traced]] = fine.trace
+            return result
         with np.errstate(all="ignore"):
-            self._fly(params, step, steps, every, flown.costs, flown.status, flown.when, trace)
-        return flown
+            self._fly(params, step, steps, every, result.costs, result.status, result.when, trace)
+        return result
 
     def warm(self) -> None:
-        """Compile, or load from the disk cache, ahead of the first flight, so that its time is not counted as work."""
+        """Compile, or load from the disk cache, so that this time is not counted as evaluation time."""
         self.fly(np.zeros((1, self.size)), 1.0, 1, traced=1)
 
     def observe(self, states: Floats, params: Floats, step: float) -> Floats:
-        """The columns of `signals` for traced states (rows, ...) of one flight with params (size,)."""
+        """The columns of `signals` for traced states (rows, ...) of one simulation with params (size,)."""
         seen = np.empty((len(states), len(self.signals)))
         with np.errstate(all="ignore"):
             self._observe(np.ascontiguousarray(states), np.ascontiguousarray(params), step, seen)
         return seen
 
     def part(self, name: str, library: bool = False) -> Function:
-        """A function of the module in plain Python: bodies, initial, blank, guide, asked_at, closed_loop, cost, ...
+        """A function of the generated module in plain Python: bodies, initial, guide, closed_loop, cost, ...
 
-        All take the extended vector of parameters, which `extend` makes. With `library` they call the platform's
-        elementary functions, in place of those of `maths`.
+        All take the extended parameter vector, which `extend` returns. With `library` they call the platform's
+        elementary functions in place of those of `maths`.
         """
         if (name, library) not in self._plain:
             self._plain[name, library] = plain(self.kernel(name), LIBRARY if library else None)
@@ -137,21 +137,21 @@ class Loop:
 
     @property
     def drawing(self) -> tuple[tuple[Any, int], ...]:
-        """Kernels (t, extended parameters) -> noise that changes at known instants alone; each with its count."""
+        """Kernels (t, extended parameters) -> noise that changes only at known instants; each with its sample count."""
         parts = enumerate(self.parts.environment)
         return tuple((self.kernel(f"drawn_{i}"), part.draws) for i, part in parts if part.draw is not None)
 
     @property
     def digest(self) -> str:
-        """Identifies the loop: everything that its flights depend on but the parameters, the step and the machine."""
-        return digest(self._filled(loop.fly, FLOWN))
+        """Identifies the loop: everything that results depend on except the parameters, the step and the machine."""
+        return digest(self._filled(loop.fly, SLOTS))
 
     def extend(self, params: Floats) -> tuple[float, ...]:
-        """The flat parameters (size,) with all derived constants behind them, as the parts take them."""
+        """The flat parameters (size,) followed by all derived constants, as the functions of `part` take them."""
         return self.part("extend")(tuple(float(v) for v in params))  # type: ignore[no-any-return]
 
     def assembly(self) -> str:
-        """The machine code of the compiled loop, for the report of what vectorises."""
+        """The machine code of the compiled loop, for the vectorisation report."""
         code: dict[Any, str] = self._fly.inspect_asm()
         return "\n".join(code.values())
 

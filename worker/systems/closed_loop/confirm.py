@@ -1,4 +1,4 @@
-"""Flights confirmed by other means: at half the step, and with the reference integrator.
+"""Confirms simulations by independent means: at half the step, and with the reference integrator.
 
 Start reading at `confirmed`.
 """
@@ -16,26 +16,26 @@ from worker.systems.closed_loop.flights import Flights
 
 
 class ReferenceFlight(Protocol):
-    """A flight with the reference integrator."""
+    """A simulation with the reference integrator."""
 
     @property
     def cost(self) -> float | None:
-        """The criterion's value; None where there is none."""
+        """The criterion's value; None if there is no value."""
 
     @property
     def reason(self) -> str:
-        """Why there is none, or at what coarse tolerance it was found."""
+        """Why there is no value, or the coarse tolerance that it was computed with."""
 
 
 class Integrator(Protocol):
-    """The reference integrator over one closed loop. It is handed in: it is built on top of the closed loop."""
+    """The reference integrator of one closed loop. It is injected, because it is built on top of this package."""
 
     name: str
 
     def fly_all(
         self, vectors: Floats, cancelled: Callable[[], bool], counts: Sequence[int | None] | None
     ) -> Sequence[ReferenceFlight]:
-        """Fly vectors (m, size); counts: by vector the seed that counts, where it is known. Once cancelled, fewer."""
+        """Simulate vectors (m, size); counts: each vector's deciding seed, if known. Fewer results if cancelled."""
 
 
 Integrating = Callable[[Flights], Integrator]
@@ -48,9 +48,10 @@ def confirmed(
     seeds: Sequence[int | None],
     cancelled: Callable[[], bool],
 ) -> list[Confirmed]:
-    """Every vector at the campaign's step, at half of it and with the reference integrator; none once cancelled.
+    """Every vector at the campaign's step, at half of it and with the reference integrator; empty if cancelled.
 
-    What has no cost at the campaign's step is not integrated otherwise: it may be beyond any explicit integrator.
+    A vector without a cost at the campaign's step is not given to the reference integrator: it may be too stiff for any
+    explicit method.
     """
     step = flights.step
     (full, counts), (half, _) = (_costs(flights, vectors, seeds, s) for s in (step, step / 2))
@@ -76,21 +77,21 @@ def compared(
     counts: Sequence[int | None] | None = None,
     rows: Sequence[int] | None = None,
 ) -> list[Comparison]:
-    """Every vector with the reference integrator; none once cancelled.
+    """Every vector with the reference integrator; empty if cancelled.
 
-    counts: the seeds that count, as in `Integrator.fly_all`, in the rows of these vectors.
+    counts: the deciding seeds, as in `Integrator.fly_all`, in the rows of these vectors.
     """
     counting = [None] * len(vectors) if counts is None or rows is None else [counts[i] for i in rows]
     by_seed: dict[int | None, list[int]] = {}
     for i, seed in enumerate(seeds):
         by_seed.setdefault(seed, []).append(i)
     found: dict[int, Comparison] = {}
-    for seed, places in by_seed.items():
+    for seed, indices in by_seed.items():
         integrator = integrating(flights.under(seed))
-        flown = integrator.fly_all(vectors[places], cancelled, [counting[i] for i in places])
-        if len(flown) < len(places):
+        flown = integrator.fly_all(vectors[indices], cancelled, [counting[i] for i in indices])
+        if len(flown) < len(indices):
             return []
-        for i, flight in zip(places, flown, strict=True):
+        for i, flight in zip(indices, flown, strict=True):
             found[i] = Comparison("integrator", integrator.name, flight.cost, flight.reason)
     return [found[i] for i in range(len(vectors))]
 
@@ -98,7 +99,7 @@ def compared(
 def _costs(
     flights: Flights, vectors: Floats, seeds: Sequence[int | None], step: float
 ) -> tuple[list[float | None], list[int | None]]:
-    """The cost of every vector at this step [s], None where it has none; and the seed that counts, None for a mean."""
+    """The cost of every vector at this step [s], None if there is no cost; and the deciding seed, None for a mean."""
     found: list[float | None] = [None] * len(vectors)
     counts = list(seeds)
     for own in (False, True):

@@ -1,4 +1,4 @@
-"""What a verdict has to state of its distances: which point of the obstacles they end at.
+"""Statements of a verdict about its distances: whether they are measured to centres or surfaces of obstacles.
 
 Start reading at `clause`.
 """
@@ -15,7 +15,7 @@ from worker.systems.closed_loop.flights import Flights
 
 
 def clause(flights: Flights) -> Said:
-    """The condition on distances for the scope of a verdict, as a clause; empty for a criterion that reads none."""
+    """The clause about distances for the scope of a verdict; empty for a criterion without distances to obstacles."""
     criterion = flights.parts.criterion
     if criterion.measured_to == "surface":
         return say("distances measured to the obstacles' surfaces", _less(flights))
@@ -27,10 +27,10 @@ def clause(flights: Flights) -> Said:
 
 
 def overlooked(flights: Flights) -> Said:
-    """Why such distances bar "cleared", as a sentence; empty where they do not.
+    """The sentence why distances to centres rule out "cleared"; empty if they do not.
 
-    That is where the threshold is not within an obstacle, or the campaign states that a centre distance is meant. New
-    campaigns of that kind are refused; one that was queued or run before they were is not.
+    They do if the threshold is inside an obstacle, unless the campaign states that a centre distance is intended. New
+    campaigns of this kind are refused; campaigns queued or run before that rule still reach this check.
     """
     criterion = flights.parts.criterion
     if criterion.measured_to != "centre" or flights.campaign.criterion.from_centre:
@@ -41,8 +41,8 @@ def overlooked(flights: Flights) -> Said:
     path = max(inside, key=lambda p: inside[p])
     return say(
         *(symbol(criterion.quantity), " is measured to the obstacles' centres, and the threshold of "),
-        *(number(flights.threshold, "m", "threshold"), f" is within {path}, which reaches "),
-        *(number(inside[path], "m", "reach"), " from its own: a vehicle inside it would count as clear"),
+        *(number(flights.threshold, "m", "threshold"), f" is inside {path}, whose surface extends to "),
+        *(number(inside[path], "m", "reach"), " from its centre: a vehicle inside it would count as clear"),
     )
 
 
@@ -52,7 +52,7 @@ def _inside(flights: Flights) -> dict[str, float]:
 
 
 def _less(flights: Flights) -> Said:
-    """What is subtracted for the vehicle's own body; an uncertain radius stands with its bounds in the scope."""
+    """The clause for the subtracted radius of the vehicle; an uncertain one by symbol: the scope states its bounds."""
     path = "criterion.body_radius"
     if path not in flights.paths:
         return ()

@@ -1,4 +1,4 @@
-"""What shows that the nominal flight was an encounter: its closest approach, its path, the flight without avoidance.
+"""Evidence that the nominal case is an encounter: closest approach, path length, and the same case without avoidance.
 
 Start reading at `shown`.
 """
@@ -17,24 +17,24 @@ from worker.systems.closed_loop.flights import Flights
 from worker.systems.closed_loop.trace import trace
 
 UNSEEN = FaultPart(component="blackout", parameters={"at": 0.0, "duration": 1e6})
-"""Nothing is ever seen: the avoider steers to the goal as if there were no obstacle."""
+"""No obstacle is ever seen: the avoider steers to the goal as if there were none."""
 
 
 def conditions(flights: Flights) -> tuple[Condition, ...]:
-    """What can be shown: only a criterion of the obstacles has a closest approach."""
+    """The available evidence: only criteria on obstacles have a closest approach."""
     near: tuple[Condition, ...] = ("closest approach",) if flights.parts.criterion.of == "obstacles" else ()
     return (*near, "motion", "avoidance")
 
 
 def shown(flights: Flights, nominal: Trace) -> Shown:
-    """Of the nominal flight with this trace; one more flight is simulated, in plain Python."""
+    """The evidence for the nominal case with this trace; simulates one more case in plain Python."""
     return Shown(
         ClosestApproach.of(nominal.meta.closest, len(nominal.data)), _moved(nominal), _unseen(flights.campaign, nominal)
     )
 
 
 def _moved(flight: Trace) -> float | None:
-    """The length of the path [m]; None for a flight without rows."""
+    """The length of the path [m]; None for a trace without rows."""
     path = flight.data[:, 1:4]
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) if len(path) else None
 
@@ -44,7 +44,7 @@ def _unseen(campaign: Campaign, nominal: Trace) -> Unseen:
     distance between the two paths at one instant [m]."""
     realisation = nominal.meta.realisation
     blind = Flights(unseen(campaign), compiled=False, lanes=1)
-    # Of several realisations the one that the nominal trace shows: the worst, whose cost is the evaluation's.
+    # With several realisations, use the one that the nominal trace shows: the worst, which determines the cost.
     flight = trace(blind.under(None if realisation is None else realisation.seed), "unseen", {})
     rows = min(len(flight.data), len(nominal.data))
     apart = np.linalg.norm(flight.data[:rows, 1:4] - nominal.data[:rows, 1:4], axis=1)
@@ -57,6 +57,6 @@ def _unseen(campaign: Campaign, nominal: Trace) -> Unseen:
 
 
 def unseen(campaign: Campaign) -> Campaign:
-    """The campaign with nothing to be seen."""
+    """The campaign with all obstacles hidden from the avoider."""
     scenario = campaign.given_scenario
     return campaign.model_copy(update={"scenario": scenario.model_copy(update={"faults": [*scenario.faults, UNSEEN]})})

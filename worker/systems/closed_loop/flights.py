@@ -1,4 +1,4 @@
-"""Flights of a campaign's closed loop: flat parameter vectors in, costs, status and reasons out.
+"""Simulates a campaign's closed loop: flat parameter vectors in, costs, status and reasons out.
 
 Start reading at `Flights.fly_vectors`; the loop itself is `worker.kernels.loop`.
 """
@@ -26,7 +26,7 @@ from worker.systems.closed_loop.realisations import Realisations
 
 
 class Flights:
-    """The closed loop of one campaign, ready to fly; compiled flights unless `compiled` is False."""
+    """The closed loop of one campaign, ready to simulate; in plain Python if `compiled` is False."""
 
     def __init__(self, campaign: Campaign, compiled: bool = True, lanes: int = LANES) -> None:
         problems = flyable(campaign, catalogue())
@@ -54,11 +54,11 @@ class Flights:
 
     @cached_property
     def paths(self) -> dict[str, int]:
-        """Every parameter of the scenario: its place in the flat vector by path."""
+        """The index in the flat vector of every parameter of the scenario, by path."""
         return {f"{s.prefix}.{p.name}": s.first + k for s in self.loop.sections for k, p in enumerate(s.parameters)}
 
     def under(self, seed: int | None) -> Self:
-        """The same under one realisation; itself for None, the realisations that the campaign states."""
+        """The same closed loop under one realisation; itself, with the campaign's realisations, for None."""
         if seed is None:
             return self
         one = copy(self)
@@ -68,8 +68,10 @@ class Flights:
     def fly_vectors(
         self, vectors: Floats, step: float | None = None, seeds: Seeds | None = None
     ) -> tuple[Batch, Reasons]:
-        """Fly flat parameter vectors (m, size), by default at the campaign's step [s]; under the realisations that
-        the campaign states, or each vector under the one of its own: seeds (m,)."""
+        """Simulate flat parameter vectors (m, size), by default at the campaign's step [s].
+
+        By default under the realisations that the campaign states; with seeds (m,), each vector under its own.
+        """
         if seeds is not None:
             step = self.step if step is None else step
             flown = self.loop.fly(self.realisations.flight(vectors, seeds), step, *self.counts(step))
@@ -78,7 +80,7 @@ class Flights:
         return self.fly_realised(vectors, step)[:2]
 
     def fly_realised(self, vectors: Floats, step: float | None = None) -> tuple[Batch, Reasons, list[int] | None]:
-        """As `fly_vectors`, and by row the seed of the realisation that counts; None where the mean of several does."""
+        """As `fly_vectors`, and the deciding realisation's seed by row; None if the mean of several counts."""
         step, realised = self.step if step is None else step, self.realisations
         flown = self.loop.fly(realised.flights(vectors), step, *self.counts(step))
         status, reasons = self.judge(flown.status, flown.when)
@@ -86,12 +88,12 @@ class Flights:
         return *realised.combined(flown.costs, status, reasons), seeds
 
     def counts(self, step: float) -> tuple[int, int]:
-        """Steps in the horizon, and steps per guidance sample."""
+        """The numbers of steps in the horizon and per guidance sample."""
         scenario = self.campaign.given_scenario
         return round(scenario.horizon / step), max(1, round(scenario.guidance.period / step))
 
     def judge(self, codes: Floats, when: Floats) -> tuple[NDArray[np.uint8], dict[int, str]]:
-        """The loop's codes as evaluation status, with the reason of each that is not ok."""
+        """The loop's codes as evaluation status, with the reason of every failed or excluded one."""
         status = np.full(len(codes), FAILED, dtype=np.uint8)
         status[codes == closed_loop.OK] = OK
         status[codes == closed_loop.EXCLUDED] = EXCLUDED
@@ -101,12 +103,13 @@ class Flights:
     def _reason(self, code: float, when: float) -> str:
         if code == closed_loop.EXCLUDED:
             return (
-                f"the flight starts with {self.parts.criterion.quantity} at or below the threshold of "
-                f"{self.threshold:g} {self.parts.criterion.unit}: nothing can be shown of it"
+                f"{self.parts.criterion.quantity} starts at or below the threshold of "
+                f"{self.threshold:g} {self.parts.criterion.unit}, so avoidance cannot be tested"
             )
         if code == closed_loop.NOT_FINITE:
             return (
-                f"the flight diverged: the state was non-finite or above {closed_loop.LARGEST:.0e} at t = {when:.6g} s"
+                f"the simulation diverged: the state was non-finite or above {closed_loop.LARGEST:.0e} "
+                f"at t = {when:.6g} s"
             )
         limit = self.parts.vehicle.limits[int(code - closed_loop.OUTSIDE)]
-        return f"the flight left the model's envelope at t = {when:.6g} s: {limit.text}"
+        return f"the vehicle left the model's envelope at t = {when:.6g} s: {limit.text}"

@@ -1,4 +1,4 @@
-"""The components that a campaign names, and the nominal values of everything they take. Start reading at `parts_of`."""
+"""The components that a campaign names, and the nominal values of their parameters. Start reading at `parts_of`."""
 
 from __future__ import annotations
 
@@ -44,21 +44,21 @@ def parts_of(campaign: Campaign) -> Parts:
 
 
 def results_of(parts: Parts) -> tuple[Result, ...]:
-    """The criteria, the one that decides first, each name once."""
+    """The criteria as results, the deciding one first; names are unique."""
     criteria = tuple(parts.criteria.values())
     names = named(criterion.name for criterion in criteria)
     return tuple(Result(n, c.title, c.quantity, c.unit, c.worse) for n, c in zip(names, criteria, strict=True))
 
 
 def nominal_of(campaign: Campaign, parts: Parts, sections: Sequence[Section]) -> Floats:
-    """The flat vector of nominal values, the vehicle's trim behind them; raises `CampaignUnusable` without a trim."""
+    """The flat vector of nominal values, followed by the vehicle's trim; raises `CampaignUnusable` without a trim."""
     scenario, given = campaign.given_scenario, {}
     given["vehicle"] = scenario.vehicle.parameters
     given["controller"] = scenario.controller.parameters
     given["avoider"] = scenario.avoider.parameters
     given["start"], given["goal"] = scenario.start, scenario.goal
     given["criterion"] = {**campaign.criterion.parameters, "threshold": campaign.criterion.threshold}
-    # A further criterion has no threshold; where its component knows one, it is not looked at.
+    # Further criteria have no threshold; the value for components that declare one is not used.
     for i, objective in enumerate(campaign.objectives):
         given[f"objectives.{i}"] = {"threshold": 0.0, **objective.parameters}
     for name in ("obstacles", "environment", "faults"):
@@ -72,5 +72,5 @@ def nominal_of(campaign: Campaign, parts: Parts, sections: Sequence[Section]) ->
 
 def _nominal(parameter: Any, given: Mapping[str, float]) -> float:
     value = given.get(parameter.name, parameter.default)
-    assert value is not None, f"{parameter.name} is required; check() says so"
+    assert value is not None, f"{parameter.name} is required; check() reports it"
     return float(value)

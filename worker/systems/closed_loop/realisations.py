@@ -1,7 +1,7 @@
-"""The realisations of a campaign: every evaluation flies each of its seeds, and the worst or the mean of them counts.
+"""Noise realisations of a campaign: every evaluation simulates each seed, and the worst or the mean cost counts.
 
-A random component takes its noise from a hash of its own parameter `seed`; what a flight puts there is one number made
-of the campaign's seed, the component's place in the scenario and the seed given to it, so that no two are alike.
+A random component takes its noise from a hash of its parameter `seed`. A simulation sets this parameter to a number
+that combines the realisation's seed, the component's index in the scenario and its own seed, so that all are distinct.
 Start reading at `Realisations`.
 """
 
@@ -23,52 +23,52 @@ from worker.search.base import Batch
 from worker.systems.base import Floats, Realised, Seeds
 
 OWN = 2.0**24
-PLACE = 2.0**8
-"""How many seeds of its own, and how many places, are told apart; with MAX_SEED their product stays below 2^52."""
+INDEX = 2.0**8
+"""Numbers of distinct own seeds and component indices; their product with MAX_SEED stays below 2^52."""
 
-assert OWN * PLACE * MAX_SEED <= 2.0**52
+assert OWN * INDEX * MAX_SEED <= 2.0**52
 
 
 @dataclass(frozen=True)
 class Realisations(Realised):
-    """Seeds, how their flights combine, and where in the flat vector each random component finds its seed."""
+    """Seeds, how their costs combine, and the index in the flat vector of each random component's seed."""
 
-    places: tuple[int, ...] = ()
+    seed_indices: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, asked: Asked, sections: Sequence[Section]) -> Realisations:
-        """The realisations of a campaign whose parameters are laid out in these sections."""
-        places = [
+        """The realisations of a campaign with these parameter sections."""
+        indices = [
             section.first + k
             for section in sections
             for k, parameter in enumerate(section.parameters)
             if parameter.name == SEED and section.prefix.startswith(("environment.", "faults."))
         ]
-        return cls(tuple(asked.seeds), asked.combine, bool(places), tuple(places))
+        return cls(tuple(asked.seeds), asked.combine, bool(indices), tuple(indices))
 
     def flights(self, vectors: Floats) -> Floats:
-        """The vectors (k m, size) to fly for the vectors (m, size) of m evaluations: all of one seed, then the next."""
-        if not self.places:
+        """The vectors (k m, size) to simulate for m evaluations with vectors (m, size), grouped by seed."""
+        if not self.seed_indices:
             return vectors if not self.several else np.concatenate([vectors] * len(self.seeds))
         return np.concatenate([self.flight(vectors, seed) for seed in self.seeds])
 
     def flight(self, vectors: Floats, seed: int | Seeds) -> Floats:
-        """The vectors (m, size) of one realisation, or each of its own: seeds (m,)."""
+        """The vectors (m, size) under one realisation, or each under its own: seeds (m,)."""
         flown = vectors.copy()
-        for number, place in enumerate(self.places):
-            own = np.clip(np.floor(vectors[:, place]), 0.0, OWN - 1.0)
-            flown[:, place] = (np.asarray(seed, dtype=np.float64) * PLACE + number) * OWN + own
+        for number, index in enumerate(self.seed_indices):
+            own = np.clip(np.floor(vectors[:, index]), 0.0, OWN - 1.0)
+            flown[:, index] = (np.asarray(seed, dtype=np.float64) * INDEX + number) * OWN + own
         return flown
 
     def only(self, seed: int) -> Realisations:
-        """The same components under one realisation alone."""
+        """The same components under a single realisation."""
         return replace(self, seeds=(seed,), combine="worst")
 
     def combined(self, costs: Floats, status: NDArray[np.uint8], reasons: Mapping[int, str]) -> tuple[Batch, Any]:
-        """The batch of m evaluations from their flights' costs (s m, k), status (s m,) and reasons, with its reasons.
+        """The batch of m evaluations, with reasons, from s realisations' costs (s m, k), status (s m,) and reasons.
 
-        Each criterion is combined by itself: the worst of two may come from different flights. An evaluation is ok when
-        all its flights are; otherwise its reason is that of the first that is not.
+        Each criterion is combined separately: the worst values may come from different realisations. An evaluation is
+        ok if all its realisations are; otherwise its reason is that of the first failed or excluded one.
         """
         if not self.several:
             return Batch(costs, status), dict(reasons)
@@ -86,15 +86,15 @@ class Realisations(Realised):
         return Batch(np.where((joined == OK)[:, None], value, np.nan), joined), said
 
     def counting(self, costs: Floats, status: NDArray[np.uint8]) -> list[int]:
-        """The seed of the worst flight of each of m evaluations, from their flights' costs (s m, k), status (s m,)."""
+        """The seed of the worst realisation of each of m evaluations, from costs (s m, k) and status (s m,)."""
         states = status.reshape(len(self.seeds), -1)
         table = costs.reshape(*states.shape, -1)
         return [self.seeds[self.worst(table[:, i], states[:, i])] for i in range(states.shape[1])]
 
     def worst(self, costs: Floats, status: NDArray[np.uint8]) -> int:
-        """Which of the flights of one evaluation to show: the first that failed, else the lowest cost.
+        """The index of the realisation to show for one evaluation: the first failed one, else the lowest cost.
 
-        costs (s, k), of which the criterion that decides counts; status (s,).
+        costs (s, k), of which only the deciding criterion counts; status (s,).
         """
         if (status == FAILED).any():
             return int(np.argmax(status == FAILED))

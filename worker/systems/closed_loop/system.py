@@ -1,4 +1,4 @@
-"""The closed loop of components as a system, behind the seam `worker.systems.base`. Start reading at `ClosedLoop`."""
+"""The closed loop of components as a `worker.systems.base.System`. Start reading at `ClosedLoop`."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from worker.systems.closed_loop.trace import trace
 
 
 class ClosedLoop(Flights, System):
-    """The closed loop of one campaign's scenario. It repeats bit by bit on machines of one kind."""
+    """The closed loop of one campaign's scenario; repeatable to the bit on the same kind of machine."""
 
     realisations: Realisations
 
     def __init__(
         self, campaign: Campaign, integrating: confirm.Integrating, compiled: bool = True, lanes: int = LANES
     ) -> None:
-        """integrating: the reference integrator, which is built on top of the closed loop."""
+        """integrating: the reference integrator, which is built on top of this package and therefore injected."""
         super().__init__(campaign, compiled, lanes)
         self._integrating = integrating
         declared = [(f"{s.prefix}.{p.name}", p) for s in self.loop.sections for p in s.parameters]
@@ -52,7 +52,7 @@ class ClosedLoop(Flights, System):
 
     @property
     def digest(self) -> str:
-        """Of the compiled loop, by value."""
+        """The digest of the compiled loop."""
         return self.loop.digest
 
     @property

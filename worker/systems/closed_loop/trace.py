@@ -1,6 +1,6 @@
-"""The flight that shows a case: time, pose, states, commands, separation as columns, and the closest approach.
+"""The trace of a case: time, pose, states, commands and separation as columns, and the closest approach.
 
-States come from the compiled loop itself, so a trace shows the very flight whose cost was counted.
+States come from the compiled loop itself, so a trace shows exactly the simulation that gave the cost.
 Start reading at `trace`.
 """
 
@@ -24,13 +24,14 @@ Group = Literal["time", "pose", "state", "command", "separation"]
 
 
 def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | None = None) -> Trace:
-    """Fly one case and return its trace, thinned to about `rows` rows around the closest approach where given.
+    """Simulate one case and return its trace; if `rows` is given, thinned to about that many except near the closest
+    approach.
 
-    Of several realisations it shows the worst; the cost told is that of the evaluation.
-    values: parameters by path; what is left out is nominal. Raises KeyError for an unknown path.
+    With several realisations it shows the worst; the reported cost is that of the evaluation.
+    values: parameters by path; missing ones are nominal. Raises KeyError for an unknown path.
     """
-    flown = fly(flights, values)
-    states, vector = flown.states, flown.vector
+    case = simulate(flights, values)
+    states, vector = case.states, case.vector
     seen = _Seen(flights, flights.loop.observe(states, vector, flights.step), vector)
     closest = _closest(flights, seen)
     kept = _kept(len(states), rows, closest)
@@ -44,62 +45,62 @@ def trace(flights: Flights, name: str, values: Mapping[str, float], rows: int | 
             seen.separation(kept),
         )
     )
-    return Trace(name, _columns(flights), data, _head(flights, seen, values, flown, closest))
+    return Trace(name, _columns(flights), data, _head(flights, seen, values, case, closest))
 
 
 @dataclass(frozen=True)
-class Flown:
-    """One case as it was flown: of several realisations the worst, with the evaluation's costs and status."""
+class SimulatedCase:
+    """One simulated case: the worst of several realisations, with the evaluation's costs and status."""
 
     vector: Floats
     """Its flat parameters (size,)."""
     states: Floats
-    """States and held guidance at every step (steps + 1 at most, ...), as long as they mean anything."""
+    """States and held guidance at every step (steps + 1 at most, ...), up to a failure."""
     status: int
     reason: str
     costs: Floats
-    """Of the evaluation (1, k); NaN unless it is ok."""
+    """Costs of the evaluation (1, k); NaN unless it is ok."""
     realisation: int
     own_cost: float
-    """Of the realisation shown."""
+    """Cost of the realisation shown."""
 
 
-def fly(flights: Flights, values: Mapping[str, float]) -> Flown:
-    """Fly one case; values: parameters by path, what is left out is nominal. Raises KeyError for an unknown path."""
+def simulate(flights: Flights, values: Mapping[str, float]) -> SimulatedCase:
+    """Simulate one case; values: parameters by path, missing ones are nominal. Raises KeyError for an unknown path."""
     vectors = flights.realisations.flights(flights.vector(values)[None, :])
     several = len(vectors) > 1
-    flown = flights.loop.fly(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
-    codes, said = flights.judge(flown.status, flown.when)
-    batch, reasons = flights.realisations.combined(flown.costs, codes, said)
-    shown = flights.realisations.worst(flown.costs, codes)
-    states = flown.trace[0] if not several else _again(flights, vectors[shown])
-    flying = np.isfinite(states).all(axis=1)
-    states = states[: int(np.argmin(flying)) if not flying.all() else len(states)]
-    if codes[shown] == FAILED:  # the loop looks up only now and then; what follows the failure means nothing
-        states = states[: round(float(flown.when[shown]) / flights.step) + 1]
-    return Flown(
+    result = flights.loop.fly(vectors, flights.step, *flights.counts(flights.step), traced=0 if several else 1)
+    codes, said = flights.judge(result.status, result.when)
+    batch, reasons = flights.realisations.combined(result.costs, codes, said)
+    shown = flights.realisations.worst(result.costs, codes)
+    states = result.trace[0] if not several else _again(flights, vectors[shown])
+    finite = np.isfinite(states).all(axis=1)
+    states = states[: int(np.argmin(finite)) if not finite.all() else len(states)]
+    if codes[shown] == FAILED:  # the loop checks only every 64 steps; rows after the failure are meaningless
+        states = states[: round(float(result.when[shown]) / flights.step) + 1]
+    return SimulatedCase(
         vector=vectors[shown],
         states=states,
         status=int(batch.status[0]),
         reason=reasons.get(0, ""),
         costs=batch.costs[:1],
         realisation=shown,
-        own_cost=float(flown.costs[shown, 0]),
+        own_cost=float(result.costs[shown, 0]),
     )
 
 
 def _again(flights: Flights, vector: Floats) -> Floats:
-    """The states of one realisation, flown once more by itself: traces of all of them would take all the memory.
+    """The states of one realisation, simulated again on its own: traces of all realisations would need too much memory.
 
-    A flight's bits depend on its vector alone, so it is the flight whose cost was counted.
+    Results depend only on the vector, so this is bit for bit the simulation that gave the cost.
     """
-    flown = flights.loop.fly(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
-    states: Floats = flown.trace[0]
+    result = flights.loop.fly(vector[None, :], flights.step, *flights.counts(flights.step), traced=1)
+    states: Floats = result.trace[0]
     return states
 
 
 def _realisation(flights: Flights, shown: int, cost: float) -> Realisation:
-    """Which realisation the trace shows, of how many, and its own cost."""
+    """The realisation that the trace shows, the number of realisations, and its own cost."""
     realised = flights.realisations
     return Realisation(
         seed=realised.seeds[shown],
@@ -110,7 +111,7 @@ def _realisation(flights: Flights, shown: int, cost: float) -> Realisation:
 
 
 def _values(flights: Flights, costs: Floats) -> dict[str, float | None]:
-    """By every criterion's name its value, in its own sign; costs (1, k)."""
+    """The value of every criterion by name, in its own sign; costs (1, k)."""
     names = [r.name for r in flights.results]
     return dict(zip(names, map(_known, in_own_sign(flights.results, costs)[0]), strict=True))
 
@@ -120,7 +121,7 @@ def _known(cost: float) -> float | None:
 
 
 class _Seen:
-    """The observed columns of one flight by what they show."""
+    """The observed columns of one simulation, by kind."""
 
     def __init__(self, flights: Flights, columns: Floats, vector: Floats) -> None:
         self.flights, self.columns, self.vector = flights, columns, vector
@@ -132,12 +133,12 @@ class _Seen:
         self.centres = columns[:, first:last].reshape(len(columns), len(obstacles), 3)
         self.channels = columns[:, last:]
         self.distances = self.channels[:, slice(*deciding)]
-        """The channels of the criterion that decides, one for each obstacle."""
+        """The channels of the deciding criterion, one per obstacle."""
         moving = [i for i, o in enumerate(obstacles) if o.moving]
         self.moving = self.centres[:, moving, :].reshape(len(columns), 3 * len(moving))
 
     def cost(self, channels: Floats) -> float:
-        """The criterion's value of one reading of the channels."""
+        """The criterion's value for one row of channels."""
         extended = self.flights.loop.extend(self.vector)
         return float(self.flights.loop.part("cost")(tuple(map(float, channels)), extended))
 
@@ -148,7 +149,7 @@ class _Seen:
 
 
 def _further(flights: Flights) -> list[int]:
-    """The vehicle's states that the pose does not show already."""
+    """The indices of the vehicle's states that are not part of the pose."""
     vehicle = flights.parts.vehicle
     shown = {"x", "y", "z", "phi", "theta", "psi"} if vehicle.dimension == 3 else {"x", "y", "theta", "psi"}
     return [k for k, s in enumerate(vehicle.states) if s.name not in shown]
@@ -173,7 +174,7 @@ def _columns(flights: Flights) -> list[TraceColumn]:
 
 
 def _closest(flights: Flights, seen: _Seen) -> Closest | None:
-    """When, where and to which obstacle the flight came closest, refined by the parabola as the cost is."""
+    """Time, position and obstacle of the closest approach, refined by the same parabola as the cost."""
     channels = seen.distances
     if flights.parts.criterion.of != "obstacles" or channels.size == 0 or not np.isfinite(channels).all():
         return None
@@ -196,20 +197,20 @@ def _closest(flights: Flights, seen: _Seen) -> Closest | None:
     )
 
 
-def _between(places: Floats, row: int, shift: float) -> list[float]:
-    """The place a share `shift` of a step after a row, on the parabola through its neighbours."""
-    here = places[row]
+def _between(positions: Floats, row: int, shift: float) -> list[float]:
+    """The position a fraction `shift` of a step after a row, on the parabola through its neighbours."""
+    here = positions[row]
     if shift != 0.0:
-        back, ahead = places[row - 1], places[row + 1]
+        back, ahead = positions[row - 1], positions[row + 1]
         here = here + 0.5 * shift * (ahead - back) + 0.5 * shift**2 * (back - 2 * here + ahead)
     return [float(c) for c in here]
 
 
-def _speed(places: Floats, row: int, shift: float, step: float) -> float | None:
-    """Over ground and through space, on the parabola through a row and its neighbours; None at the ends [m/s]."""
-    if not 0 < row < len(places) - 1:
+def _speed(positions: Floats, row: int, shift: float, step: float) -> float | None:
+    """The speed over ground on the parabola through a row and its neighbours [m/s]; None at the ends."""
+    if not 0 < row < len(positions) - 1:
         return None
-    back, here, ahead = places[row - 1 : row + 2]
+    back, here, ahead = positions[row - 1 : row + 2]
     moved = 0.5 * (ahead - back) + shift * (back - 2 * here + ahead)
     return _known(float(np.linalg.norm(moved)) / step)
 
@@ -221,7 +222,7 @@ def _kept(count: int, rows: int | None, closest: Closest | None) -> Any:
 
 
 def _free(flights: Flights, vector: Floats, i: int) -> float | None:
-    """Radius of the disc about an obstacle's centre that must stay free [m]; None where no disc is what must."""
+    """Radius of the disc around an obstacle's centre that must stay free [m]; None if that region is not a disc."""
     criterion, reach = flights.parts.criterion, flights.parts.obstacles[i].reach
 
     def value(path: str) -> float:
@@ -236,11 +237,11 @@ def _free(flights: Flights, vector: Floats, i: int) -> float | None:
 
 
 def _head(
-    flights: Flights, seen: _Seen, values: Mapping[str, float], flown: Flown, closest: Closest | None
+    flights: Flights, seen: _Seen, values: Mapping[str, float], case: SimulatedCase, closest: Closest | None
 ) -> TraceHead:
     vector = seen.vector
 
-    def place(prefix: str) -> list[float]:
+    def position(prefix: str) -> list[float]:
         paths = flights.paths
         return [float(vector[paths[f"{prefix}.{a}"]]) if f"{prefix}.{a}" in paths else 0.0 for a in "xyz"]
 
@@ -259,19 +260,19 @@ def _head(
         )
         for i, o in enumerate(flights.parts.obstacles)
     ]
-    several = flights.realisations.places
+    several = flights.realisations.seed_indices
     return TraceHead(
         frame=flights.parts.vehicle.frame,
         vehicle=flights.parts.vehicle.name,
         obstacles=obstacles,
-        start=place("start"),
-        goal=place("goal"),
+        start=position("start"),
+        goal=position("goal"),
         threshold=float(vector[flights.paths["criterion.threshold"]]),
         parameters={p: float(vector[flights.paths[p]]) for p in flights.campaign.uncertain} | dict(values),
         closest=closest,
-        status=STATUS[flown.status],
-        reason=flown.reason,
-        cost=_known(flown.costs[0, 0]),
-        values=_values(flights, flown.costs),
-        realisation=_realisation(flights, flown.realisation, flown.own_cost) if several else None,
+        status=STATUS[case.status],
+        reason=case.reason,
+        cost=_known(case.costs[0, 0]),
+        values=_values(flights, case.costs),
+        realisation=_realisation(flights, case.realisation, case.own_cost) if several else None,
     )

@@ -1,4 +1,4 @@
-"""The words in which a verdict describes a closed loop: components, conditions, settings, evaluations."""
+"""Text of verdicts about a closed loop: components, conditions, settings, terms for evaluations."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def words(integrator: str) -> Words:
 
 
 def scope(flights: Flights) -> Scope:
-    """Components, conditions, horizon and step."""
+    """The scope: components, conditions, horizon and step."""
     parts, scenario = flights.parts, flights.campaign.given_scenario
     obstacles = len(parts.obstacles)
     titles = f"{parts.vehicle.title}, {parts.controller.title}, {parts.avoider.title}"
@@ -42,7 +42,7 @@ def _measured(flights: Flights) -> Said:
 
 
 def _conditions(flights: Flights) -> Said:
-    """The environment and the faults in the loop, and which realisations of them the searches simulated."""
+    """The clause for the environment, the faults and the noise realisations that the searches simulated."""
     parts, realised = flights.parts, flights.realisations
     titles = [e.title for e in parts.environment] + [f.fault.title for f in parts.faults]
     said = say(", with ", listed(titles)) if titles else ()

@@ -1,1 +1,1 @@
-"""Systems of other packages, which a campaign names as its simulator. Start reading at `simulated`."""
+"""Simulators of other packages as systems. Start reading at `simulated`."""

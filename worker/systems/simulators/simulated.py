@@ -1,4 +1,4 @@
-"""The base of every simulator as a system: declared parameters and results, words, confirmation by repetition.
+"""The base class of simulators: declared parameters and results, terms in sentences, confirmation by repetition.
 
 A package derives its simulator from `Simulated` and implements `evaluate` and `digest`.
 """
@@ -19,10 +19,10 @@ FRESH = "a fresh evaluation"
 
 
 class Simulated(System):
-    """A simulator over its own parameters; it has neither noise nor a trace, and shows no encounter.
+    """A simulator with its own parameters; it has no noise, no trace and no evidence of an encounter.
 
     Costs have one column, the result that the campaign names. Cases are confirmed one by one with the simulator that
-    `fresh` returns: this shows that results are repeatable, not that the model is right.
+    `fresh` returns: this shows that results are repeatable, not that the model is correct.
     """
 
     def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
@@ -92,7 +92,7 @@ class Simulated(System):
 
 
 def _again(fresh: System, vector: Floats) -> Comparison:
-    """One vector (n,) by itself."""
+    """Evaluate one vector (n,) in its own call."""
     batch, reasons = fresh.evaluate(vector[None, :])
     if batch.status[0] != OK:
         return Comparison("again", FRESH, None, _reason(reasons))

@@ -1,4 +1,4 @@
-// Centre distances within an obstacle.
+// Thresholds of centre distances that are smaller than an obstacle.
 import { expect, it } from 'vitest'
 import type { Campaign, Part } from '../../api/campaign'
 import type { Catalogue, ComponentEntry } from '../../client'

@@ -1,12 +1,12 @@
-// How far obstacles reach from their centres, and what follows for a criterion that measures to centres: a vehicle could
-// be inside an obstacle and the flight clear. The rule is the service's own (campaigns/asked/extents.py). Start: `withinOf`.
+// Extents of obstacles, and their consequence for a criterion that measures to centres: a case could be clear with the
+// vehicle inside an obstacle. The rule is that of the service (campaigns/asked/extents.py). Start reading at `withinOf`.
 import type { Campaign, Part } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { boundsOf, numberOf, parametersOf } from './parameters'
 
 const SLACK = 1e-9
 
-/** The obstacles, by their number, that reach beyond the threshold, with their reach [m]; none where that is no matter. */
+/** The obstacles, by their number, that extend beyond the threshold, with their extent [m]; empty if not applicable. */
 export function withinOf(campaign: Campaign, catalogue: Catalogue): Map<number, number> {
   const { criterion, scenario } = campaign
   const entry = catalogue.components.find((c) => c.role === 'criterion' && c.name === criterion.component)

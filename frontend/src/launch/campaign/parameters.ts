@@ -1,5 +1,5 @@
-// Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The same rules as
-// the service's own check, but forgiving: what is half typed stays on the page. Start reading at `parametersOf`.
+// Every parameter of a campaign by its path, with its entry in the catalogue, nominal value and bounds. The rules are
+// those of the service's check, but tolerate incomplete input. Start reading at `parametersOf`.
 import { type Campaign, fieldOf, type List, LISTS, type Part, type Raw, type Uncertain } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, ParameterEntry, ResultEntry, SimulatorEntry } from '../../client'
 import { parse } from '../../format/numbers'
@@ -8,7 +8,7 @@ export type Role = ComponentEntry['role']
 
 export interface Parameter {
   path: string
-  /** The name by which the service calls it in its problems. */
+  /** Its name in the service's problems. */
   field: string
   group: string
   entry: ParameterEntry
@@ -18,12 +18,12 @@ export interface Parameter {
 export interface Section {
   role: Role
   title: string
-  /** Where the part stands in the document. */
+  /** The location of the part in the document. */
   at: (string | number)[]
   part: Part
   component: ComponentEntry | undefined
   parameters: Parameter[]
-  /** Values that the component does not know (any more), by where they stand. */
+  /** Values of unknown parameters, by location. */
   strays: { at: (string | number)[]; name: string; value: Raw }[]
 }
 
@@ -100,11 +100,11 @@ function ofSimulator(campaign: Campaign, catalogue: Catalogue): Parameter[] {
   return listed('simulator', known?.title ?? '', known?.parameters ?? [], campaign.simulator?.parameters ?? {})
 }
 
-/** The simulator that a campaign names; undefined for an unknown one, and where there is a scenario. */
+/** The simulator of a campaign; undefined if unknown or if there is a scenario. */
 export const simulatorOf = (campaign: Campaign, catalogue: Catalogue): SimulatorEntry | undefined =>
   catalogue.simulators?.find((each) => each.name === campaign.simulator?.name)
 
-/** What decides: a criterion of the scenario, or a result of the simulator. */
+/** The deciding criterion of the scenario, or result of the simulator. */
 export const decidingOf = (campaign: Campaign, catalogue: Catalogue): ComponentEntry | ResultEntry | undefined =>
   campaign.simulator
     ? simulatorOf(campaign, catalogue)?.results.find((result) => result.name === campaign.criterion.result)
@@ -113,13 +113,13 @@ export const decidingOf = (campaign: Campaign, catalogue: Catalogue): ComponentE
 export const criterionOf = (campaign: Campaign, catalogue: Catalogue): ComponentEntry | undefined =>
   catalogue.components.find((c) => c.role === 'criterion' && c.name === campaign.criterion.component)
 
-/** The number a raw value means; null where it means none. */
+/** Parses a raw value; null if it is not a number. */
 export function numberOf(raw: Raw | null | undefined): number | null {
   if (raw === null || raw === undefined) return null
   return typeof raw === 'number' ? raw : parse(raw)
 }
 
-/** Low and high of an uncertain parameter as they stand; a share of the nominal value is worked out. */
+/** Low and high of an uncertain parameter; a percentage of the nominal value is converted. */
 export function boundsOf(uncertain: Uncertain, nominal: Raw | null): [Raw | null, Raw | null] {
   const given = uncertain.plus_minus
   if (given === null || given === undefined) return [uncertain.low ?? null, uncertain.high ?? null]
@@ -128,7 +128,7 @@ export function boundsOf(uncertain: Uncertain, nominal: Raw | null): [Raw | null
   const amount = share ? Number(share[1]) / 100 : numberOf(given)
   if (middle === null || amount === null || !Number.isFinite(amount)) return [null, null]
   const reach = share ? amount * Math.abs(middle) : amount
-  // 0.05 + 20 % is 0.06 to everybody but a computer.
+  // Avoids binary rounding: 0.05 + 20 % must give 0.06.
   const round = (value: number) => Number(value.toPrecision(12))
   return [round(middle - reach), round(middle + reach)]
 }

@@ -1,4 +1,4 @@
-// For tests: the repository's own Python reads, checks and writes the campaigns that the pages are held against.
+// For tests: the repository's Python code reads, checks and writes the campaigns with which the pages are compared.
 import { execFileSync } from 'node:child_process'
 import { fileURLToPath } from 'node:url'
 import type { Campaign } from '../../api/campaign'
@@ -6,7 +6,7 @@ import type { Catalogue } from '../../client'
 
 const ROOT = fileURLToPath(new URL('../../../..', import.meta.url))
 
-/** What a program writes as JSON. */
+/** Runs a program and parses its JSON output. */
 export function python<T>(program: string, input = ''): T {
   const options = { cwd: ROOT, input, encoding: 'utf-8', maxBuffer: 1e8, stdio: 'pipe' } as const
   return JSON.parse(execFileSync(`${ROOT}/.venv/bin/python`, ['-c', program], options)) as T
@@ -25,5 +25,5 @@ print(json.dumps({"catalogue": catalogue().model_dump(mode="json"), "campaigns":
 
 export type Told = Record<string, { document: Campaign; digest: string; text: string }>
 
-/** The catalogue of the components that are there, and the library's campaigns. */
+/** The catalogue of the installed components, and the library's campaigns. */
 export const shipped = (): { catalogue: Catalogue; campaigns: Told; schema: unknown } => python(READ)

@@ -1,5 +1,5 @@
-// The single numbers of a campaign that no component declares: where each stands, its unit, what it is. The names and
-// limits are the service's; it says beside the field what is wrong. Start reading at `Setting`.
+// The settings of a campaign that belong to no component: location, unit, description. Names and limits are those of the
+// service, which reports errors next to the field. Start reading at `Setting`.
 import { type Campaign, type Raw, read } from '../../api/campaign'
 
 export interface Setting {
@@ -7,7 +7,7 @@ export interface Setting {
   label: string
   unit?: string
   text: string
-  /** May be left empty: then this stands for it. */
+  /** The default if left empty. */
   empty?: string
 }
 
@@ -36,7 +36,7 @@ export const VERDICT: Setting[] = [
 
 export interface Group {
   title: string
-  /** The service's name of all of it. */
+  /** The service's name of the group. */
   field: string
   digest: (campaign: Campaign) => string
   settings: Setting[]
@@ -136,16 +136,16 @@ export const STAGES: Group[] = [
         text: 'Fraction of the value, for the step-halving check and the reference integrator',
       },
       { at: ['stages', 'validate', 'neighbours'], label: 'Neighbours', text: 'Simulated around each finding' },
-      { at: ['stages', 'validate', 'reach'], label: 'Reach of neighbours', text: 'Fraction of each range' },
+      { at: ['stages', 'validate', 'reach'], label: 'Range of neighbours', text: 'Fraction of each range' },
     ],
   },
 ]
 
-/** What a setting shows of a campaign. */
+/** Reads a setting from a campaign. */
 export const settingOf = (campaign: Campaign, { at }: Setting): Raw | null =>
   (read(campaign, at) as Raw | null | undefined) ?? null
 
-/** Where a setting's new value goes: a stage or study that loses its first number is left out with all that is in it. */
+/** Writes a setting: a stage or study without its first number is removed as a whole. */
 export function settled({ at, empty }: Setting, value: Raw | null): [(string | number)[], Raw | null] {
   if (value === null && at[0] === 'stages' && empty !== undefined) return [at.slice(0, -1), null]
   return [at, value === null && empty === undefined ? '' : value]

@@ -1,5 +1,5 @@
-// The campaign's text in an editor that knows it: what is wrong is marked at its line, what may be written is offered, and
-// what is known of the field at the cursor is told below. It comes as a file of its own. Start reading at `CodeEditor`.
+// The YAML editor of a campaign: problems are marked in their lines, completions are offered, and the field at the cursor
+// is described below. Loaded as a separate bundle.
 import { setDiagnostics } from '@codemirror/lint'
 import { EditorView } from '@codemirror/view'
 import { useQuery } from '@tanstack/react-query'
@@ -24,9 +24,9 @@ export interface CodeEditorProps {
   campaign: Campaign
   catalogue: Catalogue
   problems: readonly FieldProblem[]
-  /** The problems are those of an earlier text. */
+  /** The problems belong to an earlier text. */
   checking: boolean
-  /** A field to go to, once for each object. */
+  /** A field to navigate to, once per object. */
   jump: { field: string } | null
   onChange: (text: string) => void
   onUndo: () => void
@@ -69,7 +69,7 @@ export default function CodeEditor(props: CodeEditorProps) {
   )
 }
 
-/** The editor that lives as long as the page shows it, kept up with what the page knows. */
+/** Creates the editor and keeps it in sync with the page. */
 function useView(
   host: RefObject<HTMLDivElement | null>,
   props: CodeEditorProps,
@@ -85,7 +85,7 @@ function useView(
     if (!host.current) return
     const now = () => latest.current
     const hands: Hands = {
-      // The file's own line ends are kept.
+      // The line ends of the file are kept.
       onChange: (text) => now().onChange(now().text.includes('\r\n') ? text.replaceAll('\n', '\r\n') : text),
       onCursor,
       onUndo: () => now().onUndo(),
@@ -117,7 +117,7 @@ interface StandingProps extends CodeEditorProps {
   schema: Rule | undefined
 }
 
-/** What stands at the cursor, in words: the same as the box under the pointer. */
+/** The description of the field at the cursor, as in the tooltip. */
 function Standing({ text, cursor, campaign, catalogue, schema, readOnly, onForm }: StandingProps) {
   const found = useMemo(() => {
     if (cursor === null) return null

@@ -1,4 +1,4 @@
-// What is wrong with the text, line by line: each leads to its place there, and to its field in the form.
+// The problems of the text by line, with links to the line and to the field in the form.
 import { IconAlertCircle } from '@tabler/icons-react'
 import type { Placed } from './setup'
 import styles from './code.module.css'

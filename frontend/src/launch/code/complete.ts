@@ -1,4 +1,4 @@
-// Completion: what may stand where the cursor is, by the text around it. Start reading at `completed`.
+// Completion: the possible keys or values at the cursor. Start reading at `completed`.
 import type { Completion, CompletionContext, CompletionResult } from '@codemirror/autocomplete'
 import { isMap } from 'yaml'
 import { fieldAt, tolerant } from '../text/places'
@@ -8,7 +8,7 @@ import { hintElement } from './hover'
 
 const MARK = 'zz__'
 
-/** What may stand at a place of a text, as keys or as values, and from where on it is replaced. */
+/** The completions at a position, keys or values, and the start of the text that they replace. */
 export function choicesIn(
   text: string,
   position: number,
@@ -23,7 +23,7 @@ export function choicesIn(
   const ahead = before.slice(0, before.length - word.length)
   const hasColon = /^\s*:/.test(text.slice(position + rest))
   if (/^\s*(- *)*$|[{,] *$/.test(ahead)) {
-    // Here a key may stand, if it is in a mapping.
+    // A key is possible here, if inside a mapping.
     const tree = tolerant(inserted(hasColon ? MARK : `${MARK}: 0`))
     const standing = fieldAt(tree, from + 1)
     if (standing?.on === 'key') {
@@ -50,7 +50,7 @@ export const completed =
       return {
         label: name,
         detail: title,
-        // The catalogue's order is one of meaning: it decides among what fits alike.
+        // The catalogue's order is meaningful: it breaks ties.
         boost: -Math.min(90, i),
         apply: found.keys ? `${name}: ` : name,
         info: detail || words ? () => hintElement({ title: title ?? name, detail, text: words }) : undefined,

@@ -1,4 +1,4 @@
-// What the editor offers and tells at places of a text, by the catalogue, the schema and a campaign that are really there.
+// Completions and descriptions of the editor, with the real catalogue, schema and campaigns.
 import { beforeAll, expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'

@@ -1,4 +1,4 @@
-// What is known of a field of a campaign's text: from the catalogue of components and methods, and from the schema.
+// Descriptions of the fields of a campaign's text, from the catalogue and the schema.
 // Start reading at `hintOf` and `choicesAt`.
 import { type Campaign, type Json, read } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, MethodEntry, ParameterEntry } from '../../client'
@@ -12,9 +12,9 @@ import { type Rule, ruleAt, rulesOf } from './schema'
 
 export interface Known {
   catalogue: Catalogue
-  /** As the form shows it: what is half written keeps its parameters. */
+  /** The campaign as in the form: incomplete parts keep their parameters. */
   campaign: Campaign
-  /** As the text says it, as far as it can be read. */
+  /** The campaign in the text, as far as it can be parsed. */
   document: Json
   schema: Rule | undefined
 }
@@ -55,7 +55,7 @@ function ofParameter(entry: ParameterEntry): Hint {
   return { title: entry.text, detail: said.filter(Boolean).join(', '), text: '' }
 }
 
-/** The first paragraph of what a component's file says. */
+/** The first paragraph of a component's text. */
 const opening = (text: string): string => text.trim().split(/\n\s*\n/)[0]?.replace(/\s+/g, ' ') ?? ''
 
 const ofComponent = (entry: ComponentEntry): Hint => ({
@@ -93,7 +93,7 @@ const methodAt = ({ catalogue, document }: Known, at: At): MethodEntry | undefin
   return catalogue.methods.find((m) => m.name === name)
 }
 
-/** The parameters that a mapping takes by name; null where it takes none. */
+/** The parameters of a mapping by name; null if it has none. */
 function entriesAt(known: Known, at: At): ParameterEntry[] | null {
   if (at.at(-1) === 'parameters') return componentAt(known, at.slice(0, -1))?.parameters ?? []
   if (at.join('.') === 'scenario.start') return componentAt(known, ['scenario', 'vehicle'])?.starts ?? []
@@ -107,7 +107,7 @@ const holdsPaths = (at: At): boolean =>
 
 const isOptions = (at: At): boolean => at[1] === 'search' && at[3] === 'options' && at.length === 4
 
-/** What is known of a field; null where nothing is. */
+/** The description of a field; null if unknown. */
 export function hintOf(known: Known, at: At): Hint | null {
   const [name, above] = [String(at.at(-1)), at.slice(0, -1)]
   const entry = entriesAt(known, above)?.find((one) => one.name === name)
@@ -125,7 +125,7 @@ export function hintOf(known: Known, at: At): Hint | null {
   return rule ? ofRule(at, rule) : null
 }
 
-/** What a name means, where that says more than the name. */
+/** The description of a name, if it adds information. */
 function choiceOf(at: At, name: string, rule: Rule): Choice {
   const { title, ...rest } = ofRule([...at, name], rule)
   return title.toLowerCase() === name.replaceAll('_', ' ').toLowerCase() ? { name, ...rest } : { name, title, ...rest }
@@ -134,7 +134,7 @@ function choiceOf(at: At, name: string, rule: Rule): Choice {
 const propertiesOf = (method: MethodEntry | undefined): Record<string, Rule> =>
   (method?.options.properties ?? {}) as Record<string, Rule>
 
-/** What may stand as a key in a mapping, less what does already. */
+/** The possible keys of a mapping, without existing ones. */
 export function keysAt(known: Known, at: At): Choice[] {
   const given = new Set(Object.keys((read(known.document, at) as object | null) ?? {}))
   return allKeys(known, at).filter(({ name }) => !given.has(name))
@@ -161,7 +161,7 @@ function paths({ campaign, catalogue }: Known, uncertain: boolean): Choice[] {
     }))
 }
 
-/** What may stand as a value. */
+/** The possible values. */
 export function valuesAt(known: Known, at: At): Choice[] {
   const { catalogue, campaign } = known
   const [name, above] = [String(at.at(-1)), at.slice(0, -1)]

@@ -1,4 +1,4 @@
-// What is known of a field, in a box beside it. Start reading at `hovered`.
+// The tooltip with the description of a field.
 import { type Extension } from '@codemirror/state'
 import { hoverTooltip } from '@codemirror/view'
 import { fieldAt, tolerant } from '../text/places'
@@ -21,7 +21,7 @@ export const hovered = (known: (text: string) => Known): Extension =>
     const text = view.state.doc.toString()
     const standing = fieldAt(tolerant(text), position)
     const hint = standing && hintOf(known(text), standing.at)
-    // A mapping of many lines is no field to explain wherever one points into it.
+    // No tooltip inside large mappings.
     if (!standing || !hint || (standing.on === 'value' && text.slice(standing.from, standing.to).includes('\n'))) return null
     return { pos: standing.from, end: standing.to, above: true, create: () => ({ dom: hintElement(hint) }) }
   })

@@ -1,5 +1,5 @@
-// How the editor looks: the tokens of the theme, so that it follows light and dark by itself. The rules live in the editor's
-// own shadow tree as constructed style sheets, which no content security policy has to allow. Start: `look`.
+// The editor's theme, based on the theme tokens, so that it follows light and dark. The rules are constructed style sheets
+// in the editor's shadow tree, which need no exception in the content security policy. Start: `look`.
 import { HighlightStyle, syntaxHighlighting } from '@codemirror/language'
 import type { Extension } from '@codemirror/state'
 import { EditorView } from '@codemirror/view'
@@ -12,7 +12,7 @@ const colours = HighlightStyle.define([
   { tag: [tags.separator, tags.punctuation, tags.squareBracket, tags.brace], color: 'var(--ink-2)' },
 ])
 
-/** The deepest indentation that a broken line keeps [characters]. */
+/** Maximum indentation of a wrapped line [characters]. */
 export const DEEPEST = 16
 
 const indents = Object.fromEntries(

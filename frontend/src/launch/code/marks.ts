@@ -1,5 +1,5 @@
-// What the grammar does not tell apart: text, numbers and fixed words among values; and the indentation that a line keeps
-// where it is broken. Start reading at `marks`.
+// Highlighting that the grammar does not provide: text, numbers and keywords among values; and the indentation of wrapped
+// lines. Start reading at `marks`.
 import { syntaxTree } from '@codemirror/language'
 import { type Range, RangeSetBuilder } from '@codemirror/state'
 import { Decoration, type DecorationSet, type EditorView, ViewPlugin, type ViewUpdate } from '@codemirror/view'

@@ -1,4 +1,4 @@
-// A JSON schema read along the path of a field. Source: JSON Schema 2020-12, as far as a campaign's uses it.
+// Looks up the path of a field in a JSON schema. Source: JSON Schema 2020-12, the subset used by campaigns.
 // Start reading at `ruleAt`.
 import type { Json } from '../../api/campaign'
 import type { At } from '../text/tree'
@@ -22,14 +22,14 @@ export interface Rule {
   exclusiveMaximum?: number
 }
 
-/** A rule and those that it may also be. */
+/** A rule and its alternatives. */
 export function rulesOf(rule: Rule, all: Record<string, Rule> = rule.$defs ?? {}): Rule[] {
   const named = rule.$ref ? (all[rule.$ref.replace('#/$defs/', '')] ?? {}) : {}
   const choices = [...(rule.anyOf ?? []), ...(rule.oneOf ?? [])]
   return [rule, ...(rule.$ref ? rulesOf({ ...named, $defs: all }, all) : []), ...choices.flatMap((one) => rulesOf({ ...one, $defs: all }, all))]
 }
 
-/** What the schema says of a field; it brings the schema's definitions along. */
+/** The schema of a field, with the definitions. */
 export function ruleAt(schema: Rule | undefined, at: At): Rule | undefined {
   const all = schema?.$defs ?? {}
   return at.reduce<Rule | undefined>((rule, step) => {

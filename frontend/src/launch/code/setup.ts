@@ -1,5 +1,5 @@
-// The editor's parts put together: YAML, folding, search, completion, what is wrong. Undo is the page's, because it covers
-// the edits of the form as well. Start reading at `opened`.
+// Assembles the editor: YAML, folding, search, completion, diagnostics. Undo is provided by the page, because it also
+// covers edits of the form. Start reading at `opened`.
 import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from '@codemirror/autocomplete'
 import { defaultKeymap } from '@codemirror/commands'
 import { yaml } from '@codemirror/lang-yaml'
@@ -32,7 +32,7 @@ export interface Hands {
   known: (text: string) => Known
 }
 
-/** A change that came from the page. */
+/** Marks a change made by the page. */
 export const fromPage = Annotation.define<boolean>()
 
 const locked = new Compartment()
@@ -42,7 +42,7 @@ const lock = (readOnly: boolean): Extension => [
   EditorView.contentAttributes.of({
     'aria-label': 'Campaign as YAML',
     'aria-readonly': String(readOnly),
-    // What cannot be edited can still be reached and read by the keyboard.
+    // Read-only text is still accessible by keyboard.
     tabindex: '0',
   }),
 ]
@@ -61,10 +61,10 @@ const WORDS = {
   close: 'Close the search',
 }
 
-/** Lines as the editor counts them. */
+/** Lines by the editor's count. */
 export const unified = (text: string): string => text.replace(/\r\n?/g, '\n')
 
-/** An editor in a shadow tree of its own, whose style sheets are constructed, not written into the page. */
+/** An editor in its own shadow tree with constructed style sheets. */
 export function opened(host: HTMLElement, text: string, readOnly: boolean, hands: Hands): EditorView {
   const root = host.shadowRoot ?? host.attachShadow({ mode: 'open' })
   const page = (act: () => void) => () => {
@@ -125,7 +125,7 @@ export interface Placed {
   line: number
 }
 
-/** Where the problems stand in a text. */
+/** Positions of the problems in a text. */
 export function placedIn(text: string, problems: readonly FieldProblem[]): Placed[] {
   const tree = tolerant(text)
   return problems.map((problem) => {

@@ -1,4 +1,4 @@
-// Keeping the campaign as a draft: the button, whether everything is kept, and what to do when somebody was faster.
+// Saving the campaign as a draft: the button, the state, and the resolution of conflicts.
 import { IconAlertTriangle, IconDeviceFloppy } from '@tabler/icons-react'
 import type { Saved } from './useSaved'
 import styles from './draft.module.css'
@@ -6,7 +6,7 @@ import styles from './draft.module.css'
 interface DraftBarProps {
   saved: Saved
   dirty: boolean
-  /** Whether the draft goes once the run is queued. */
+  /** Whether the draft is deleted once the run is queued. */
   remove: boolean
   onRemove: (remove: boolean) => void
   onReopen: () => void
@@ -14,7 +14,7 @@ interface DraftBarProps {
 
 export function DraftBar({ saved, dirty, remove, onRemove, onReopen }: DraftBarProps) {
   const { draft, saving, trouble, overtaken } = saved
-  // What went wrong is shown below; a rejected promise has nothing to add.
+  // The error is shown below; the rejected promise needs no further handling.
   const save = (another = false) => void saved.save({ another }).catch(() => undefined)
   const standing = dirty ? 'Unsaved changes.' : draft ? `All changes are saved in ${draft.id}.` : ''
   return (

@@ -1,4 +1,4 @@
-// The drafts that are kept on the service: who saved which when, to go on with or to delete.
+// The drafts stored on the service: user, time, open, delete.
 import { Modal } from '@mantine/core'
 import { IconTrash } from '@tabler/icons-react'
 import { useMutation, useQuery, useQueryClient } from '@tanstack/react-query'

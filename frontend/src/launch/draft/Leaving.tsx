@@ -1,4 +1,4 @@
-// Leaving the page, or choosing another case, with edits that are kept nowhere: asks once.
+// Asks for confirmation before leaving the page or choosing another case with unsaved edits.
 import { Modal } from '@mantine/core'
 import { useBlocker } from '@tanstack/react-router'
 import { clsx } from 'clsx'
@@ -12,12 +12,12 @@ interface Place {
 
 interface LeavingProps {
   dirty: boolean
-  /** Whether the editor itself goes there: to its run, or to its own draft. */
+  /** Whether the editor itself navigates: to its run, or to its own draft. */
   expected: (place: Place) => boolean
   onSave: () => Promise<unknown>
 }
 
-/** Another tab of the same editor is no other place. */
+/** Another tab of the same editor is the same page. */
 const elsewhere = (current: Place, next: Place): boolean =>
   current.pathname !== next.pathname ||
   (['case', 'from', 'draft'] as const).some((key) => current.search[key] !== next.search[key])

@@ -1,4 +1,4 @@
-// What an editor begins with: a campaign of the library, an earlier run's, or the text of a draft. Start: `fromDraft`.
+// The initial state of an editor: a library campaign, an earlier run's, or the text of a draft.
 import { checkCampaign, getRunText, getSchema } from '../../api/calls'
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Draft, LibraryCampaign, RunDetail } from '../../client'
@@ -7,7 +7,7 @@ import type { Beginning } from './useDraft'
 export interface Start extends Beginning {
   name: string
   tags: string[]
-  /** The draft that it is, as it was opened. */
+  /** The draft as it was opened. */
   draft: Draft | null
 }
 
@@ -22,7 +22,7 @@ export async function fromRun(run: RunDetail): Promise<Start> {
   return { campaign, text, readable: true, name: run.name, tags: run.tags, draft: null }
 }
 
-/** A draft as it was left, in the form too wherever that can show it. */
+/** A draft as it was saved, also in the form if possible. */
 export async function fromDraft(draft: Draft, otherwise: Campaign): Promise<Start> {
   const own = { name: draft.name, tags: draft.tags, draft, text: draft.text }
   const { document } = await checkCampaign(draft.text)

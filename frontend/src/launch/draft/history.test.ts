@@ -1,11 +1,11 @@
-// Edits taken back and made again, whatever was edited, in the order in which it was.
+// Undo and redo of edits in their order.
 import { expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import { type History, NOTHING, recorded, redo, stretch, undo, type Version } from './history'
 
 const version = (text: string): Version => ({ text, campaign: { name: text } as Campaign })
 
-/** Each text after the one before it, with what was edited and when [ms]. */
+/** The successive texts, with field and time of each edit [ms]. */
 const story = (...edits: [string, string, number][]): History => {
   let [history, was] = [NOTHING, version('a: 1')]
   for (const [text, what, at] of edits) {

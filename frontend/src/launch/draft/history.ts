@@ -1,7 +1,7 @@
-// What was edited, in form and text alike, as changes of the text: to be taken back and made again. Start: `recorded`.
+// The undo history of form and text, as changes of the text. Start reading at `recorded`.
 import type { Campaign } from '../../api/campaign'
 
-/** A campaign's text, and what the form showed with it. */
+/** A campaign's text, and the state of the form. */
 export interface Version {
   text: string
   campaign: Campaign
@@ -11,14 +11,14 @@ interface Edit {
   from: number
   before: string
   after: string
-  /** What the form showed before and after it. */
+  /** The state of the form before and after. */
   campaigns: [Campaign, Campaign]
 }
 
 export interface History {
   done: Edit[]
   undone: Edit[]
-  /** What was edited last and when [ms]: going on with it is the same edit. */
+  /** The last edited field and time [ms]: continued typing is the same edit. */
   last: { what: string; at: number } | null
 }
 
@@ -27,7 +27,7 @@ export const NOTHING: History = { done: [], undone: [], last: null }
 const MOST = 500
 const TOGETHER = 700
 
-/** The one stretch in which two texts differ. */
+/** The single range in which two texts differ. */
 export function stretch(before: string, after: string): { from: number; before: string; after: string } {
   const least = Math.min(before.length, after.length)
   let from = 0
@@ -40,7 +40,7 @@ export function stretch(before: string, after: string): { from: number; before: 
 const put = (text: string, from: number, old: string, now: string): string =>
   text.slice(0, from) + now + text.slice(from + old.length)
 
-/** With one edit more. `what` says what was edited; shortly after one another, the same is one edit. */
+/** Adds an edit. `what` identifies the field; successive edits of the same field within a short time are merged. */
 export function recorded(history: History, was: Version, is: Version, what: string, at: number): History {
   const { done, last } = history
   const before = done.at(-1)
@@ -53,7 +53,7 @@ export function recorded(history: History, was: Version, is: Version, what: stri
   return { done: [...(goesOn ? done.slice(0, -1) : done).slice(-MOST), edit], undone: [], last: { what, at } }
 }
 
-/** One edit back; null where there is none. */
+/** Undoes one edit; null if there is none. */
 export function undo(history: History, text: string): [History, Version] | null {
   const edit = history.done.at(-1)
   if (!edit) return null
@@ -61,7 +61,7 @@ export function undo(history: History, text: string): [History, Version] | null 
   return [next, { text: put(text, edit.from, edit.after, edit.before), campaign: edit.campaigns[0] }]
 }
 
-/** One edit that was taken back, made again; null where there is none. */
+/** Redoes one edit; null if there is none. */
 export function redo(history: History, text: string): [History, Version] | null {
   const edit = history.undone.at(-1)
   if (!edit) return null

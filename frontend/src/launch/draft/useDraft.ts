@@ -1,5 +1,5 @@
-// The campaign being prepared. Its text is what counts: an edit in the form changes it in its place, and what the service
-// reads in it is what the form shows. Start reading at `useDraft`.
+// The edited campaign. Its text is authoritative: an edit in the form changes the text in place, and the form shows the
+// text as parsed by the service. Start reading at `useDraft`.
 import { keepPreviousData, useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { checkCampaign } from '../../api/calls'
@@ -14,43 +14,43 @@ const PAUSE = 300
 export interface Draft {
   campaign: Campaign
   text: string
-  /** Whether the form shows the same campaign as the text: not while the text cannot be read as one. */
+  /** Whether form and text agree; false while the text cannot be parsed as a campaign. */
   readable: boolean
   checked: Checked | undefined
-  /** The answer below belongs to an earlier state than the one shown. */
+  /** The response below belongs to an earlier state. */
   checking: boolean
   problems: readonly FieldProblem[]
-  /** Why it could not be checked at all, or its text not be changed. */
+  /** The reason why the check or the change of the text failed. */
   trouble: Error | null
-  /** How often it was edited. */
+  /** Number of edits. */
   edits: number
   set: (at: readonly (string | number)[], value: unknown) => void
-  /** Takes a part out of a list, with all that is said of it. */
+  /** Removes a part of a list, with all references to it. */
   remove: (list: List | 'objectives', index: number) => void
   setText: (text: string, how?: 'typed' | 'replaced') => void
   undo: (() => void) | null
   redo: (() => void) | null
-  /** The text, once every edit is in it. */
+  /** The text after all edits are applied. */
   typed: () => Promise<string>
 }
 
-/** What an editor begins with. */
+/** The initial state of an editor. */
 export interface Beginning {
-  /** What the text means, or what the form shows of it; where it cannot be read, any campaign. */
+  /** The parsed text, or the form's approximation; any campaign if it cannot be parsed. */
   campaign: Campaign
   text: string
   readable: boolean
 }
 
 interface State extends Version {
-  /** What the text still says, until what changes texts has come. */
+  /** The previous text, until the text bundle is loaded. */
   behind: Campaign | null
   readable: boolean
-  /** Which side was edited last: the other one follows. */
+  /** The side that was edited last; the other one is updated. */
   source: 'form' | 'text'
   edits: number
   history: History
-  /** What was last read from the text. */
+  /** The last parsed campaign of the text. */
   read?: unknown
 }
 
@@ -89,7 +89,7 @@ function edited(before: State, next: Edited, what: string): State {
 
 const FORM = { readable: true, source: 'form' } as const
 
-/** The text after an edit of the form: changed in its place, or left behind until that can be done. */
+/** The text after an edit of the form: changed in place, or deferred until possible. */
 function followed(before: State, campaign: Campaign): Edited {
   const said = before.behind ?? before.campaign
   if (!tools) return { ...FORM, campaign, text: before.text, behind: said }
@@ -118,7 +118,7 @@ export function useDraft(first: Beginning): Draft {
   const checked = check.data
   const unread = fresh && checked?.document === null && state.source === 'text' && state.edits > 0
   const { data: schema } = useQuery({ ...schemaQuery, enabled: unread })
-  // Adjusted while rendering, so that no picture of the old campaign is shown in between.
+  // Adjusted during rendering, so that the old campaign is not shown in between.
   const document = fresh ? checked?.document : null
   if (loaded && state.behind) setState(edited(state, followed(state, state.campaign), ''))
   else if (document && document !== state.read)

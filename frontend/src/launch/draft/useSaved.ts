@@ -1,5 +1,5 @@
-// The draft on the service that an editor belongs to: saved over the version that was opened, and never over another one
-// unseen. Start reading at `useSaved`.
+// The draft of an editor on the service: saved over the version that was opened, never over a newer one.
+// Start reading at `useSaved`.
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { useState } from 'react'
 import { createDraft, deleteDraft, saveDraft } from '../../api/calls'
@@ -16,15 +16,15 @@ export interface Saved {
   draft: Draft | null
   saving: boolean
   trouble: Error | null
-  /** Somebody else saved it meanwhile. */
+  /** Another user has saved it in the meantime. */
   overtaken: boolean
-  /** Saves it: as another draft where that is asked for, without a word to `onSaved` where the page is left. */
+  /** Saves it, optionally as a new draft; does not call `onSaved` if the page is left. */
   save: (how?: { another?: boolean; leaving?: boolean }) => Promise<Draft>
-  /** After a run was started from it: deletes it, or keeps which run that was. */
+  /** After a run was started from it: deletes it, or stores the run's number. */
   launched: (run: string, remove: boolean) => Promise<unknown>
 }
 
-/** `content` gives what is to be kept; `onSaved` hears of it. */
+/** `content` returns the content to be saved; `onSaved` is called afterwards. */
 export function useSaved(first: Draft | null, content: () => Promise<Content>, onSaved: (draft: Draft) => void): Saved {
   const [draft, setDraft] = useState(first)
   const cache = useQueryClient()

@@ -1,13 +1,13 @@
-// What is rarely changed: closed with a word on how it stands, open where something in it is wrong.
+// A collapsible section with a summary, open if it contains a problem.
 import { type ReactNode, useState } from 'react'
 import { useTroubled } from './problems'
 import styles from './fields.module.css'
 
 interface FoldProps {
   title: string
-  /** How it stands, in a few words. */
+  /** A short summary. */
   digest?: ReactNode
-  /** The fields inside, by the service's names. */
+  /** The fields inside, by their service names. */
   fields: readonly string[]
   children: ReactNode
 }

@@ -1,4 +1,4 @@
-// Several numbers as one text with commas between; what is no number is kept for the service to name.
+// Several numbers as comma-separated text; invalid entries are kept, so that the service reports them.
 import { useState } from 'react'
 import type { Raw } from '../../api/campaign'
 import { parse, field as shown } from '../../format/numbers'
@@ -23,7 +23,7 @@ export const listOf = (text: string): Raw[] =>
 export function ListCell({ field, label, values, onChange }: ListCellProps) {
   const [typed, setTyped] = useState<string | null>(null)
   const problems = useProblems(field, true)
-  // As for single numbers: what is typed stays as it is while it means the values.
+  // As for single numbers: typed text is unchanged while it represents the values.
   const same = typed !== null && JSON.stringify(listOf(typed)) === JSON.stringify(values)
   return (
     <input

@@ -1,4 +1,4 @@
-// A number as text: nothing is rounded or reformatted while it is typed; what is no number is kept for the service to name.
+// A number as text: not reformatted while typing; invalid text is kept, so that the service reports it.
 import { useState } from 'react'
 import type { Raw } from '../../api/campaign'
 import { parse, field as shown } from '../../format/numbers'
@@ -11,7 +11,7 @@ interface NumberCellProps {
   value: Raw | null | undefined
   onChange: (value: Raw | null) => void
   disabled?: boolean
-  /** Empty means that it is not given. */
+  /** Empty if not given. */
   optional?: boolean
   placeholder?: string
   invalid?: boolean
@@ -33,7 +33,7 @@ export function NumberCell({
   const [typed, setTyped] = useState<string | null>(null)
   const problems = useProblems(field)
   const meaning = (text: string): Raw | null => (optional && text.trim() === '' ? null : (parse(text) ?? text))
-  // What is being typed stays as it is while it means the value; a value set from elsewhere replaces it.
+  // Typed text is unchanged while it represents the value; a value set elsewhere replaces it.
   const text = typed !== null && meaning(typed) === (value ?? null) ? typed : textOf(value)
   const change = (next: string) => {
     setTyped(next)

@@ -1,4 +1,4 @@
-// One part of a campaign: which component it is, and its parameters with unit, limits and text from the catalogue.
+// One part of a campaign: its component, and its parameters with unit, limits and text from the catalogue.
 import { Select } from '@mantine/core'
 import { IconTrash } from '@tabler/icons-react'
 import { type Campaign, place, type Raw } from '../../api/campaign'
@@ -16,7 +16,7 @@ import styles from './fields.module.css'
 
 export type SetValue = (at: readonly (string | number)[], value: unknown) => void
 
-/** So many parameters at their defaults are not worth a fold. */
+/** Up to this number of default parameters is not collapsed. */
 const FEW = 4
 
 interface PartCardProps {
@@ -41,7 +41,7 @@ export function PartCard({ onRemove, ...props }: PartCardProps) {
   )
 }
 
-/** The same without a card about it. */
+/** The content without a card. */
 export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardProps, 'onRemove'>) {
   const { role, title, at, part, component } = section
   const field = at.join('.')
@@ -105,7 +105,7 @@ export function PartBody({ section, campaign, catalogue, set }: Omit<PartCardPro
   )
 }
 
-/** What is given, required or uncertain; what stands at its default is folded where there is much of it. */
+/** Given, required and uncertain parameters; many parameters at their defaults are collapsed. */
 function Parameters({ section, campaign, set }: { section: Section; campaign: Campaign; set: SetValue }) {
   const { title, part, parameters } = section
   const own = (parameter: Parameter) => parameter.group !== title || parameter.entry.name in (part.parameters ?? {})
@@ -170,7 +170,7 @@ function ParameterField({ parameter, set }: { parameter: Parameter; set: SetValu
   )
 }
 
-/** Values left from another component: nothing reads them, so they can only go. */
+/** Values left from another component: unused, can only be removed. */
 function Strays({ strays, set }: { strays: Section['strays']; set: SetValue }) {
   return strays.map(({ at, name, value }) => {
     const field = at.join('.')

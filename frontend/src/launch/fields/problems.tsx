@@ -1,4 +1,4 @@
-// What the service says is wrong, beside the field it names: fields ask here by the name the service uses.
+// The service's problems next to their fields, looked up by the service's field name.
 import { IconAlertCircle } from '@tabler/icons-react'
 import { createContext, useContext } from 'react'
 import type { FieldProblem } from '../../api/problems'
@@ -10,7 +10,7 @@ export const ProblemsProvider = Problems.Provider
 const within = (field: string, problem: FieldProblem): boolean =>
   problem.field === field || problem.field.startsWith(`${field}.`)
 
-/** How many problems there are of some fields and everything below them. */
+/** The number of problems of some fields and everything below them. */
 export function useTroubled(fields: readonly string[]): number {
   const all = useContext(Problems)
   return all.filter((problem) => fields.some((field) => within(field, problem))).length
@@ -27,7 +27,7 @@ export const idOf = (field: string): string => `f-${field.replace(/[^\w-]/g, '-'
 
 interface MessageProps {
   problem: FieldProblem
-  /** Says the field's name, where the message does not stand beside the field. */
+  /** Shows the field's name, if the message is not next to the field. */
   named?: boolean
 }
 
@@ -49,7 +49,7 @@ export function FieldErrors({ field, deep }: { field: string; deep?: boolean }) 
   return problems.map((problem) => <Message key={problem.field + problem.message} problem={problem} />)
 }
 
-/** Brings the field of a problem into view and focus: itself, or the nearest part above it that is on the page. */
+/** Scrolls to and focuses the field of a problem, or its nearest parent on the page. */
 export function focusField(field: string): void {
   const parts = field.split('.')
   for (let length = parts.length; length > 0; length--) {

@@ -1,4 +1,4 @@
-// What is written about a campaign: its name, a line for cards, notes on sources and limits, published values.
+// Descriptive fields of a campaign: name, summary, notes on sources and limits, published values.
 import { IconPlus, IconTrash } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { ReactNode } from 'react'

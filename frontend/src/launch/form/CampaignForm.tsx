@@ -1,4 +1,4 @@
-// The whole form of a campaign, section by section; what is rarely changed is folded.
+// The form of a campaign by sections; rarely used ones are collapsed.
 import type { Catalogue } from '../../client'
 import { AboutForm } from './AboutForm'
 import { CriterionForm } from './CriterionForm'

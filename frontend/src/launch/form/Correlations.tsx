@@ -1,4 +1,4 @@
-// Which uncertain parameters go together in random samples: pairs with the correlation of each.
+// Correlations of uncertain parameters in random samples, as pairs.
 import { Select } from '@mantine/core'
 import { IconPlus, IconTrash } from '@tabler/icons-react'
 import type { Campaign, Correlation } from '../../api/campaign'

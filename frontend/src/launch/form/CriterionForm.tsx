@@ -1,4 +1,4 @@
-// What is judged: the criterion that decides, and further criteria that every evaluation is read for as well.
+// The deciding criterion, and further criteria of every evaluation.
 import type { Campaign, List } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { plain } from '../../format/numbers'
@@ -57,7 +57,7 @@ export function CriterionForm({ campaign, catalogue, set, remove }: CriterionFor
   )
 }
 
-/** Of a distance to centres that ends within an obstacle: what to do, or that it is stated to be meant. */
+/** A hint for centre distances smaller than an obstacle: options, or the statement that it is intended. */
 function Centres({ campaign, catalogue, set }: Omit<CriterionFormProps, 'remove'>) {
   const { criterion } = campaign
   const within = [...withinOf(campaign, catalogue).values()]
@@ -74,7 +74,7 @@ function Centres({ campaign, catalogue, set }: Omit<CriterionFormProps, 'remove'
   return (
     <div className="small" role="note">
       <p>
-        An obstacle reaches {plain(Math.max(...within))} m from its centre, beyond the threshold: the vehicle could be
+        An obstacle extends {plain(Math.max(...within))} m from its centre, beyond the threshold: the vehicle could be
         inside it and the flight clear.
       </p>
       <button type="button" className="btn s" onClick={() => set(['criterion'], toSurfaces(criterion, catalogue))}>

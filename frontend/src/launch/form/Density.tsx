@@ -1,4 +1,4 @@
-// The distribution of a parameter over its bounds, as the independent sample will draw it; the tick is the nominal value.
+// The distribution of a parameter over its bounds, as used by the independent sample; the tick is the nominal value.
 import type { Uncertain } from '../../api/campaign'
 import { numberOf } from '../campaign/parameters'
 
@@ -37,7 +37,7 @@ function densityOf(given: Uncertain['distribution'], low: number, high: number):
     return (v) => (v < mode ? (v - low) / (mode - low || 1) : (high - v) / (high - mode || 1))
   const [alpha, beta] = [numberOf(given?.alpha), numberOf(given?.beta)]
   if (given?.kind === 'beta' && alpha && beta) {
-    // Shapes below one go up without end at a bound: the outline stops a little before it.
+    // Densities with shape below one are unbounded at a bound: the outline stops before it.
     const inside = (v: number) => Math.min(0.99, Math.max(0.01, (v - low) / (high - low)))
     const log = (u: number) => (alpha - 1) * Math.log(u) + (beta - 1) * Math.log(1 - u)
     const mode = alpha > 1 && beta > 1 ? (alpha - 1) / (alpha + beta - 2) : 0.5

@@ -1,4 +1,4 @@
-// A method's options, as a form made from their JSON schema, and its starts where it begins from given points.
+// The options of a method, as a form generated from their JSON schema, and its start points.
 import { Select } from '@mantine/core'
 import { IconPlus, IconTrash } from '@tabler/icons-react'
 import type { Json, SearchStage } from '../../api/campaign'

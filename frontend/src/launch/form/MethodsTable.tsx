@@ -1,4 +1,4 @@
-// The search methods with their budgets: which run, for how many evaluations, with which options.
+// The search methods: selection, budgets, options.
 import { IconAdjustments } from '@tabler/icons-react'
 import { useState } from 'react'
 import type { Campaign, SearchStage } from '../../api/campaign'
@@ -41,14 +41,14 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
       title="Methods and budgets"
       note="Each search ends by its own rule or at its budget."
       flush
-      footer="Cleared needs global methods that agree on the worst case, and a certify stage where a target for P(violation) is set."
+      footer="Cleared requires global methods that agree on the worst case, and a certify stage if a target for P(violation) is set."
     >
       <table className={styles.ptable}>
         <thead>
           <tr>
             <th aria-label="Runs" />
             <th>Method</th>
-            <th>How it searches</th>
+            <th className="hide-s">How it searches</th>
             <th className="hide-n">Source</th>
             <th className="num" style={{ width: 140 }}>
               Evaluations at most
@@ -98,11 +98,11 @@ export function MethodsTable({ campaign, catalogue, parameters, set }: MethodsTa
 }
 
 interface MethodRowProps {
-  /** Which of the campaign's searches it is; null while it is unticked. */
+  /** Its index among the campaign's searches; null if not selected. */
   at: number | null
   stage: SearchStage | undefined
   method: MethodEntry
-  /** There is no criterion besides the one that decides. */
+  /** True if there is only one criterion. */
   single: boolean
   parameters: Parameter[]
   set: MethodsTableProps['set']
@@ -133,7 +133,7 @@ function MethodRow({ at, stage, method, single, parameters, set, onToggle }: Met
         <td>
           <MethodName method={method.name} title={method.title} />
         </td>
-        <td className="sec">{method.how}</td>
+        <td className="sec hide-s">{method.how}</td>
         <td className="mut hide-n">{method.source}</td>
         <td>
           <NumberCell

@@ -1,4 +1,4 @@
-// Which realisations of noise and gusts every evaluation flies; only where something in the scenario is random.
+// The noise and gust realisations of every evaluation; only for scenarios with random components.
 import { Select } from '@mantine/core'
 import type { Campaign, Raw } from '../../api/campaign'
 import type { Catalogue } from '../../client'
@@ -10,7 +10,7 @@ import { FieldErrors, idOf } from '../fields/problems'
 import styles from './form.module.css'
 
 const FIELD = 'scenario.realisations'
-/** The parameter by which a random component is told which realisation it flies. */
+/** The parameter that sets the realisation of a random component. */
 const SEED = 'seed'
 
 interface RealisationsProps {
@@ -29,7 +29,7 @@ export function Realisations({ campaign, catalogue, set }: RealisationsProps) {
   return (
     <div className="card">
       <div className="bd">
-        <Fold title="Realisations of what is random" digest={digest} fields={[FIELD]}>
+        <Fold title="Noise realisations" digest={digest} fields={[FIELD]}>
           <div className={styles.fields}>
             <div>
               <label className="lbl" htmlFor={idOf(`${FIELD}.seeds`)}>

@@ -1,4 +1,4 @@
-// The scenario: which component plays each part, what is in the way, what disturbs it, how long it is flown.
+// The scenario: components, obstacles, disturbances, horizon.
 import { Select } from '@mantine/core'
 import { clsx } from 'clsx'
 import { type Campaign, type List, LISTS, listAt } from '../../api/campaign'
@@ -82,7 +82,7 @@ interface AddPartProps {
   set: SetValue
 }
 
-/** Another part of a list: a copy of the last one where that is of the same component, else as the component begins. */
+/** A new part of a list: a copy of the last one if of the same component, else the component's defaults. */
 export function AddPart({ list, campaign, catalogue, set }: AddPartProps) {
   const parts = (list === 'objectives' ? campaign.objectives : campaign.scenario[list]) ?? []
   const role = list === 'objectives' ? 'criterion' : ROLE_OF[list]

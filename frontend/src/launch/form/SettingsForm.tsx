@@ -1,4 +1,4 @@
-// The stages beside the searches and the terms of the verdict, folded with how each stands.
+// The other stages and the settings of the verdict, collapsed with a summary of each.
 import type { Campaign } from '../../api/campaign'
 import { Card } from '../../ui/Card'
 import { Fold } from '../fields/Fold'

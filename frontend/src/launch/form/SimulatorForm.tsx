@@ -1,4 +1,4 @@
-// In place of a scenario: which simulator of the installation is evaluated, its parameters, and the result that decides.
+// Instead of a scenario: the simulator, its parameters, and the deciding result.
 import { Select } from '@mantine/core'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
@@ -55,7 +55,7 @@ export function SimulatorForm({ campaign, catalogue, parameters, set }: Simulato
   )
 }
 
-/** The result that decides; a simulator has no further criteria. */
+/** The deciding result; a simulator has no further criteria. */
 export function ResultForm({ campaign, catalogue, set }: SimulatorFormProps) {
   const results = (simulatorOf(campaign, catalogue)?.results ?? []).filter((result) => result.worse === 'low')
   const name = campaign.criterion.result ?? ''

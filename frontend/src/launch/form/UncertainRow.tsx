@@ -1,4 +1,4 @@
-// One uncertain parameter: its values, its distribution, and what the service says of them below.
+// One uncertain parameter: values, distribution, and the service's problems.
 import { Select } from '@mantine/core'
 import { clsx } from 'clsx'
 import { place, type Raw, type Uncertain } from '../../api/campaign'
@@ -28,7 +28,7 @@ const NUMBERS = {
 interface UncertainRowProps {
   path: string
   parameter: Parameter | undefined
-  /** Undefined: held at the nominal value. */
+  /** Undefined if held at the nominal value. */
   uncertain: Uncertain | undefined
   held: Uncertain | undefined
   onToggle: (on: boolean) => void
@@ -47,7 +47,7 @@ export function UncertainRow({ path, parameter, uncertain, held, onToggle, set }
   const distribution = shown.distribution ?? { kind: 'uniform' }
   const name = parameter?.entry.text ?? path
   const shaped = on && distribution.kind !== 'uniform'
-  // A bound typed by hand replaces a plus-minus; the other bound stays where it is.
+  // An edited bound replaces a plus-minus; the other bound is unchanged.
   const bound = (which: 'low' | 'high') => (value: Raw | null) =>
     set(['uncertain', path], { ...shown, plus_minus: null, low, high, [which]: value })
   const wide = problems.some((p) => p.field === field || p.field.endsWith('.plus_minus'))
@@ -183,7 +183,7 @@ interface Numbers {
   nominal: number | null
 }
 
-/** A first guess of a distribution's numbers: its middle at the nominal value, the bounds at three deviations. */
+/** Initial parameters of a distribution: centred at the nominal value, bounds at three standard deviations. */
 function distributionOf(kind: string, { low, high, nominal }: Numbers): NonNullable<Uncertain['distribution']> {
   if (kind === 'uniform') return { kind }
   const middle: Raw = nominal ?? ''

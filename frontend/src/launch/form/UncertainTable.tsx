@@ -1,4 +1,4 @@
-// The uncertain parameters: which vary, between which bounds, how they are distributed.
+// The uncertain parameters: selection, bounds, distributions.
 import { Select } from '@mantine/core'
 import { clsx } from 'clsx'
 import { useState } from 'react'
@@ -17,7 +17,7 @@ interface UncertainTableProps {
 }
 
 export function UncertainTable({ campaign, parameters, set }: UncertainTableProps) {
-  // What was unticked stays on the page with its bounds, so that a tick brings it back.
+  // Deselected parameters keep their bounds on the page, so that they can be restored.
   const [held, setHeld] = useState<Record<string, Uncertain>>({})
   const uncertain = campaign.uncertain
   const known = new Map(parameters.map((parameter) => [parameter.path, parameter]))
@@ -81,7 +81,7 @@ export function UncertainTable({ campaign, parameters, set }: UncertainTableProp
   )
 }
 
-/** Twenty percent around the nominal value; around zero there is no share, so the bounds are left to be given. */
+/** Twenty percent around the nominal value; for a nominal value of zero the bounds must be given. */
 function startingBounds(parameter: Parameter | undefined): Uncertain {
   const nominal = numberOf(parameter?.nominal)
   return nominal ? { plus_minus: '20%' } : { low: '', high: '' }

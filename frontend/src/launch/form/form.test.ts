@@ -1,5 +1,5 @@
-// The form against every campaign of the library: it reaches every field, and what is read from it and written back is the
-// same campaign, as JSON and by way of YAML. The repository's own Python reads, checks and writes the campaigns.
+// Tests the form with every campaign of the library: it covers every field, and the round trip through JSON and YAML
+// gives the same campaign. The repository's Python code reads, checks and writes the campaigns.
 import { beforeAll, describe, expect, it } from 'vitest'
 import { type Campaign, fieldOf, place, type Raw, read, without, write } from '../../api/campaign'
 import type { Catalogue } from '../../client'
@@ -61,10 +61,10 @@ function reached(campaign: Campaign): Set<string> {
   ])
 }
 
-/** Shown as rows, whatever is in them. */
+/** Shown as rows with any content. */
 const ROWS =
   /^(uncertain|correlations|tags|scenario\.realisations\.seeds|stages\.search\.\d+\.(method|evaluations|options|starts)|published\.\d+\.(label|value|source))\b/
-/** Kept as they are: the form neither shows nor changes them. */
+/** Neither shown nor changed by the form. */
 const KEPT = /^(version|published\.\d+\.at\..*)$/
 
 it('reaches every field of every campaign', () => {

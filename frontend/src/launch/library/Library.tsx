@@ -1,4 +1,4 @@
-// The shipped campaigns as cards to choose from; with many of them, by tag and by words.
+// The shipped campaigns as cards to choose from; with filters by tag and words.
 import { IconChevronDown, IconSearch } from '@tabler/icons-react'
 import type { KeyboardEvent } from 'react'
 import { asCampaign, type Campaign } from '../../api/campaign'
@@ -61,7 +61,7 @@ export function Library({ campaigns, catalogue, chosen, shelf, onShelf, onChoose
   )
 }
 
-/** The first few, and the chosen one wherever it stands. */
+/** The first few, and the chosen one. */
 function around(found: LibraryCampaign[], chosen: string | null): LibraryCampaign[] {
   return found.filter((item, i) => i < FEW || item.id === chosen)
 }
@@ -108,7 +108,7 @@ function Shelves({ campaigns, shelf, onChange }: ShelvesProps) {
   )
 }
 
-/** What the chosen campaign is about and where it comes from. */
+/** Description and source of the chosen campaign. */
 function About({ campaign }: { campaign: Campaign }) {
   return (
     <div className={styles.aboutcase}>

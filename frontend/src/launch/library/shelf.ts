@@ -1,4 +1,4 @@
-// Which campaigns of the library are shown: by tag, by words. Start reading at `matching`.
+// Filters the campaigns of the library by tag and words. Start reading at `matching`.
 import { asCampaign, type Campaign } from '../../api/campaign'
 import type { Catalogue, LibraryCampaign } from '../../client'
 
@@ -10,12 +10,12 @@ export interface Shelf {
   whole: boolean
 }
 
-/** So many cards stand on the page at first: two rows of a wide window. */
+/** Number of cards initially shown: two rows in a wide window. */
 export const FEW = 10
 
 const FIRST = 'published'
 
-/** What is published first, case by case, then everything else likewise. */
+/** Published studies first, by case, then the others. */
 export function ordered(campaigns: LibraryCampaign[]): LibraryCampaign[] {
   const key = (item: LibraryCampaign) => {
     const tags = asCampaign(item.document).tags ?? []
@@ -28,14 +28,14 @@ export function ordered(campaigns: LibraryCampaign[]): LibraryCampaign[] {
   })
 }
 
-/** Published case studies first, unless the one chosen is none of them. */
+/** Published case studies, unless the chosen one is not published. */
 export function shelfOf(campaigns: LibraryCampaign[], chosen: string | null): Shelf {
   const published = campaigns.filter((item) => tagged(item, FIRST))
   const fits = published.length > 0 && (chosen === null || published.some((item) => item.id === chosen))
   return { tag: campaigns.length > FEW && fits ? FIRST : null, words: '', whole: false }
 }
 
-/** The tags of the library with how many carry each: what is published, kinds, then the cases. */
+/** The tags of the library with counts: published, kinds, then cases. */
 export function tagsOf(campaigns: LibraryCampaign[]): { tag: string; count: number }[] {
   const counts = new Map<string, number>()
   for (const item of campaigns) for (const tag of asCampaign(item.document).tags ?? []) counts.set(tag, (counts.get(tag) ?? 0) + 1)
@@ -45,7 +45,7 @@ export function tagsOf(campaigns: LibraryCampaign[]): { tag: string; count: numb
     .sort((a, b) => rank(a.tag) - rank(b.tag) || a.tag.localeCompare(b.tag, 'en', { numeric: true }))
 }
 
-/** The campaigns with that tag that have every word somewhere: name, summary, tags, parts. */
+/** The campaigns with that tag that contain every word in name, summary, tags or parts. */
 export function matching(
   campaigns: LibraryCampaign[],
   { tag, words }: Pick<Shelf, 'tag' | 'words'>,

@@ -1,12 +1,12 @@
-// What must stay free about an obstacle, seen from above: about its centre, or as far from its surface all around.
+// The region around an obstacle that must stay free in plan view: about its centre, or offset from its surface.
 import { freeOf, type PlanBody } from './plan'
 import { degrees } from './ways'
 
 interface FreeProps {
   body: PlanBody
-  /** The distance that must be kept [m]; nothing is drawn for 0. */
+  /** The required distance [m]; not drawn for 0. */
   reach: number
-  /** Whether it is kept from the surface, not from the centre. */
+  /** Whether it is measured from the surface, not from the centre. */
   surface: boolean
   /** The obstacle's centre [px]. */
   x: number

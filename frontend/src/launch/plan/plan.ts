@@ -1,5 +1,5 @@
-// The geometry of a scenario, from its parameters alone: nothing is simulated, so an obstacle that gives way is shown on
-// the way it means to go. Places are in the picture's axes, x to the right and y up, with their height; for axes north,
+// The geometry of a scenario, from its parameters alone: nothing is simulated, so a cooperative obstacle is shown on
+// its intended path. Positions are in the picture's axes, x to the right and y up, with their height; for axes north,
 // east, down that is north up. Start reading at `planOf`.
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue, ComponentEntry, ObstacleLook } from '../../client'
@@ -15,33 +15,33 @@ export interface PlanBody {
   /** A disc with `radius`, or a rectangle turned by `angle` [rad] in the picture. */
   radius: number
   rectangle: { length: number; width: number; angle: number } | null
-  /** Of a box or a cylinder, about its centre; null for what has none. */
+  /** Height of a box or a cylinder; null for other shapes. */
   height: number | null
   /** Its centre at the start. */
   at: Step
-  /** Where the centre of a moving one goes, from the start on; empty for one that stands. */
+  /** The path of the centre of a moving obstacle; empty for a static one. */
   track: Step[]
   moving: boolean
 }
 
 export interface Plan {
   start: Step
-  /** Of the vehicle at the start, from the picture's x axis [rad]. */
+  /** Initial heading of the vehicle from the picture's x axis [rad]. */
   heading: number
-  /** Null where the vehicle has no goal but a course. */
+  /** Null if the vehicle has a course instead of a goal. */
   goal: Step | null
-  /** The straight way to the goal, or as far as the course leads within the horizon. */
+  /** The straight path to the goal, or along the course up to the horizon. */
   way: Step[]
   bodies: PlanBody[]
   axes: Axes
-  /** Whether the criterion's distances end at the surfaces of obstacles, not at their centres. */
+  /** Whether the criterion measures to the surfaces of obstacles, not to their centres. */
   surface: boolean
-  /** Whether the vehicle lives in space and not in a plane. */
+  /** Whether the vehicle is spatial, not planar. */
   space: boolean
   horizon: number
 }
 
-/** How the vehicle's own axes lie in the picture. */
+/** The vehicle's world axes in the picture. */
 export interface Axes {
   ned: boolean
   map: (step: Step) => Step
@@ -55,7 +55,7 @@ export const axesOf = (ned: boolean): Axes => ({
   turned: (angle) => (ned ? Math.PI / 2 - angle : angle),
 })
 
-/** What there is to draw. `catalogue` knows defaults and axes; without it only what the campaign itself says is drawn. */
+/** The plan of a campaign. `catalogue` provides defaults and axes; without it only the campaign's own values are drawn. */
 export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Plan {
   const { scenario } = campaign
   const known = valuesOf(campaign, catalogue)
@@ -90,13 +90,13 @@ export function planOf(campaign: Campaign, catalogue: Catalogue | undefined): Pl
   }
 }
 
-/** At the start: the state that the vehicle names, the usual ones of an unknown vehicle. */
+/** The initial state as declared by the vehicle; common names for an unknown vehicle. */
 function headingOf(vehicle: ComponentEntry | undefined, start: Values): number {
   if (vehicle?.look && 'mesh' in vehicle.look) return vehicle.look.heading ? (start(vehicle.look.heading) ?? 0) : 0
   return start('psi') ?? start('theta') ?? start('heading') ?? 0
 }
 
-/** How an obstacle is drawn that the catalogue does not know, or that declares nothing: by the usual names. */
+/** The look of an obstacle that is unknown or declares none, by common parameter names. */
 const undeclared = (values: Values, sign: number): ObstacleLook => ({
   shape: values('length') === null ? 'sphere' : 'box',
   radius: 'radius',
@@ -122,7 +122,7 @@ function bodyOf(look: ObstacleLook, values: Values, way: Step[], declared: boole
   }
 }
 
-/** The nominal value of every parameter that has a place or a size. */
+/** The nominal values of all position and size parameters. */
 export function valuesOf(campaign: Campaign, catalogue: Catalogue | undefined): Map<string, number> {
   const { start = {}, goal, obstacles = [] } = campaign.scenario
   const groups = [
@@ -148,7 +148,7 @@ export interface Window {
   y: (p: Place) => number
 }
 
-/** Fits places into a picture with equal scales, y upwards. `air`: kept free at each side [px]. */
+/** Fits positions into a picture with equal scales, y upwards. `air`: margin at each side [px]. */
 export function fit(points: Place[], width: number, height: number, air: { x: number; y: number }): Window {
   const xs = points.map((p) => p.x)
   const ys = points.map((p) => p.y)
@@ -163,7 +163,7 @@ export function fit(points: Place[], width: number, height: number, air: { x: nu
   }
 }
 
-/** The distance that must be kept from obstacles' centres or surfaces, from a point of the vehicle's [m]. */
+/** The required distance from obstacles' centres or surfaces to a point of the vehicle [m]. */
 export const reachOf = (campaign: Campaign): number =>
   (numberOf(campaign.criterion.threshold) ?? 0) + (numberOf(campaign.criterion.parameters?.body_radius) ?? 0)
 
@@ -171,7 +171,7 @@ export const reachOf = (campaign: Campaign): number =>
 export const freeOf = (body: PlanBody, reach: number, surface: boolean): number =>
   surface && reach > 0 ? (body.rectangle ? 0 : body.radius) + reach : reach
 
-/** What the picture has to hold. */
+/** The points that the picture must contain. */
 export function extentOf(plan: Plan, reach: number): Place[] {
   const around = plan.bodies.flatMap(({ at, radius, rectangle }) => {
     const extent = Math.max(radius, rectangle ? Math.hypot(rectangle.length, rectangle.width) / 2 : 0)

@@ -1,4 +1,4 @@
-// What is drawn of a moving obstacle is where the worker's own component flies, in whichever axes the vehicle has.
+// Drawn paths of moving obstacles agree with the worker's components, for all axes of the vehicle.
 import { beforeAll, expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'

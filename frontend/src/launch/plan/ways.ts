@@ -1,11 +1,11 @@
-// The way of an obstacle that gives way to nothing, of the kind that its look declares: a round, waypoints, a goal, a
+// The path of a non-cooperative obstacle, of the kind declared by its look: a circuit, waypoints, a goal, a
 // heading or a velocity. In the vehicle's own axes; `up` is the height. Start reading at `wayOf`.
 
 import type { ObstacleLook } from '../../client'
 
 export type Way = ObstacleLook['way']
 
-/** A place on a way [m], and when it is reached [s]. */
+/** A position on a path [m], and the time at which it is reached [s]. */
 export interface Step {
   x: number
   y: number
@@ -13,15 +13,15 @@ export interface Step {
   t: number
 }
 
-/** The number that a parameter stands for; null where there is none of the name. */
+/** The value of a parameter; null if there is none of that name. */
 export type Values = (name: string) => number | null
 
-/** Of an angle [rad], as drawings take it. */
+/** Cosine and sine of an angle [rad]. */
 export const degrees = (angle: number): number => (angle * 180) / Math.PI
 
 const POINTS = 64
 
-/** By which parameters an obstacle moves that does not declare it. */
+/** Default motion parameters of an obstacle that declares none. */
 export function wayLike(values: Values, sign: number): Way {
   if (placeOf(values, 'centre', sign)) return 'orbit'
   if (placeOf(values, 'waypoint1', sign)) return 'waypoints'
@@ -52,7 +52,7 @@ export function wayOf(way: Way, values: Values, horizon: number, sign: number, l
   return [from, end]
 }
 
-/** A place by its coordinates; one without a height is on the ground. */
+/** A position by its coordinates; without a height it is on the ground. */
 export function placeOf(values: Values, prefix: string, sign: number): Step | null {
   const name = prefix ? `${prefix}.` : ''
   const [x, y] = [values(`${name}x`), values(`${name}y`)]
@@ -68,7 +68,7 @@ export function liftOf(writtenIn: string | undefined, ned: boolean): number {
   return (writtenIn === 'ned') === ned ? 1 : -1
 }
 
-/** Where a speed, a heading and a climb angle lead within a time. */
+/** The end of a path with constant speed, heading and climb angle. */
 export function courseOf(values: Values, from: Step, time: number, lift: number): Step | null {
   const [speed, heading] = [values('speed'), values('heading')]
   if (speed === null || heading === null) return null
@@ -82,7 +82,7 @@ export function courseOf(values: Values, from: Step, time: number, lift: number)
   }
 }
 
-/** A round once about its centre at most, from the place at the start. */
+/** A circuit about its centre, at most once, from the start position. */
 function roundOf(values: Values, horizon: number, sign: number): Step[] {
   const centre = placeOf(values, 'centre', sign) ?? { x: 0, y: 0, up: 0 }
   const way = values('way') ?? 0
@@ -100,7 +100,7 @@ function roundOf(values: Values, horizon: number, sign: number): Step[] {
   })
 }
 
-/** As much of a way as can be gone at a speed within a time. */
+/** The part of a path that is covered at a speed within a time. */
 function within(points: Step[], speed: number, horizon: number): Step[] {
   const kept = points.slice(0, 1)
   let now = 0
@@ -121,7 +121,7 @@ const between = (a: Step, b: Step, share: number, t: number): Step => ({
   t,
 })
 
-/** Where something on a way is at a time; null once the way has ended. */
+/** The position on a path at a time; null after its end. */
 export function at<T extends Step>(way: readonly T[], time: number): Step | null {
   for (let i = 1; i < way.length; i++) {
     const [a, b] = [way[i - 1] as T, way[i] as T]

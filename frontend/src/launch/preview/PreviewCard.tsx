@@ -1,5 +1,5 @@
-// The scenario as it is edited, seen from above and from the side, and its nominal flight when asked for, with its numbers
-// as text. Start reading at `PreviewCard`.
+// The edited scenario in plan and side view, and its nominal flight on request, with the numbers as text.
+// Start reading at `PreviewCard`.
 import { IconAlertTriangle, IconCircleCheck, IconCircleX, IconLoader, IconPlaneDeparture } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { useMemo } from 'react'
@@ -18,14 +18,14 @@ import { rangesOf } from './ranges'
 import type { LivePreview } from './usePreview'
 import styles from './preview.module.css'
 
-/** A flight that takes longer is probably compiled first [s]. */
+/** A simulation that takes longer is probably being compiled [s]. */
 const LONG = 3
 
 interface PreviewCardProps {
   campaign: Campaign
   catalogue: Catalogue
   criterion: ComponentEntry | undefined
-  /** Whether the text can be read as a campaign, and whether it has no problems. */
+  /** Whether the text can be parsed as a campaign, and has no problems. */
   readable: boolean
   ok: boolean
   live: LivePreview
@@ -62,7 +62,7 @@ interface LegendProps {
   flown: boolean
   moving: boolean
   reach: number
-  /** Where the distance that must be kept ends. */
+  /** Reference point of the required distance. */
   from: string
   ranges: number
 }
@@ -102,7 +102,7 @@ function Flight({ ok, live, criterion }: FlightProps) {
         {following ? 'Stop previewing every edit' : 'Preview nominal flight'}
       </button>
       <div className="said small" aria-live="polite" data-testid="nominal-flight">
-        {following && !ok && <p className="mut">It is simulated again when the problems are solved.</p>}
+        {following && !ok && <p className="mut">It is simulated again after the problems are solved.</p>}
         {waited !== null && (
           <p className="row">
             <IconLoader className="i s spin" aria-hidden />

@@ -1,5 +1,5 @@
-// The scenario from above while it is edited: start, goal or course, obstacles with the distance that must be kept, ways,
-// what is uncertain about places, and the nominal flight once it is flown. Start reading at `PreviewPlan`.
+// The plan view of the edited scenario: start, goal or course, obstacles with the required distance, paths, uncertain
+// geometry, and the nominal flight once simulated. Start reading at `PreviewPlan`.
 import { fixed, plain } from '../../format/numbers'
 import type { Flown } from './flown'
 import { Free } from '../plan/Free'
@@ -12,10 +12,10 @@ import styles from './preview.module.css'
 export interface DrawnProps {
   plan: Plan
   ranges: Ranges
-  /** The distance that must be kept [m]; 0 where the criterion is none. */
+  /** The required distance [m]; 0 if the criterion is not a distance. */
   reach: number
   flown: Flown | null
-  /** The flight is that of an earlier campaign. */
+  /** The flight belongs to an earlier campaign. */
   stale: boolean
   width: number
   label: string
@@ -78,7 +78,7 @@ interface ObstacleProps extends Shared {
   surface: boolean
 }
 
-/** An obstacle at the start with the distance that must be kept; a moving one with its way. */
+/** An obstacle at the start with the required distance; a moving one with its path. */
 function Obstacle({ body, way, times, reach, surface, pixels, scale }: ObstacleProps) {
   const { at, radius, rectangle } = body
   const [x, y] = [pixels.x(at), pixels.y(at)]
@@ -103,7 +103,7 @@ function Obstacle({ body, way, times, reach, surface, pixels, scale }: ObstacleP
   )
 }
 
-/** Boxes of places, fans of headings, rings of radii; what is certain in one direction is a bar of some pixels. */
+/** Boxes of positions, fans of headings, rings of radii; a box that is certain in one direction is a bar. */
 function Uncertain({ ranges, pixels, scale, fan }: Shared & { ranges: Ranges; fan: number }) {
   return (
     <g>
@@ -139,7 +139,7 @@ function sector({ at, from, to }: FanRange, pixels: Pixels, radius: number): str
   return `M${x} ${y}L${point(from)}A${radius} ${radius} 0 ${to - from > Math.PI ? 1 : 0} 0 ${point(to)}Z`
 }
 
-/** Both at the time of the closest approach, with the distance that must be kept about the obstacle. */
+/** Vehicle and obstacle at the closest approach, with the required distance. */
 function Closest({ flown, plan, reach, stale, pixels, scale }: Shared & Pick<DrawnProps, 'plan' | 'reach' | 'stale'> & { flown: Flown }) {
   if (!flown.closest) return null
   const body = plan.bodies[flown.closest.obstacle]

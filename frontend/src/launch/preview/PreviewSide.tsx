@@ -1,4 +1,4 @@
-// The scenario from the side, heights over the distance along the vehicle's way, where heights differ at all.
+// The side view of a scenario: heights over the distance along the vehicle's path, if heights differ.
 import { padded } from '../../charts/ticks'
 import { type Area, Axes2, Head, type Pixels, timesOf, Way } from './frame'
 import { freeOf, type Plan } from '../plan/plan'
@@ -6,7 +6,7 @@ import { type DrawnProps, flownPoints } from './PreviewPlan'
 import type { Step } from '../plan/ways'
 import styles from './preview.module.css'
 
-/** Whether there is anything to see from the side: two heights, or something that has a height of its own. */
+/** Whether a side view is useful: different heights, or objects with a height. */
 export function hasHeights({ plan, flown, ranges }: Pick<DrawnProps, 'plan' | 'flown' | 'ranges'>): boolean {
   if (!plan.space) return false
   const ups = [...placesOf(plan), ...flownPoints(flown), ...ranges.boxes.flatMap(({ low, high }) => [low, high])].map((p) => p.up)
@@ -37,7 +37,7 @@ export function PreviewSide(props: DrawnProps) {
   const times = timesOf(plan.horizon)
   return (
     <svg className={styles.scene} width={width} height={area.top + area.height + 30} role="img" aria-label={label}>
-      <Axes2 area={area} across={across} up={up} names={['Along the way, m', 'Height, m']} />
+      <Axes2 area={area} across={across} up={up} names={['Along the path, m', 'Height, m']} />
       <clipPath id="side-inner">
         <rect x={area.left} y={area.top} width={area.width} height={area.height} />
       </clipPath>
@@ -55,7 +55,7 @@ export function PreviewSide(props: DrawnProps) {
           const way = flown?.intruders.get(i) ?? body.track
           const [x, y] = [pixels.x(body.at), pixels.y(body.at)]
           const tall = (body.height ?? 2 * body.radius) * ky
-          // Of what has a height the outline that must stay free is not drawn from the side.
+          // The outline that must stay free is not drawn from the side for objects with a height.
           const free = plan.surface && body.height !== null ? 0 : freeOf(body, reach, plan.surface)
           const broad = Math.max(6, 2 * body.radius * kx)
           return (
@@ -83,7 +83,7 @@ export function PreviewSide(props: DrawnProps) {
   )
 }
 
-/** The distance of a place from the start, along the straight way, or along the heading where there is none [m]. */
+/** The distance of a position from the start along the straight path, or along the heading if there is none [m]. */
 function alongOf(plan: Plan): (p: Step) => number {
   const { start, heading, way } = plan
   const end = way.at(-1)

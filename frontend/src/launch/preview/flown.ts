@@ -1,11 +1,11 @@
-// The nominal flight as the preview draws it, in the picture's axes. Start reading at `flownOf`.
+// The nominal flight of the preview, in the picture's axes. Start reading at `flownOf`.
 import type { Preview } from '../../client'
 import { axesOf } from '../plan/plan'
 import type { Step } from '../plan/ways'
 
 export interface Flown {
   path: Step[]
-  /** The ways of moving obstacles, by their number. */
+  /** The paths of moving obstacles, by their number. */
   intruders: Map<number, Step[]>
   closest: { at: Step; other: Step; obstacle: number; time: number; value: number; clear: boolean } | null
 }

@@ -1,10 +1,10 @@
-// What the drawings of the preview share: a frame with axes and grid, marks along a way, arrows. Start: `Axes2`.
+// Shared elements of the preview's drawings: a frame with axes and grid, marks along a path, arrows. Start: `Axes2`.
 import { linearTicks, tickDecimals } from '../../charts/ticks'
 import { fixed } from '../../format/numbers'
 import { at, degrees, type Step } from '../plan/ways'
 import styles from './preview.module.css'
 
-/** Where a drawing's inner part lies [px]. */
+/** The plot area [px]. */
 export interface Area {
   left: number
   top: number
@@ -19,7 +19,7 @@ export interface Pixels {
 
 interface AxesProps {
   area: Area
-  /** From which value to which the inner part reaches, left to right and bottom to top. */
+  /** The value ranges of the plot area, left to right and bottom to top. */
   across: [number, number]
   up: [number, number]
   names: [string, string]
@@ -69,15 +69,15 @@ interface WayProps {
   way: readonly Step[]
   pixels: Pixels
   colour: string
-  /** When dots stand on it [s]; with their times where there is room. */
+  /** Times of the dots [s], labelled if there is room. */
   times?: readonly number[]
   dashed?: boolean
   faint?: boolean
-  /** Times stand below and before the dots, so that those of two ways keep apart. */
+  /** Labels are below and before the dots, so that those of two paths do not overlap. */
   below?: boolean
 }
 
-/** A way with a dot at even times, and the time beside it where the dots are far enough apart. */
+/** A path with dots at equal intervals, labelled if the dots are far enough apart. */
 export function Way({ way, pixels, colour, times = [], dashed, faint, below }: WayProps) {
   const marks = times.flatMap((time) => {
     const step = at(way, time)
@@ -105,14 +105,14 @@ export function Way({ way, pixels, colour, times = [], dashed, faint, below }: W
   )
 }
 
-/** As many of some marks as are far enough from one another for a word beside each. */
+/** The marks that are far enough apart to be labelled. */
 function spread<T extends { x: number; y: number }>(marks: readonly T[]): T[] {
   const kept: T[] = []
   for (const mark of marks) if (kept.every((one) => Math.hypot(one.x - mark.x, one.y - mark.y) >= 34)) kept.push(mark)
   return kept
 }
 
-/** The head of an arrow at the end of a way. */
+/** An arrow head at the end of a path. */
 export function Head({ way, pixels, colour }: { way: readonly Step[]; pixels: Pixels; colour: string }) {
   const [from, to] = way.slice(-2)
   if (!from || !to) return null
@@ -121,5 +121,5 @@ export function Head({ way, pixels, colour }: { way: readonly Step[]; pixels: Pi
   return <path d="M0 0L-8 3.6L-8 -3.6Z" fill={colour} transform={`translate(${x} ${y}) rotate(${degrees(angle)})`} />
 }
 
-/** Round times within the horizon for the marks along ways. */
+/** Round times within the horizon for the marks along paths. */
 export const timesOf = (horizon: number): number[] => (horizon > 0 ? linearTicks(0, horizon, 6).filter((t) => t > 0) : [])

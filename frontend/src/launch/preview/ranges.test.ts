@@ -1,4 +1,4 @@
-// What the preview shades, and where it draws a flight.
+// Shaded ranges and drawn flights of the preview.
 import { expect, it } from 'vitest'
 import type { Campaign, Uncertain } from '../../api/campaign'
 import type { Catalogue, Preview } from '../../client'

@@ -1,12 +1,12 @@
-// What is uncertain about places: the bounds of starts, goals, positions and waypoints as boxes, of headings as fans, of
-// radii as rings. Start reading at `rangesOf`.
+// Uncertain geometry: the bounds of starts, goals, positions and waypoints as boxes, of headings as fans, of radii as
+// rings. Start reading at `rangesOf`.
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'
 import { boundsOf, numberOf } from '../campaign/parameters'
 import { type Plan, valuesOf } from '../plan/plan'
 import { placeOf, type Step } from '../plan/ways'
 
-/** Two opposite corners, in the picture's axes; equal in what is certain. */
+/** Two opposite corners in the picture's axes; equal in certain coordinates. */
 export interface BoxRange {
   path: string
   low: Step

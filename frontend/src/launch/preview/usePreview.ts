@@ -1,5 +1,5 @@
-// The nominal flight of the campaign as it stands, flown by the service when asked and after every edit from then on; the
-// newest campaign wins. Start reading at `usePreview`.
+// The nominal flight of the current campaign, simulated by the service on request and then after every edit; the newest
+// campaign wins. Start reading at `usePreview`.
 import { useQuery } from '@tanstack/react-query'
 import { useEffect, useState } from 'react'
 import { previewCampaign } from '../../api/calls'
@@ -7,23 +7,23 @@ import type { Campaign } from '../../api/campaign'
 import type { Checked, Preview } from '../../client'
 
 export interface LivePreview {
-  /** Whether every edit is flown. */
+  /** Whether every edit is simulated. */
   following: boolean
   follow: (on: boolean) => void
   flown: Preview | undefined
-  /** What is drawn belongs to an earlier campaign than the one on the page. */
+  /** The drawn flight belongs to an earlier campaign. */
   stale: boolean
-  /** How long the flight that is waited for has taken [s]; null while none is. */
+  /** Elapsed time of the pending simulation [s]; null if none. */
   waited: number | null
   trouble: Error | null
   again: () => void
 }
 
-/** `fresh`: the check is of the campaign as it stands. */
+/** `fresh`: the check is of the current campaign. */
 export function usePreview(checked: Checked | undefined, fresh: boolean): LivePreview {
   const [following, setFollowing] = useState(false)
   const document = fresh && checked?.ok ? (checked.document as unknown as Campaign) : null
-  // Only what is flown counts: another budget or name is the same flight.
+  // Compare only what affects the simulation: budget and name do not.
   const key = document && JSON.stringify([document.scenario, document.criterion])
   const [last, setLast] = useState<{ key: string; flown: Preview } | null>(null)
   const query = useQuery({
@@ -47,7 +47,7 @@ export function usePreview(checked: Checked | undefined, fresh: boolean): LivePr
   }
 }
 
-/** Whole seconds since something began; null while there is nothing. */
+/** Whole seconds since a start; null without one. */
 function useSeconds(what: string | null): number | null {
   const [since, setSince] = useState<{ what: string | null; seconds: number }>({ what: null, seconds: 0 })
   useEffect(() => {

@@ -1,5 +1,5 @@
-// Edits of the form in the texts of the library, each full of comments: comments and untouched lines stay as they are, and
-// the text means the edited campaign, by the service's own reader.
+// Edits of the form in the texts of the library, with many comments: comments and untouched lines do not change, and
+// the service's parser reads the edited campaign from the text.
 import { beforeAll, expect, it } from 'vitest'
 import { parse } from 'yaml'
 import { type Campaign, place, write } from '../../api/campaign'
@@ -68,7 +68,7 @@ const put =
   (campaign) =>
     write(campaign, at, value)
 
-/** What can be done in the form, with how many lines of the text it may touch. */
+/** The edits of the form, with the number of lines that each may change. */
 function edits(first: Campaign): [string, number, Edit][] {
   const parameters = parametersOf(first, catalogue)
   const some = parameters.filter(({ path }, i) => path in first.uncertain || i % 7 === 0).slice(0, 3)
@@ -153,7 +153,7 @@ it('touches nothing but what an edit means, in every campaign', () => {
     expect(amended(text, changesOf(document, document)), name).toBe(text)
     const full = commented(text)
     expect(own(full).length, name).toBeGreaterThan(15)
-    // The service's reader takes its time: each campaign brings it some of the edits, all together every one several times.
+    // The service's parser is slow: each campaign tests some of the edits, together all of them several times.
     return follow(full, document, name).filter((_, j, all) => j % 17 === i % 17 || j === all.length - 1)
   })
   const meanings = python<[unknown, unknown][]>(MEANING, JSON.stringify(states))

@@ -1,5 +1,5 @@
-// A campaign's text changed in the places that an edit means, and nowhere else: comments, order and spelling of everything
-// else stay as they were written, because only the tokens of these places are changed. Start reading at `amended`.
+// Changes a campaign's text only at the positions of an edit: comments, order and formatting of everything else are kept,
+// because only the affected tokens change. Start reading at `amended`.
 import { CST, isMap, isScalar, isSeq, type Node, parseDocument, Scalar, stringify, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 import { applied, type Change, equal } from './changes'
@@ -8,7 +8,7 @@ import { byLine, type Collection, entryOf, fullLines, isNewline, isTrivia, type 
 import { type At, type Entry, type Found, isBlock, keyOf, newlineOf, parsed, type Parsed, plain, textOf, valueOf, walk } from './tree'
 import { type Style, written } from './words'
 
-/** The text after some changes. Each is read back; one that cannot be made in its place has the text written again. */
+/** The text after some changes. Each is verified by parsing; if a change cannot be made in place, the text is regenerated. */
 export function amended(text: string, changes: readonly Change[]): string {
   return changes.reduce((before, change) => {
     const tree = treeOf(before)
@@ -20,7 +20,7 @@ export function amended(text: string, changes: readonly Change[]): string {
   }, text)
 }
 
-/** The text with a change made in its place; its last line has an end then. Null where it cannot be made there. */
+/** The text with a change made in place, ending with a line end. Null if it cannot be made in place. */
 function edited(text: string, change: Change): string | null {
   const tree = treeOf(text.endsWith('\n') ? text : text + newlineOf(text))
   last = null // its tokens change
@@ -29,13 +29,13 @@ function edited(text: string, change: Change): string | null {
 
 let last: { text: string; tree: Parsed | null } | null = null
 
-/** As `parsed`; the newest text is read once, because the next edit begins with it. */
+/** As `parsed`; caches the newest text, because the next edit starts from it. */
 function treeOf(text: string): Parsed | null {
   if (last?.text !== text) last = { text, tree: parsed(text) }
   return last.tree
 }
 
-/** The library's own layout: keeps the comments. */
+/** The YAML library's own layout, which keeps comments. */
 function rewritten(text: string, change: Change, wanted: Json): string {
   const document = parseDocument(text)
   if (change.kind === 'set') document.setIn(change.at, document.createNode(change.value))
@@ -45,7 +45,7 @@ function rewritten(text: string, change: Change, wanted: Json): string {
   return again && equal(plain(again), wanted) ? after : stringify(wanted, { lineWidth: 0 })
 }
 
-/** Whether a change could be made in its place. */
+/** Whether a change was made in place. */
 function placed(tree: Parsed, change: Change): boolean {
   const found = walk(tree, change.at)
   const there = found.steps === change.at.length
@@ -56,7 +56,7 @@ function placed(tree: Parsed, change: Change): boolean {
   return added(tree, found, change.at, change.value, change.before)
 }
 
-/** What is to stand at the last place that is there, so that the value stands where it belongs. */
+/** The value for the last existing parent, so that the new value is at its location. */
 const nested = (steps: At, value: Json): Json =>
   steps.reduceRight<Json>((inner, step) => (typeof step === 'number' ? [inner] : { [step]: inner }), value)
 
@@ -85,7 +85,7 @@ function inserted(tree: Parsed, { at, value }: { at: At; value: Json }): boolean
 const tokensOf = (node: YAMLMap | YAMLSeq): Collection => node.srcToken as Collection
 const isFlow = (token: Collection): token is CST.FlowCollection => token.type === 'flow-collection'
 
-/** A value as the text around it is written. One that stands in one line has no line end. */
+/** A value in the notation of the surrounding text. A single-line value has no line end. */
 function styled(tree: Parsed, value: Json | Scalar, style: Style): string {
   const text = written(value, { json: tree.json, ...style })
   return style.flow ? text.trimEnd() : text.replaceAll('\n', tree.newline)
@@ -99,7 +99,7 @@ function renamed(tree: Parsed, pair: Entry, to: string): boolean {
   return true
 }
 
-/** Another value in the place of one that is there. */
+/** Replaces an existing value. */
 function replaced(tree: Parsed, found: Found, value: Json): boolean {
   const { node, pair, owner, index } = found
   if (!owner) return false
@@ -110,7 +110,7 @@ function replaced(tree: Parsed, found: Found, value: Json): boolean {
   return true
 }
 
-/** A value in one line, in quotes where the one before is, with a decimal point where the one before has one. */
+/** A single-line value, with quotes and decimal point as in the previous value. */
 function oneLine(tree: Parsed, before: Node | null, value: Json): string {
   const scalar = new Scalar(value)
   const old = isScalar(before) ? before : null
@@ -146,7 +146,7 @@ function pairReplaced(tree: Parsed, owner: Collection, pair: Entry, value: Json)
   return true
 }
 
-/** The comments of a pair whose value goes: behind it or its key, and on lines of their own around it. */
+/** The comments of a pair whose value is removed: after it or its key, and on their own lines around it. */
 function trivia(item: Item, behind: readonly Leaf[]): Leaf[] {
   const head = behind.filter(isTrivia)
   const old = item.value
@@ -157,7 +157,7 @@ function trivia(item: Item, behind: readonly Leaf[]): Leaf[] {
   return head.some(isNewline) ? [...fullLines(head), ...byLine(tail)[1]] : tail
 }
 
-/** A pair whose value takes several lines, indented as those of the one before; null where it stands in one. */
+/** A pair with a multi-line value, indented as the previous value; null if it is on one line. */
 function longEntry(tree: Parsed, owner: Collection, pair: Entry, value: Json): Item | null {
   if (tree.json || (typeof value !== 'object' && typeof value !== 'string')) return null
   const old = (pair.srcToken as Item).value
@@ -166,7 +166,7 @@ function longEntry(tree: Parsed, owner: Collection, pair: Entry, value: Json): I
   return text.trimEnd().includes('\n') ? entryOf(text) : null
 }
 
-/** Puts a value of several lines behind its key, and what stood behind the one before in its place. */
+/** Inserts a multi-line value after its key, and moves the trailing tokens of the previous value. */
 function long(item: Item, entry: Item, around: readonly Leaf[], named: boolean): void {
   const [line, further] = byLine(around)
   const { value, sep = [] } = entry
@@ -176,7 +176,7 @@ function long(item: Item, entry: Item, around: readonly Leaf[], named: boolean):
   if (further.length > 0) putTail(value, further)
 }
 
-/** A new pair behind those that stand before it where the campaign is written in full, else behind the last. */
+/** Inserts a new pair in the order of a complete campaign, else at the end. */
 function pairInto(tree: Parsed, map: YAMLMap, name: string, value: Json, before: readonly string[]): boolean {
   const behind = map.items.findLastIndex((pair) => before.includes(keyOf(pair)))
   const owner = tokensOf(map)
@@ -192,7 +192,7 @@ function pairInto(tree: Parsed, map: YAMLMap, name: string, value: Json, before:
   return true
 }
 
-/** Takes a pair or an item out. */
+/** Removes a pair or an item. */
 function removed(tree: Parsed, { owner, index }: Found): boolean {
   if (!owner) return false
   const tokens = tokensOf(owner)
@@ -202,7 +202,7 @@ function removed(tree: Parsed, { owner, index }: Found): boolean {
   return true
 }
 
-/** A mapping or a list that loses its last entry: empty, behind its key. */
+/** Replaces a mapping or list that loses its last entry by an empty one after its key. */
 function emptied(tree: Parsed, owner: YAMLMap | YAMLSeq): boolean {
   const [holder, pair] = holderOf(tree.root, owner) ?? []
   return holder !== undefined && pair !== undefined && pairReplaced(tree, tokensOf(holder), pair, isMap(owner) ? {} : [])

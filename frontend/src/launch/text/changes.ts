@@ -1,27 +1,27 @@
-// What an edit of the form changes in the campaign, step by step, so that the text can be changed there alone.
+// The minimal changes of an edit in the form, so that only the affected text is changed.
 // Start reading at `changesOf`.
 import type { Json } from '../../api/campaign'
 import type { At, Step } from './tree'
 import { isMapping } from './words'
 
 export type Change =
-  /** `before` names the keys that stand before a new one where the campaign is written in full. */
+  /** `before` lists the keys that precede a new one in a complete campaign. */
   | { kind: 'set'; at: At; value: Json; before: string[] }
   | { kind: 'remove'; at: At }
   | { kind: 'insert'; at: At; value: Json }
   | { kind: 'rename'; at: At; to: string }
 
-/** What leads from one document to the other. */
+/** The changes from one document to the other. */
 export function changesOf(from: unknown, to: unknown, at: At = []): Change[] {
   if (isMapping(from) && isMapping(to)) return mapped(from, to, at)
   if (Array.isArray(from) && Array.isArray(to)) return listed(from as Json[], to as Json[], at)
   return equal(from, to) ? [] : [{ kind: 'set', at, value: terse(to as Json), before: [] }]
 }
 
-/** Null leaves out what would be there otherwise; anywhere else it is the same as nothing. */
+/** Fields in which null removes a default; elsewhere null equals absence. */
 const speaks = (at: At, key: string): boolean => at.includes('options') || (at[0] === 'stages' && key === 'sensitivity')
 
-/** The service puts these in an order of its own, so that a place in them is not that in the text. */
+/** The service reorders these lists, so that indices differ from those in the text. */
 const WHOLE = new Set(['between', 'tags'])
 
 function mapped(from: { [key: string]: Json | undefined }, to: { [key: string]: Json | undefined }, at: At): Change[] {
@@ -58,10 +58,10 @@ function listed(from: Json[], to: Json[], at: At): Change[] {
   return changes
 }
 
-/** Keys that mean nothing while they are empty. */
+/** Keys without meaning while empty. */
 const EMPTY = new Set(['parameters', 'options', 'starts', 'at', 'source', 'on', 'low', 'high', 'plus_minus', 'unit'])
 
-/** A value as a person would write it: without what is empty or the default. */
+/** A value without empty and default entries. */
 function terse(value: Json): Json {
   if (Array.isArray(value)) return value.map(terse)
   if (!isMapping(value)) return value
@@ -77,7 +77,7 @@ function terse(value: Json): Json {
 const isEmpty = (value: Json): boolean =>
   value === null || value === '' || (typeof value === 'object' && Object.keys(value).length === 0)
 
-/** The document after a change. What is missing on the way is made. */
+/** The document after a change. Missing parents are created. */
 export function applied(document: unknown, change: Change): Json {
   const [key, ...rest] = change.at
   if (key === undefined) return change.kind === 'set' ? change.value : (document as Json)
@@ -100,7 +100,7 @@ function put(document: unknown, key: Step, value: Json): Json {
   return { ...(document as { [key: string]: Json } | null), [key]: value }
 }
 
-/** Whether two values mean the same; the order of keys means nothing. */
+/** Whether two values are equal, ignoring the order of keys. */
 export function equal(a: unknown, b: unknown): boolean {
   if (a === b) return true
   if (Array.isArray(a) && Array.isArray(b)) return a.length === b.length && a.every((one, i) => equal(one, b[i]))

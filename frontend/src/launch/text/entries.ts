@@ -1,11 +1,11 @@
-// Entries of mappings and lists put in and taken out, as tokens. Start reading at `insertBlock` and `removeBlock`.
+// Inserts and removes entries of mappings and lists, as tokens. Start reading at `insertBlock` and `removeBlock`.
 import { comma, type Collection, fullLines, hasComment, isNewline, isTrivia, type Item, byLine, type Leaf, putTail, space, takeLast, takeTail } from './tokens'
 
-/** What stands between a comma and an entry: a space, or a line end and what indents the entry. */
+/** The separator between a comma and an entry: a space, or a line end with indentation. */
 const gapOf = ({ start }: Item): Leaf[] =>
   start.slice(Math.max(0, start.findLastIndex(isNewline))).filter(({ type }) => type === 'space' || type === 'newline')
 
-/** A new entry on lines of its own; `item` as it stands in its first column. */
+/** A new entry on its own lines; `item` is not indented. */
 export function insertBlock(owner: Collection, index: number, item: Item, apart: readonly Leaf[] = []): void {
   const pad = space(owner.indent)
   const [first] = owner.items
@@ -14,7 +14,7 @@ export function insertBlock(owner: Collection, index: number, item: Item, apart:
   ;(owner.items as Item[]).splice(index, 0, item)
 }
 
-/** Takes an entry out with its lines; comments on lines of their own stay. */
+/** Removes an entry with its lines; comments on their own lines stay. */
 export function removeBlock(owner: Collection, index: number): void {
   const items = owner.items as Item[]
   const [gone] = items.splice(index, 1)
@@ -27,12 +27,12 @@ export function removeBlock(owner: Collection, index: number): void {
     if (kept.length > 0) items.push({ start: kept })
     return
   }
-  // The first entry stands behind what its owner has before it: so does the one that moves up.
+  // The first entry follows its parent's prefix; so must the entry that replaces it.
   const own = index === 0 && kept.length === 0 && next.start[0]?.type === 'space' ? next.start.slice(1) : next.start
   next.start = [...kept, ...own]
 }
 
-/** Another entry between braces or brackets; on a line of its own where the others are. */
+/** A new entry between braces or brackets; on its own line if the others are. */
 export function insertFlow(owner: Collection, index: number, item: Item): void {
   const items = owner.items as Item[]
   const beside = items[Math.max(0, index - 1)]
@@ -48,7 +48,7 @@ export function insertFlow(owner: Collection, index: number, item: Item): void {
   items.splice(index, 0, item)
 }
 
-/** Takes an entry out from between braces or brackets, with one comma; comments stay. */
+/** Removes an entry between braces or brackets, with one comma; comments stay. */
 export function removeFlow(owner: Collection, index: number): void {
   const items = owner.items as Item[]
   const [gone] = items.splice(index, 1)

@@ -1,15 +1,14 @@
-// A text that is no campaign yet, shown in the form all the same: wherever it has the shape of one, whatever stands in the
-// fields. Start reading at `formOf`.
+// Shows an incomplete or invalid text in the form, as far as its structure is that of a campaign. Start reading at `formOf`.
 import type { Campaign, Json } from '../../api/campaign'
 import { parsed, plain } from './tree'
 import { isMapping } from './words'
 
-/** The campaign that a text nearly is, with the defaults of the schema; null where the form could not show it. */
+/** The approximate campaign of a text, with the schema's defaults; null if the form cannot show it. */
 export function formOf(text: string, schema: unknown): Campaign | null {
   const tree = parsed(text)
   const typed = tree && plain(tree)
   const found: unknown = typed && filled(typed, schema as Rule, (schema as Rule).$defs ?? {})
-  // No document has it unless something is stated in it.
+  // Omitted unless it contains a value.
   if (isMapping(typed) && isMapping(found) && !('encounter' in typed)) delete (found as Record<string, Json>).encounter
   return isForm(found) ? found : null
 }
@@ -113,7 +112,7 @@ const FORM = record({
   published: listOf(record({ 'label*': raw, value: orNull(raw), at: mapOf(raw), source: raw })),
 })
 
-/** Whether the form can show it: everything that it goes into is there, and of its kind. */
+/** Whether the form can show it: all containers exist and have the right type. */
 const SCENARIO = record({ 'scenario*': any, 'criterion*': record({ 'component*': words }) })
 const SIMULATOR = record({ 'simulator*': any, 'criterion*': record({ 'result*': words }) })
 

@@ -1,4 +1,4 @@
-// What the launch page needs of a campaign's text, in a file of its own that comes after the page. Start: `amend`.
+// Text editing for the launch page, as a separate bundle that is loaded after the page. Start reading at `amend`.
 export { amended } from './amend'
 export { changesOf } from './changes'
 export { formOf } from './form'

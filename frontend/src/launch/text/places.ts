@@ -1,4 +1,4 @@
-// From a field to its place in the text, and from a place to the field that stands there. Start: `placeOf`, `fieldAt`.
+// Maps a field to its position in the text, and a position to its field. Start: `placeOf`, `fieldAt`.
 import { isMap, isScalar, isSeq, type Node, parseDocument } from 'yaml'
 import { type At, colonOf, endOf, keyOf, NESTING, span, startOf, type Step, valueOf } from './tree'
 
@@ -7,13 +7,13 @@ export interface Tree {
   root: Node | null
 }
 
-/** The text as a tree as far as it can be read. */
+/** The text as a tree, as far as it can be parsed. */
 export const tolerant = (text: string): Tree => ({
   text,
   root: parseDocument(text, { keepSourceTokens: true, strict: false, uniqueKeys: false, logLevel: 'silent' }).contents,
 })
 
-/** From where to where the service's name of a field stands, or the nearest part above it that does. */
+/** The text range of a field by its service name, or of its nearest existing parent. */
 export function placeOf({ text, root }: Tree, field: string): [number, number] {
   const said = /^line (\d+)(?:, column (\d+))?$/.exec(field)
   if (said) return lineOf(text, Number(said[1]), Number(said[2] ?? 1))
@@ -27,7 +27,7 @@ export function placeOf({ text, root }: Tree, field: string): [number, number] {
       place = firstLine(text, span(item, text))
       ;[node, words] = [item, words.slice(1)]
     } else if (isMap(node)) {
-      // Names may have dots in them: the longest one that is there is meant.
+      // Names may contain dots: the longest existing one is used.
       const hits = node.items.filter((pair) => `${words.join('.')}.`.startsWith(`${keyOf(pair)}.`))
       const pair = hits.sort((a, b) => keyOf(b).length - keyOf(a).length)[0]
       if (!pair) return place
@@ -60,7 +60,7 @@ export interface Standing {
   to: number
 }
 
-/** What stands at a place: its field, with names in one another joined by dots. Null between fields. */
+/** The field at a position, with nested names joined by dots. Null between fields. */
 export function fieldAt({ text, root }: Tree, position: number): Standing | null {
   const at: Step[] = []
   let node = root

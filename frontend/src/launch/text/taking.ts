@@ -1,10 +1,10 @@
-// Taking a part out of a campaign: what is said of it goes with it, and the paths of those behind it move up, in the
-// document and, change by change, in its text. Start reading at `takingOut`.
+// Removes a part from a campaign with all references to it, and shifts the indices of later parts, in the document and,
+// change by change, in its text. Start reading at `takingOut`.
 import { type Campaign, type List, listAt, without } from '../../api/campaign'
 import { applied, type Change, changesOf } from './changes'
 import type { At } from './tree'
 
-/** The campaign without one part of a list, and the changes that lead to it: what stands behind keeps its own lines. */
+/** The campaign without one part of a list, and the changes that lead to it: later parts keep their lines. */
 export function takingOut(campaign: Campaign, list: List | 'objectives', index: number): [Campaign, Change[]] {
   const after = without(campaign, list, index)
   const [gone, moved]: [Change[], Change[]] = [[], []]

@@ -1,4 +1,4 @@
-// The tokens of a text that an edit moves or puts in: tokens of values, and the spaces and comments around them.
+// The tokens that an edit moves or inserts: values, and the spaces and comments around them.
 // Start reading at `takeTail`.
 import { CST, Parser } from 'yaml'
 
@@ -15,7 +15,7 @@ export const isTrivia = ({ type }: CST.Token): boolean => type === 'space' || ty
 export const hasComment = (leaves: readonly Leaf[]): boolean => leaves.some(({ type }) => type === 'comment')
 export const isNewline = ({ type }: Leaf): boolean => type === 'newline'
 
-/** The first entry of a mapping or a list that is written like this. */
+/** The first entry of a mapping or a list in this notation. */
 export function entryOf(text: string): Item {
   for (const token of new Parser().parse(text))
     if (token.type === 'document' && CST.isCollection(token.value)) {
@@ -25,18 +25,18 @@ export function entryOf(text: string): Item {
   throw new Error(`no entry: ${text}`)
 }
 
-/** The token of a value that is written like this. */
+/** The token of a value in this notation. */
 export function valueOf(text: string): CST.Token {
   for (const token of new Parser().parse(text)) if (token.type === 'document' && token.value) return token.value
   throw new Error(`no value: ${text}`)
 }
 
-/** Where the leaves begin that stand behind everything that means something. */
+/** Index of the first trailing token without content. */
 function trailing(leaves: readonly Leaf[]): number {
   return leaves.findLastIndex((one) => !isTrivia(one)) + 1
 }
 
-/** Spaces, line ends and comments behind a value, taken off it. */
+/** Removes and returns spaces, line ends and comments after a value. */
 export function takeTail(token: CST.Token): Leaf[] {
   if (token.type === 'flow-collection') return token.end.splice(1)
   if (token.type === 'block-scalar') {
@@ -60,7 +60,7 @@ export function takeLast(items: Item[]): Leaf[] {
   return [...takeLast(items), ...tail]
 }
 
-/** Puts them behind a value again. */
+/** Appends them to a value. */
 export function putTail(token: CST.Token, tail: readonly Leaf[]): void {
   if (token.type === 'block-scalar') token.source += tail.map(({ source }) => source).join('')
   else if (token.type === 'flow-collection') token.end.push(...tail)

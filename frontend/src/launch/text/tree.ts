@@ -1,5 +1,5 @@
-// A campaign's text as a tree whose nodes know where they stand in it. Reads YAML 1.2 (and with it JSON) as the service
-// does; what only the service refuses is left to it. Start reading at `parsed`, then `walk`.
+// Parses a campaign's text to a tree with source positions. Reads YAML 1.2 (and thus JSON) as the service does; semantic
+// checks are left to the service. Start reading at `parsed`, then `walk`.
 import { Composer, CST, isMap, isScalar, isSeq, type Node, type Pair, Parser, type Scalar, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 
@@ -11,12 +11,12 @@ export interface Parsed {
   root: Node
   /** All of the text, token by token; the nodes name theirs. */
   tokens: CST.Token[]
-  /** Written as JSON: what is put into it stays JSON. */
+  /** Written as JSON: insertions must be JSON too. */
   json: boolean
   newline: string
 }
 
-/** The text as a tree; null where it is no document that could be edited in place. */
+/** The text as a tree; null if it cannot be edited in place. */
 export function parsed(text: string): Parsed | null {
   const tokens = [...new Parser().parse(text)]
   const [document, more] = new Composer({ keepSourceTokens: true, strict: true, uniqueKeys: true }).compose(tokens, true)
@@ -28,25 +28,25 @@ export function parsed(text: string): Parsed | null {
 export const newlineOf = (text: string): string => (text.includes('\r\n') ? '\r\n' : '\n')
 export const textOf = ({ tokens }: Parsed): string => tokens.map((token) => CST.stringify(token)).join('')
 
-/** Mappings in which a name with dots may be written as mappings in one another. */
+/** Mappings in which a dotted name may be written as nested mappings. */
 export const NESTING = new Set<Step | undefined>(['parameters', 'start', 'goal'])
 
 export const keyOf = (pair: Entry): string => (isScalar(pair.key) ? String(pair.key.value) : '')
 export const valueOf = (pair: Entry): Node | null => (pair.value as Node | null) ?? null
 
 export interface Found {
-  /** How many steps lead to the node: all of them where the place is there. */
+  /** Number of resolved steps: all of them if the location exists. */
   steps: number
   node: Node | null
-  /** What holds the node, and its pair where that is a mapping. */
+  /** The parent of the node, and its pair if that is a mapping. */
   owner: YAMLMap | YAMLSeq | null
   pair: Entry | null
   index: number
-  /** What is left of a name with dots inside the last mapping: `x` of `position.x` where only `position` is there. */
+  /** The unresolved rest of a dotted name: `x` of `position.x` if only `position` exists. */
   rest: string | null
 }
 
-/** As far as the text goes on the way to a place. */
+/** Follows a path as far as it exists in the text. */
 export function walk({ root }: Pick<Parsed, 'root'>, at: At): Found {
   let found: Found = { steps: 0, node: root, owner: null, pair: null, index: 0, rest: null }
   for (const [i, step] of at.entries()) {
@@ -77,7 +77,7 @@ function lookup(map: YAMLMap, name: string, nesting: boolean): Hit {
   return { owner: map, rest: name }
 }
 
-/** Where a node's own text begins and ends: without the comments and blank lines behind it. */
+/** Start and end of a node's own text, without trailing comments and blank lines. */
 export function span(node: Node, text: string): [number, number] {
   const [start, end] = node.range ?? [0, 0]
   if (isMap(node) && !node.flow && node.items.length > 0) return [start, endOf(node.items.at(-1) as Entry, text)]
@@ -89,11 +89,11 @@ export function span(node: Node, text: string): [number, number] {
   return [start, end]
 }
 
-/** Text over several lines behind `|` or `>`. */
+/** Block text after `|` or `>`. */
 export const isBlock = (node: unknown): node is Scalar =>
   isScalar(node) && (node.type === 'BLOCK_LITERAL' || node.type === 'BLOCK_FOLDED')
 
-/** Where a pair ends: behind its value, or its colon where it has none. */
+/** End of a pair: after its value, or after its colon if it has none. */
 export function endOf(pair: Entry, text: string): number {
   const value = valueOf(pair)
   return Math.max(value ? span(value, text)[1] : 0, colonOf(pair) + 1, startOf(pair))
@@ -110,15 +110,15 @@ interface Item {
   sep?: Token[]
 }
 
-/** Where the colon of a pair stands; -1 where there is none. */
+/** Position of the colon of a pair, or -1. */
 export const colonOf = (pair: Entry): number =>
   (pair.srcToken as Item | undefined)?.sep?.find((token) => token.type === 'map-value-ind')?.offset ?? -1
 
-/** Where the dash of an item of a list stands; -1 where there is none. */
+/** Position of the dash of a list item, or -1. */
 const dashOf = (list: YAMLSeq, index: number): number =>
   (list.srcToken as { items?: Item[] } | undefined)?.items?.[index]?.start.find(({ type }) => type === 'seq-item-ind')?.offset ?? -1
 
-/** The document as plain values; names in one another are joined by dots where the service does so. */
+/** The document as plain values; nested names are joined by dots as in the service. */
 export const plain = ({ root }: { root: Node | null }): Json => flat(valueIn(root), [])
 
 function valueIn(node: unknown): Json {

@@ -1,9 +1,9 @@
-// Values as YAML text, as a person would write them: small mappings and lists in one line, parts on lines of their own.
+// Formats values as readable YAML: small mappings and lists on one line, parts on their own lines.
 // Start reading at `written`.
 import { Document, isCollection, isMap, type Pair, Scalar, visit, type YAMLMap, type YAMLSeq } from 'yaml'
 import type { Json } from '../../api/campaign'
 
-/** Lines become no longer than this where they can be broken. */
+/** Maximum line length where lines can be broken. */
 const WIDTH = 100
 
 type Collection = YAMLMap | YAMLSeq
@@ -11,7 +11,7 @@ type Mapping = { [key: string]: Json }
 export const isMapping = (value: unknown): value is Mapping =>
   typeof value === 'object' && value !== null && !Array.isArray(value)
 
-// What a reader of YAML 1.1 takes for the end of a line, or refuses.
+// Characters that YAML 1.1 treats as line ends, or refuses.
 const HIDDEN = /[\u007f-\u00a0\u2028\u2029\ufeff]/g
 const escaped = (sign: string): string => `\\u${sign.charCodeAt(0).toString(16).padStart(4, '0')}`
 
@@ -25,7 +25,7 @@ export interface Style {
   indent?: number
 }
 
-/** A mapping, a list or a scalar as text that ends with a line end. `on`, `yes` and the like are quoted for other readers. */
+/** A mapping, list or scalar as text with a final line end. `on`, `yes` and the like are quoted for other parsers. */
 export function written(value: Json | Scalar, { json = false, flow = false, column = 0, indent = 2 }: Style = {}): string {
   const document = new Document(value, { compat: 'yaml-1.1', aliasDuplicateObjects: false })
   visit(document, {
@@ -42,7 +42,7 @@ export function written(value: Json | Scalar, { json = false, flow = false, colu
   return text.replace(/^(?=.)/gm, ' '.repeat(column)).replace(HIDDEN, escaped)
 }
 
-/** Quoted text stays in one line, whatever line ends are in it. */
+/** Quoted text stays on one line. */
 const ONE_LINE = { doubleQuotedMinMultiLineLength: Number.MAX_SAFE_INTEGER }
 
 /** Undefined leaves the choice to the library. */
@@ -57,7 +57,7 @@ export const scalar = (value: Json): string => written(value, { flow: true }).tr
 
 type Node = Document | Collection | Pair
 
-/** How many characters stand before a collection in its line. */
+/** Number of characters before a collection in its line. */
 function before(path: readonly Node[], indent: number): number {
   const above = path.filter((node) => isCollection(node)).length - 1
   const last = path.at(-1)
@@ -68,7 +68,7 @@ const isPart = (node: unknown): boolean => isMap(node) && node.has('component')
 const isFull = (node: unknown): node is Collection => isCollection(node) && node.items.length > 0
 const valuesOf = (node: Collection): unknown[] => (isMap(node) ? node.items.map((pair) => pair.value) : node.items)
 
-/** Whether a collection stands in one line behind so many characters. */
+/** Whether a collection fits on one line after the given number of characters. */
 function isShort(node: Collection, before: number): boolean {
   const inner = valuesOf(node)
   if (inner.length === 0) return true

@@ -1,4 +1,4 @@
-// What the address may choose, and what is shown when it asks for something that is not there.
+// Choices in the address, and the fallback for missing ones.
 import { expect, it } from 'vitest'
 import { finding } from '../../api/fixtures'
 import { calledOf, chosenOf, readChosen } from './chosen'
@@ -37,7 +37,7 @@ it('shows the worst unless another one is known', () => {
   expect(chosenOf('F2', found('F1', 'F2'))).toBe('F2')
   expect(chosenOf('F9', found('F1', 'F2'))).toBe('F1')
   expect(chosenOf('nominal', found('F1'))).toBe('nominal')
-  // While the findings are still on their way, what was asked for is waited for.
+  // While the findings are loading, the requested one is kept.
   expect(chosenOf('F2', [])).toBe('F2')
   expect(chosenOf(undefined, [])).toBe('F1')
 })

@@ -1,5 +1,5 @@
-// What a run's page shows beside the nominal flight, which instant of it from where, and how: it stands in the address,
-// so that a copy shows the same.
+// The state of a run's page in the address: chosen flight, instant, camera, and display options, so that a copied link
+// shows the same.
 import type { FindingDetail } from '../../client'
 import { CAMERAS, type Camera } from './viewChange'
 
@@ -9,25 +9,25 @@ export const NOMINAL = 'nominal'
 const LABEL = /^(F[1-9]\d{0,2}|nominal)$/
 
 export interface ChosenSearch {
-  /** A finding's label, or `nominal`; the worst one where there is none. */
+  /** A finding's label, or `nominal`; the worst one by default. */
   finding?: string
   /** Ranges in the parameter space, `path:from:to` each. */
   brush?: string[]
-  /** The criterion that colours the parameter space, by its name; the one that decides where there is none. */
+  /** The name of the criterion that colours the parameter space; the deciding one by default. */
   by?: string
-  /** The whole flight in the charts over time, not the encounter alone. */
+  /** Show the whole flight in charts over time, not only the encounter. */
   time?: 'all'
-  /** Columns of the flight shown over time, with commas between; the usual ones where there is none. */
+  /** Columns of the flight shown over time, comma-separated; the default ones if absent. */
   columns?: string
-  /** The instant that the 3D view opens at [s]; the closest approach where there is none. */
+  /** Initial time of the 3D view [s]; the closest approach by default. */
   t?: number
-  /** From where it is looked at first. */
+  /** Initial camera. */
   cam?: Camera
-  /** The what-if is open, and begins at these parameters: those of a finding, or `nominal`. */
+  /** The reference of the open what-if: a finding, or `nominal`. */
   whatif?: string
-  /** What it has otherwise, `path:value` each. */
+  /** Its changed values, `path:value` each. */
   set?: string[]
-  /** Its noise seed, where it has one of its own. */
+  /** Its own noise seed, if any. */
   noise?: number
 }
 
@@ -51,12 +51,12 @@ export function readChosen(search: Record<string, unknown>): ChosenSearch {
   }
 }
 
-/** The label of what is shown: as asked for where there is such a finding, otherwise the worst. */
+/** The label of the displayed finding: the requested one if it exists, else the worst. */
 export function chosenOf(asked: string | undefined, findings: readonly FindingDetail[]): string {
   if (asked === NOMINAL) return NOMINAL
   const known = findings.some((finding) => finding.label === asked)
   return asked && (known || findings.length === 0) ? asked : (findings[0]?.label ?? 'F1')
 }
 
-/** What a chosen flight is called in charts and tables. */
+/** The title of a chosen flight in charts and tables. */
 export const calledOf = (chosen: string): string => (chosen === 'F1' ? 'Worst' : chosen)

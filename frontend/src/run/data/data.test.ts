@@ -1,4 +1,4 @@
-// What the cards of a run's page call its parameters.
+// Labels of parameters.
 import { expect, it } from 'vitest'
 import type { Campaign } from '../../api/campaign'
 import type { Catalogue } from '../../client'

@@ -1,4 +1,4 @@
-// What the cards of a run's page share: the run with its answers, and small readings of them. Start reading at `RunData`.
+// Shared data of the cards of a run's page, and selectors. Start reading at `RunData`.
 import { keepPreviousData, usePrefetchQuery, useQuery, useQueryClient } from '@tanstack/react-query'
 import { useEffect, useMemo, useRef } from 'react'
 import { asCampaign, type Campaign } from '../../api/campaign'
@@ -31,7 +31,7 @@ import { chosenOf, NOMINAL } from './chosen'
 
 export interface UncertainParameter {
   path: string
-  /** Its symbol where no other parameter of the campaign has it, else its path. */
+  /** Its symbol if unique in the campaign, else its path. */
   symbol: string
   unit: string
   text: string
@@ -43,7 +43,7 @@ export interface UncertainParameter {
 export interface RunData {
   run: RunDetail
   campaign: Campaign
-  /** What its components and methods meant. */
+  /** The descriptions of its components and methods. */
   catalogue: Catalogue | undefined
   parameters: UncertainParameter[]
   stages: StageDetail[]
@@ -52,15 +52,15 @@ export interface RunData {
   /** The stored flights without their data. */
   traces: TraceInfo[]
   nominalTrace: TraceData | undefined
-  /** What the page shows beside the nominal flight: the label of a finding, or `nominal`. */
+  /** The flight shown with the nominal one: the label of a finding, or `nominal`. */
   chosen: string
   finding: FindingDetail | null
   findingTrace: TraceData | undefined
-  /** All has come that decides where on the page things stand. */
+  /** Whether all data that determine the layout are loaded. */
   complete: boolean
 }
 
-/** Asks for what hangs on a run beside the run itself, not after it. */
+/** Requests a run's data in parallel with the run itself. */
 export function useAsked(id: string): void {
   usePrefetchQuery(stagesQuery(id))
   usePrefetchQuery(findingsQuery(id))
@@ -68,7 +68,7 @@ export function useAsked(id: string): void {
   usePrefetchQuery(componentsQuery(id))
 }
 
-/** Everything the page shows of a run; what is still on its way is empty or undefined. */
+/** All data of a run's page; empty or undefined while loading. */
 export function useRunData(run: RunDetail, asked?: string): RunData {
   const over = !isLive(run)
   useFreshAtEnd(run.id, over)
@@ -105,11 +105,11 @@ export function useRunData(run: RunDetail, asked?: string): RunData {
   }
 }
 
-/** Asks again for evaluations that the stream does not bring. */
+/** Polls for evaluations that the stream does not send. */
 function useMissed(run: RunDetail, refetch: () => unknown): void {
   const live = isLive(run)
-  // The stream brings every improvement with its place. What it does not bring is read rarely: all evaluations of a long
-  // search are much to read for one that failed.
+  // The stream sends every improvement with its parameters. The rest is polled rarely, because all evaluations of a long
+  // search are expensive to read.
   const streamed = useStreamStatus() === 'open'
   usePolling(refetch, 3000, live && !streamed)
   const missed = useRef(0)
@@ -126,7 +126,7 @@ function useMissed(run: RunDetail, refetch: () => unknown): void {
 /** Evaluations without a value, whose reasons the page lists. */
 const missedOf = (run: RunDetail): number => run.stages.reduce((sum, stage) => sum + stage.failed + stage.excluded, 0)
 
-/** However this page learns that the run has ended, by the stream or by asking: what it knows of the run is old then. */
+/** Invalidates the run's data when it has ended, detected by stream or polling. */
 function useFreshAtEnd(id: string, over: boolean): void {
   const cache = useQueryClient()
   const live = useRef(!over)
@@ -149,7 +149,7 @@ export function uncertainOf(campaign: Campaign, catalogue: Catalogue | undefined
     const [low, high] = boundsOf(uncertain, nominal).map(numberOf)
     if (typeof low !== 'number' || typeof high !== 'number') return []
     const { symbol = path, unit = uncertain.unit ?? '', text = path } = parameter?.entry ?? {}
-    // A number must be traceable to one parameter: two obstacles have the same symbols.
+    // Labels must be unambiguous: two obstacles have the same symbols.
     const label = having(symbol) > 1 ? path : symbol
     return [{ path, symbol: label, unit, text, nominal: nominal ?? (low + high) / 2, low, high }]
   })
@@ -162,7 +162,7 @@ export interface SearchStage {
   title: string
 }
 
-/** The search stages with what is known of each. */
+/** The search stages with their data. */
 export function searchesOf({
   run,
   stages,
@@ -186,7 +186,7 @@ export function searchesOf({
 export const stageOf = (data: RunData, kind: StageDetail['kind']): StageDetail | undefined =>
   data.stages.find((stage) => stage.kind === kind)
 
-/** The best so far against evaluations or seconds; the last point says how far the stage has come. */
+/** The best so far over evaluations or seconds; the last point shows the progress of the stage. */
 export function convergenceOf(search: SearchStage, by: 'evaluations' | 'seconds'): { x: number[]; y: number[] } {
   const { index = [], seconds = [], cost = [] } = search.series?.improvements ?? {}
   const x: number[] = []
@@ -213,11 +213,11 @@ export interface Best {
   /** Counted from 1. */
   evaluation: number
   parameters: Record<string, number>
-  /** Of every criterion, by its name. */
+  /** Values of all criteria, by name. */
   values: Record<string, number | null>
 }
 
-/** The lowest value of all searches with its parameters, as far as the page knows them. */
+/** The lowest value of all searches with its parameters, if known. */
 export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'>): Best | null {
   let best: Best | null = null
   for (const series of evaluations?.stages ?? []) {
@@ -233,7 +233,7 @@ export function bestOf({ evaluations, run }: Pick<RunData, 'evaluations' | 'run'
   return best
 }
 
-/** The values of all criteria at a stored flight, by their names; none where they were not stored. */
+/** The values of all criteria at a stored flight, by name; empty if not stored. */
 export const valuesOf = (trace: TraceInfo | undefined): Record<string, number | null> =>
   trace?.meta.values ?? {}
 

@@ -1,9 +1,9 @@
-// Reads and changes what stands in the address of a run's page, without a step in the browser's history.
+// Reads and changes the address of a run's page, without a new entry in the browser's history.
 import { useNavigate, useSearch } from '@tanstack/react-router'
 import { useCallback } from 'react'
 import type { ChosenSearch } from './chosen'
 
-/** What is asked for, and a way to change a part of it; undefined takes a part out. */
+/** The state of the address and a setter; undefined removes a key. */
 export function useAddress(id: string): [ChosenSearch, (change: Partial<ChosenSearch>) => void] {
   const navigate = useNavigate()
   const search = useSearch({ from: '/runs/$id' })

@@ -1,4 +1,4 @@
-// A run as its pages follow it: asked for, then kept up to date while it works.
+// Loads a run and keeps it up to date while it is active.
 import { useQuery, type UseQueryResult } from '@tanstack/react-query'
 import { useStream } from '../../api/events'
 import { isLive, runQuery } from '../../api/queries'
@@ -11,7 +11,7 @@ export function useRun(id: string): UseQueryResult<RunDetail> {
   useAsked(id)
   const live = query.data !== undefined && isLive(query.data)
   useStream(id, live)
-  // The stream has no rate and no time left; and where it fails, this goes on.
+  // The stream has neither speed nor remaining time; polling also covers its failure.
   usePolling(query.refetch, 2000, live)
   return query
 }

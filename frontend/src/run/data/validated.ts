@@ -1,4 +1,4 @@
-// The cases that validation simulated again, nominal and findings, and how each came out, in words.
+// The validated cases, nominal and findings, and their results as text.
 import type { FindingDetail, Validation, ValidateResult } from '../../client'
 
 /** `agrees` and `violates` are newer than `ok`. */
@@ -14,7 +14,7 @@ export function validatedWord({
   return agrees ? 'Integrations agree' : 'Integrations disagree'
 }
 
-/** The nominal case, then the findings; without those that an earlier version did not store. */
+/** The nominal case, then the findings; without those that earlier versions did not store. */
 export const casesOf = (
   { nominal }: Pick<ValidateResult, 'nominal'>,
   findings: readonly Pick<FindingDetail, 'validation'>[],

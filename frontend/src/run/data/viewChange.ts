@@ -1,10 +1,10 @@
-// What can be said to a 3D view, and where it is opened: small functions of what it shows. Start reading at `merged`.
+// Changes and addresses of a 3D view, as functions of its state. Start reading at `merged`.
 import type { ViewChange, ViewState } from '../../client'
 
 export type Camera = NonNullable<ViewState['camera']>
 export const CAMERAS: readonly Camera[] = ['overview', 'encounter', 'top', 'side', 'chase', 'intruder']
 
-/** What the page has its view show; told again to one that is opened anew. */
+/** The state that the page requires of its view; sent again to a reopened one. */
 export type Wanted = Required<Pick<ViewChange, 'flight' | 'theme'>>
 
 export interface Place {
@@ -12,7 +12,7 @@ export interface Place {
   camera?: Camera
 }
 
-/** Two changes as one: a time replaces what was said of it before, steps add up. */
+/** Merges two changes: a time replaces earlier ones, steps are added. */
 export function merged(before: ViewChange, next: ViewChange): ViewChange {
   const { time, step, closest, passing, ...rest } = { ...before, ...next }
   if (before.layers && next.layers) rest.layers = { ...before.layers, ...next.layers }
@@ -24,11 +24,11 @@ export function merged(before: ViewChange, next: ViewChange): ViewChange {
     const kept = { ...(step != null && { step }), ...(closest && { closest }), ...(passing && { passing }) }
     return { ...rest, ...(time != null && { time }), ...kept }
   }
-  // A step from the closest approach cannot be said in one: the step alone is what was asked last.
+  // A step from the closest approach cannot be expressed in one change: only the step is sent.
   return { ...rest, ...(time != null && { time }), step: (before.step ?? 0) + next.step }
 }
 
-/** Everything that a view showed, for the one that is opened in its place. */
+/** The full state of a view, for its replacement. */
 export function again(last: ViewState): ViewChange {
   const { flight, theme, time, camera, eye, playing, speed, panel, layers, what_if, what_if_seed } = last
   return {
@@ -44,7 +44,7 @@ export function again(last: ViewState): ViewChange {
   }
 }
 
-/** A random UUID (RFC 9562, version 4), also where the page came by plain HTTP. */
+/** A random UUID (RFC 9562, version 4), also on plain HTTP. */
 export function uuid(): string {
   const bytes = crypto.getRandomValues(new Uint8Array(16))
   bytes[6] = ((bytes[6] ?? 0) & 0x0f) | 0x40
@@ -53,7 +53,7 @@ export function uuid(): string {
   return hex.replace(/^(.{8})(.{4})(.{4})(.{4})(.{12})$/, '$1-$2-$3-$4-$5')
 }
 
-/** Where a view is opened: what it shows is behind the `#`, so that every view of a run is one kept page. */
+/** The address of a view: its state is in the fragment, so that all views of a run share one cached page. */
 export function addressOf(run: string, { flight, theme }: Wanted, { time, camera }: Place, key: string): string {
   const parts = [flight, ...(time === undefined ? [] : ['t', String(time)]), ...(camera ? ['cam', camera] : []), theme]
   return `/view/${run}/#${[...parts, 'key', key].join('/')}/`

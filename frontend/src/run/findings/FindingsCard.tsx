@@ -1,7 +1,7 @@
-// Every distinct worst case with what it rests on; the chosen one is what the rest of the page shows.
+// All distinct worst cases with their evidence; the rest of the page shows the chosen one.
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import type { MouseEvent } from 'react'
+import { Fragment, type MouseEvent } from 'react'
 import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/said'
@@ -35,10 +35,11 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
   useHotkeys({ j: () => step(1), k: () => step(-1) })
   const decimals = decimalsApart([run.nominal_cost, ...findings.map((finding) => finding.cost)], 4, 6)
   const shared = { data, decimals, choose }
+  const flown = fliesIn(data)
   return (
     <Card
       title="Findings"
-      note="Distinct worst cases. The chosen one is shown in the flight, the table next to it and the separation"
+      note={`Distinct worst cases. The chosen one is shown in ${flown ? 'the flight, the table next to it and the separation' : 'the table above'}`}
       className={className}
       id="findings"
       flush
@@ -55,11 +56,11 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
         <thead>
           <tr>
             <th>Finding</th>
-            <th>From above</th>
+            {flown && <th>From above</th>}
             <NumHead unit={run.unit}><Sign text={run.quantity || 'value'} /></NumHead>
             <NumHead unit={run.unit}>Margin</NumHead>
-            <NumHead unit="s">Closest at</NumHead>
-            <NumHead unit="m/s">Speed there</NumHead>
+            {flown && <NumHead unit="s">Closest at</NumHead>}
+            {flown && <NumHead unit="m/s">Speed there</NumHead>}
             {run.criteria.slice(1).map((criterion) => (
               <NumHead key={criterion.name} unit={unitText(criterion.unit)} title={criterion.title}>
                 <Sign text={criterion.quantity || criterion.title} />
@@ -86,6 +87,9 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
   )
 }
 
+/** Whether there are flights: a simulator provides values alone. */
+const fliesIn = ({ campaign }: RunData): boolean => !campaign.simulator
+
 interface RowProps {
   data: RunData
   decimals: number
@@ -99,7 +103,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
   return (
     <tr {...picking(label, on, choose)} data-finding={label}>
       <Name name={label} on={on} choose={choose} />
-      <Picture data={data} name={label} />
+      {fliesIn(data) && <Picture data={data} name={label} />}
       <td className="num b">{fixed(cost, decimals)}</td>
       <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
       <Met data={data} name={label} values={finding.values} />
@@ -133,7 +137,7 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
   return (
     <tr {...picking(NOMINAL, on, choose)} data-finding={NOMINAL}>
       <Name name={NOMINAL} on={on} choose={choose} />
-      <Picture data={data} name={NOMINAL} />
+      {fliesIn(data) && <Picture data={data} name={NOMINAL} />}
       <td className="num">{fixed(run.nominal_cost, decimals)}</td>
       <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
       <Met data={data} name={NOMINAL} values={valuesOf(data.nominalTrace)} />
@@ -144,7 +148,7 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
   )
 }
 
-/** The whole row chooses; the button in it does the same for the keyboard. */
+/** A click on the row selects it; the button in it does the same by keyboard. */
 const picking = (name: string, on: boolean, choose: (name: string) => void) => ({
   className: on ? 'sel' : undefined,
   onClick: (event: MouseEvent) => {
@@ -172,14 +176,18 @@ function Picture({ data, name }: { data: RunData; name: string }) {
   )
 }
 
-/** When and how fast the flight is nearest, and what the criteria that do not decide say of it. */
+/** Time and speed at the closest approach, and the values of the other criteria. */
 function Met({ data, name, values }: { data: RunData; name: string; values: Record<string, number | null> }) {
   const { run, findings, nominalTrace } = data
   const closest = data.traces.find((trace) => trace.name === name)?.meta.closest
   return (
     <>
-      <td className="num sec">{fixed(closest?.time, 2)}</td>
-      <td className="num sec">{fixed(closest?.speed, 2)}</td>
+      {fliesIn(data) && (
+        <>
+          <td className="num sec">{fixed(closest?.time, 2)}</td>
+          <td className="num sec">{fixed(closest?.speed, 2)}</td>
+        </>
+      )}
       {run.criteria.slice(1).map((criterion) => {
         const all = [valuesOf(nominalTrace), ...findings.map((finding) => finding.values)]
         return (
@@ -192,21 +200,23 @@ function Met({ data, name, values }: { data: RunData; name: string; values: Reco
   )
 }
 
-/** Up to three by name; of more, how many. */
+/** Up to three names, otherwise the number. */
 function Bounds({ finding, parameters }: { finding: FindingDetail; parameters: UncertainParameter[] }) {
   const at = parameters.filter((p) => p.path in finding.at_bounds)
   if (at.length === 0) return 'none'
   if (at.length > 3) return `${at.length} of ${parameters.length}`
   return at.map((p, i) => (
-    <span key={p.path} className="nw">
+    <Fragment key={p.path}>
       {i > 0 && ', '}
-      <Sign text={p.symbol} path={p.path} /> {finding.at_bounds[p.path]}
-    </span>
+      <span className="nw">
+        <Sign text={p.symbol} path={p.path} /> {finding.at_bounds[p.path]}
+      </span>
+    </Fragment>
   ))
 }
 
 function FoundBy({ finding }: { finding: FindingDetail }) {
-  if (finding.found.length === 0) return <span className="sec">reached only by polishing</span>
+  if (finding.found.length === 0) return <span className="sec">reached only by local refinement</span>
   const found = [...finding.found].sort((a, b) => a.evaluations - b.evaluations)
   return (
     <span className={styles.finders}>
@@ -234,7 +244,7 @@ function Validated({ finding }: { finding: FindingDetail }) {
   )
 }
 
-/** How far from nominal the chosen violation begins. */
+/** The distance of the chosen violation's boundary from nominal. */
 function Boundary({ data, said }: { data: RunData; said: readonly Span[] }) {
   return said.length > 0 ? (
     <div>
@@ -243,7 +253,7 @@ function Boundary({ data, said }: { data: RunData; said: readonly Span[] }) {
   ) : null
 }
 
-/** How the findings were told apart, in one sentence. */
+/** How the findings were distinguished, in one sentence. */
 function Told({ told, kept }: { told: Gathered; kept: number }) {
   return (
     <>

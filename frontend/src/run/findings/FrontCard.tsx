@@ -1,4 +1,4 @@
-// Several criteria at once: the front of the worst cases, two criteria against each other, and its points as a table.
+// Several criteria: the Pareto front of the worst cases for two criteria, and its points as a table.
 import { useMemo, useState } from 'react'
 import { resultOf } from '../../api/stages'
 import { ChartCard } from '../../charts/ChartCard'
@@ -56,7 +56,7 @@ export function FrontCard({ data, className }: { data: RunData; className: strin
   return (
     <ChartCard
       title="Pareto front"
-      note={`${count(points.length)} Pareto-optimal flights: no other is worse in every criterion`}
+      note={`${count(points.length)} Pareto-optimal evaluations: no other is worse in every criterion`}
       className={className}
       id="front"
       run={run.id}
@@ -107,7 +107,7 @@ function specOf(
   const xs = sorted.map((point) => valueOf(point, x))
   const ys = sorted.map((point) => valueOf(point, y))
   const range = padded(ys, false, 0.06)
-  // The criterion belongs on the axis unless the points would shrink to a line beside it.
+  // The axis includes the criterion unless the points would shrink to a line.
   const near = threshold !== null && threshold > range[0] - (range[1] - range[0]) && threshold < range[1] + (range[1] - range[0])
   const [dx, dy] = [decimalsFor(xs, 5), decimalsFor(ys, 5)]
   return {
@@ -142,44 +142,46 @@ function Points({ data, criteria, points }: PointsProps) {
   const digits = new Map(criteria.map((c) => [c.name, decimalsFor(points.map((p) => p.values[c.name] ?? null), 5)]))
   return (
     <>
-      <table className="tight">
-        <thead>
-          <tr>
-            <th>Found by</th>
-            {criteria.map((c) => (
-              <NumHead key={c.name} unit={unitText(c.unit)}>
-                {c.title}
-              </NumHead>
-            ))}
-            {data.parameters.map((p) => (
-              <NumHead key={p.path} unit={unitText(p.unit)}>
-                <Sign text={p.symbol} path={p.path} />
-              </NumHead>
-            ))}
-            <th className="num">Evaluation</th>
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map((point) => (
-            <tr key={`${point.method} ${point.index}`}>
-              <td>
-                <MethodName method={point.method} title={point.title} />
-              </td>
+      <div className="scrollx" tabIndex={0} role="region" aria-label="Points of the front">
+        <table className="tight">
+          <thead>
+            <tr>
+              <th>Found by</th>
               {criteria.map((c) => (
-                <td key={c.name} className="num">
-                  {fixed(point.values[c.name], digits.get(c.name) ?? 3)}
-                </td>
+                <NumHead key={c.name} unit={unitText(c.unit)}>
+                  {c.title}
+                </NumHead>
               ))}
               {data.parameters.map((p) => (
-                <td key={p.path} className="num sec">
-                  {fixed(point.parameters[p.path], decimalsFor([p.low, p.high]))}
-                </td>
+                <NumHead key={p.path} unit={unitText(p.unit)}>
+                  <Sign text={p.symbol} path={p.path} />
+                </NumHead>
               ))}
-              <td className="num sec">{count(point.index + 1)}</td>
+              <th className="num">Evaluation</th>
             </tr>
-          ))}
-        </tbody>
-      </table>
+          </thead>
+          <tbody>
+            {rows.map((point) => (
+              <tr key={`${point.method} ${point.index}`}>
+                <td>
+                  <MethodName method={point.method} title={point.title} />
+                </td>
+                {criteria.map((c) => (
+                  <td key={c.name} className="num">
+                    {fixed(point.values[c.name], digits.get(c.name) ?? 3)}
+                  </td>
+                ))}
+                {data.parameters.map((p) => (
+                  <td key={p.path} className="num sec">
+                    {fixed(point.parameters[p.path], decimalsFor([p.low, p.high]))}
+                  </td>
+                ))}
+                <td className="num sec">{count(point.index + 1)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
       {rows.length < points.length && (
         <p className="small mut">
           {rows.length} of {count(points.length)}, spread over {criteria[0]?.title.toLowerCase()}; all of them are in the

@@ -1,5 +1,5 @@
-// A finding as a small picture: its flight and the nominal one from above around the closest approach, the obstacle with
-// the distance to be kept. Asked for when it comes near the window. The geometry is that of the compared flights.
+// A thumbnail of a finding: plan view of its flight and the nominal one around the closest approach, with the obstacle
+// and the required distance. Loaded when near the window. The geometry is that of the compared flights.
 import { useQuery } from '@tanstack/react-query'
 import { sketchQuery } from '../../api/queries'
 import type { TraceData } from '../../client'
@@ -12,7 +12,7 @@ const [WIDTH, HEIGHT] = [132, 76]
 
 interface ModePictureProps {
   run: string
-  /** A finding's label, or `nominal` for that flight alone. */
+  /** A finding's label, or `nominal` for only that flight. */
   name: string
   stored: boolean
 }

@@ -1,4 +1,4 @@
-// The front over several searches.
+// The Pareto front over several searches.
 import { expect, it } from 'vitest'
 import * as given from '../../api/fixtures'
 import type { FrontCriterion, SearchResult } from '../../client'

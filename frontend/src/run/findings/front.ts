@@ -1,4 +1,4 @@
-// The front of a run with several criteria: what no other flight of any of its searches is worse than everywhere.
+// The Pareto front of a run with several criteria, over all searches.
 import type { FrontCriterion, FrontPoint, SearchResult } from '../../client'
 
 export interface Placed extends FrontPoint {
@@ -6,18 +6,18 @@ export interface Placed extends FrontPoint {
   title: string
 }
 
-/** The criteria of a run's searches, the one that decides first; empty where there is one only. */
+/** The criteria of a run's searches, the deciding one first; empty if there is only one. */
 export function criteriaOf(searches: readonly SearchResult[]): FrontCriterion[] {
   const found = searches.find((search) => search.front)?.criteria ?? []
   return found.length > 1 ? found : []
 }
 
-/** The points that no other one is as bad as everywhere and worse somewhere, worst by the first criterion first. */
+/** The non-dominated points, sorted from worst by the first criterion. */
 export function frontOf(searches: readonly SearchResult[], criteria: readonly FrontCriterion[]): Placed[] {
   const all = searches.flatMap(({ method, title, front }) =>
     (front ?? []).map((point) => ({ point: { ...point, method, title }, costs: costsOf(point, criteria) })),
   )
-  // Sorted, none is bettered by one behind it: the first of what is left belongs to the front.
+  // In sorted order no point is dominated by a later one: the first remaining point is on the front.
   let left = all.sort((a, b) => compared(a.costs, b.costs))
   const found: Placed[] = []
   for (let first = left[0]; first; first = left[0]) {
@@ -28,7 +28,7 @@ export function frontOf(searches: readonly SearchResult[], criteria: readonly Fr
   return found
 }
 
-/** So many of them, evenly spread, the first and the last among them. */
+/** An even selection of points, including the first and the last. */
 export function someOf<T>(points: readonly T[], most: number): T[] {
   if (points.length <= most) return [...points]
   const at = Array.from({ length: most }, (_, i) => Math.round((i * (points.length - 1)) / (most - 1)))

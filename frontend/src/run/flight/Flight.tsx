@@ -1,4 +1,4 @@
-// The flight in 3D: the viewer runs in a frame of its own; every number it shows stands on this page too.
+// The flight in 3D: the viewer runs in its own frame; all its numbers are also on this page.
 import { useSearch } from '@tanstack/react-router'
 import { useEffect, useLayoutEffect, useRef, useSyncExternalStore } from 'react'
 import { useTheme } from '../../theme/useTheme'
@@ -7,9 +7,10 @@ import { useCalm } from '../../ui/useCalm'
 import { useNear } from '../../ui/useNear'
 import { calledOf, NOMINAL } from '../data/chosen'
 import type { RunData } from '../data/data'
+import { drawable } from './drawable'
 import { FlightHead } from './FlightHead'
 import { noiseOf } from './flown'
-import { FlightNotice } from './FlightNotice'
+import { FlightNotice, NotDrawable } from './FlightNotice'
 import { PlayBar } from './PlayBar'
 import { useInstant } from './useInstant'
 import type { View } from './view'
@@ -21,15 +22,15 @@ interface FlightProps {
   view: View
   whatIf: WhatIfState
   className: string
-  /** The page is about nothing else: what other cards offer on a run's page stands in the head. */
+  /** The page shows only the flight: actions of other cards are in its header. */
   alone?: boolean
 }
 
 export function Flight({ data, view, whatIf, className, alone = false }: FlightProps) {
   const theme = useTheme()
-  // A viewer costs the service a scene: it is opened when it comes near the window.
+  // A viewer uses resources of the service: it is opened when it comes near the window.
   const [holder, near] = useNear<HTMLDivElement>()
-  const ready = useCalm() && near
+  const ready = useCalm() && near && drawable()
   const { t, cam } = useSearch({ from: '/runs/$id' })
   const place = useRef({ time: t, camera: cam })
   const known = useSyncExternalStore(view.subscribe, () => view.known)
@@ -38,8 +39,8 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
   useLayoutEffect(() => {
     place.current = { time: t, camera: cam }
   }, [t, cam])
-  // Opened once: what is chosen later goes there by its key.
-  // Let go before its frame is taken out of the page: the service would answer that the view is gone.
+  // Opened once: later changes are sent with its key.
+  // Closed before its frame is removed: otherwise the service would report that the view is lost.
   useLayoutEffect(() => (ready ? view.open(place.current) : undefined), [view, ready])
   useEffect(() => keysOf(holder.current?.closest('section'), view), [view, holder])
   useInstant(view, data.run.id)
@@ -72,7 +73,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
               inert={known.phase !== 'open'}
             />
           )}
-          <FlightNotice known={known} onRetry={() => view.retry()} />
+          {drawable() ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable />}
         </div>
         <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>
@@ -80,7 +81,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
   )
 }
 
-/** Space plays, arrows step, Home goes to the closest approach, while the focus is in the card. */
+/** With focus in the card: space plays, arrows step, Home goes to the closest approach. */
 function keysOf(card: Element | null | undefined, view: View): (() => void) | undefined {
   if (!(card instanceof HTMLElement)) return undefined
   const pressed = (event: KeyboardEvent) => {
@@ -98,7 +99,7 @@ function keysOf(card: Element | null | undefined, view: View): (() => void) | un
   return () => card.removeEventListener('keydown', pressed)
 }
 
-/** Which flights are shown, and with which noise the chosen one was simulated. */
+/** The displayed flights, and the noise realisation of the chosen one. */
 function flights({ chosen, nominalTrace, findingTrace }: RunData, whatIf: boolean): string {
   const noise = noiseOf(chosen === NOMINAL ? nominalTrace : findingTrace)
   const which =

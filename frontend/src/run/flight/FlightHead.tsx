@@ -1,4 +1,4 @@
-// What stands in the head of the Flight card: from where to look, and what to do with the instant that is shown.
+// The header of the Flight card: cameras, and actions on the displayed instant.
 import {
   IconArrowsMaximize,
   IconCheck,
@@ -24,7 +24,7 @@ interface Props {
   data: RunData
   view: View
   shown: ViewState | null
-  /** In a window of its own. */
+  /** In its own window. */
   alone: boolean
   onFull: () => void
 }
@@ -53,7 +53,7 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
             target="_blank"
             preload={false}
             aria-label="Own window"
-            title="This instant in a window of its own"
+            title="This instant in its own window"
           >
             <IconExternalLink className="i s" aria-hidden />
           </Link>
@@ -68,14 +68,14 @@ export function FlightHead({ data, view, shown, alone, onFull }: Props) {
 const placeOf = (shown: ViewState | null): Place =>
   shown ? { time: Number(shown.time.toFixed(2)), ...(shown.camera && { camera: shown.camera }) } : {}
 
-/** What of an address is the what-if. */
+/** The what-if part of an address. */
 const whatIfIn = ({ whatif, set, noise }: ChosenSearch): ChosenSearch => ({
   ...(whatif !== undefined && { whatif }),
   ...(set && { set }),
   ...(noise !== undefined && { noise }),
 })
 
-/** This page at the instant that the view shows now, with its what-if. */
+/** The address of this page at the displayed instant, with its what-if. */
 function linkTo(run: string, shown: ViewState, address: ChosenSearch, alone: boolean): string {
   const { camera } = shown
   const { whatif, set = [], noise } = address
@@ -86,7 +86,7 @@ function linkTo(run: string, shown: ViewState, address: ChosenSearch, alone: boo
   return `${location.origin}/runs/${run}${alone ? '/flight' : ''}?${query.toString().replaceAll('%3A', ':')}`
 }
 
-/** Which flight is shown beside the nominal one. */
+/** Selects the flight shown with the nominal one. */
 function Choice({ data }: { data: RunData }) {
   const [, change] = useAddress(data.run.id)
   const labels = data.findings.length > 0 ? data.findings.map(({ label }) => label) : [data.chosen]

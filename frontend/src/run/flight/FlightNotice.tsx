@@ -1,4 +1,4 @@
-// What the page says over its 3D view: that it opens, that it was lost and comes back, or what to do where it does not.
+// Notices over the 3D view: opening, lost and being restored, or failed with advice.
 import { IconCheck, IconLoader, IconPlugConnectedX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { Known } from './view'
@@ -36,6 +36,21 @@ export function FlightNotice({ known: { phase, said }, onRetry }: Props) {
           <IconCheck className="i s" aria-hidden /> {said}
         </span>
       )}
+    </div>
+  )
+}
+
+/** Shown in place of the view in a browser that cannot draw it. */
+export function NotDrawable() {
+  return (
+    <div className={runStyles.poster} role="status">
+      <span className={runStyles.failed}>
+        <IconPlugConnectedX className="i" aria-hidden />
+        <span>
+          No 3D view: this browser has no 3D graphics (WebGL 2). Enable them and reload the page. All numbers of the
+          flight are also on this page.
+        </span>
+      </span>
     </div>
   )
 }

@@ -1,5 +1,5 @@
-// Speeds and commands over time, a small chart for each: nominal and chosen flight, under one crosshair with the
-// separation. Which of many are shown stands in the address.
+// Speeds and commands over time, one small chart each: nominal and chosen flight, with the crosshair of the separation
+// chart. The selected columns are in the address.
 import { IconAdjustmentsHorizontal } from '@tabler/icons-react'
 import { useMemo } from 'react'
 import { ChartCard } from '../../charts/ChartCard'
@@ -31,15 +31,15 @@ import { type Flown, flownOf, useShown } from './SeparationCard'
 import { useAddress } from '../data/useAddress'
 import styles from './flight.module.css'
 
-/** A small chart is at least so wide [px]. */
+/** Minimum width of a chart [px]. */
 const LEAST = 200
 
 interface MotionProps {
   data: RunData
   className: string
-  /** Called with the time under the pointer [s]: the flight is shown at it. */
+  /** Called with the time under the pointer [s], which the 3D view shows. */
   onCross: (time: number) => void
-  /** The time that the flight is shown at: the crosshair stands there while no pointer is on a chart. */
+  /** The displayed time: position of the crosshair while no pointer is on a chart. */
   standing: Standing
 }
 
@@ -108,7 +108,7 @@ interface SmallProps extends Pick<MotionProps, 'onCross' | 'standing'> {
   flights: readonly Flown[]
   span: [number, number]
   hidden: ReadonlySet<string>
-  /** Whether it stands in the last row, which names the axis. */
+  /** Whether it is in the last row, which has the axis title. */
   last: boolean
 }
 
@@ -190,7 +190,7 @@ function Choice({ all, shown, chosen, onChange }: ChoiceProps) {
         </button>
         {chosen && (
           <button type="button" className="btn s" onClick={() => onChange(undefined)}>
-            The usual ones
+            Default columns
           </button>
         )}
       </span>

@@ -1,4 +1,4 @@
-// Below the 3D view: play, the instant that it shows, how fast, and what is drawn, all of it by the page's own controls.
+// The controls below the 3D view: playback, time, speed, and visible layers.
 // Start reading at `PlayBar`.
 import {
   IconAdjustments,
@@ -26,7 +26,7 @@ const SPEEDS = [0.25, 0.5, 1, 2, 5]
 interface Props {
   data: RunData
   view: View
-  /** What is shown; null while the view is not open. */
+  /** The displayed state; null while the view is not open. */
   shown: ViewState | null
 }
 
@@ -88,7 +88,7 @@ export function PlayBar({ data, view, shown, whatIf }: BarProps) {
 
 function Scrubber({ data, view, shown }: Props) {
   const horizon = Number(data.campaign.scenario.horizon)
-  /** Where it was dragged to, until the view has come there. */
+  /** The dragged position, until the view has reached it. */
   const [asked, setAsked] = useState<number | null>(null)
   const time = shown?.time ?? 0
   if (asked !== null && (shown === null || shown.playing || Math.abs(time - asked) < 0.006)) setAsked(null)
@@ -125,7 +125,7 @@ function Scrubber({ data, view, shown }: Props) {
   )
 }
 
-/** When the flights that are shown come closest. */
+/** Times of the closest approaches of the visible flights. */
 function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
   const flights = [
     { name: 'Nominal', trace: nominalTrace, colour: 'var(--c-nom)' },
@@ -137,7 +137,7 @@ function nearest({ nominalTrace, findingTrace, chosen }: RunData) {
   })
 }
 
-/** What may be drawn, and how it is called. */
+/** The layers and their titles. */
 type Layer = Exclude<keyof LayersChange, 'trail' | 'axes'>
 
 function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
@@ -163,7 +163,7 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
           />
         ))}
         <Asked
-          name="Paths only as far as flown"
+          name="Paths only up to this time"
           on={shown.layers.trail === 'so_far'}
           ask={(on) => view.steer({ layers: { trail: on ? 'so_far' : 'whole' } })}
         />
@@ -172,10 +172,10 @@ function LayersMenu({ data, view, shown }: Props & { shown: ViewState }) {
   )
 }
 
-/** How long a tick stands as it was asked for while the view has not said so [ms]. */
+/** How long a checkbox shows the requested value without confirmation by the view [ms]. */
 const WAIT = 3000
 
-/** A tick that is seen at once, and that the view has the last word on. */
+/** A checkbox with immediate feedback, finally set by the view. */
 function Asked({ name, on, ask }: { name: string; on: boolean; ask: (on: boolean) => void }) {
   const [asked, setAsked] = useState<boolean | null>(null)
   if (asked === on) setAsked(null)

@@ -1,4 +1,4 @@
-// Separation over time: nominal and worst flight, the criterion with its forbidden side, the closest approaches.
+// Separation over time: nominal and worst flight, the criterion with its shaded side, the closest approaches.
 import { useMemo } from 'react'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'
@@ -20,7 +20,7 @@ export interface Flown {
   trace: TraceData
 }
 
-/** The nominal flight and the chosen one, as far as they are there. */
+/** The nominal flight and the chosen one, if available. */
 export function flownOf({
   nominalTrace,
   findingTrace,
@@ -33,7 +33,7 @@ export function flownOf({
   return pair.flatMap(({ trace, ...rest }) => (trace ? [{ ...rest, trace }] : []))
 }
 
-/** The flight of the what-if as one more curve; none where nothing moved. */
+/** The what-if flight as another curve; empty without motion. */
 function whatIfOf(answer: FlightAnswer | null): Flown[] {
   if (!answer || Object.keys(answer.data).length === 0) return []
   const { trace: meta, columns, data } = answer
@@ -41,7 +41,7 @@ function whatIfOf(answer: FlightAnswer | null): Flown[] {
   return [{ key: 'what-if', label: 'What-if', colour: '--c-what-if', trace: { name: 'what-if', rows, columns, meta, data } }]
 }
 
-/** How much of the flights the charts over time show, one for all of them. */
+/** The time range of all charts over time. */
 export function useShown(id: string): [Shown, (shown: Shown) => void] {
   const [{ time }, change] = useAddress(id)
   return [time ?? 'encounter', (shown) => change({ time: shown === 'all' ? 'all' : undefined })]
@@ -51,11 +51,11 @@ interface SeparationProps {
   data: RunData
   className: string
   height: number
-  /** Called with the time under the pointer [s]: the flight is shown at it. */
+  /** Called with the time under the pointer [s], which the 3D view shows. */
   onCross: (time: number) => void
-  /** The time that the flight is shown at: the crosshair stands there while no pointer is on a chart. */
+  /** The displayed time: position of the crosshair while no pointer is on a chart. */
   standing: Standing
-  /** What the open what-if gave. */
+  /** The result of the open what-if. */
   whatIf?: FlightAnswer | null
 }
 
@@ -83,7 +83,7 @@ export function SeparationCard({ data, className, height, onCross, standing, wha
   return (
     <ChartCard
       title="Separation over time"
-      note={[...noises, `${ENDS[measured].note}The flight in 3D goes with the pointer`].join('. ')}
+      note={[...noises, `${ENDS[measured].note}The 3D view follows the pointer`].join('. ')}
       className={className}
       id="separation"
       run={run.id}
@@ -100,7 +100,7 @@ export function SeparationCard({ data, className, height, onCross, standing, wha
   )
 }
 
-/** What the criterion's distances are, by the point of an obstacle that they end at. */
+/** The meaning of the criterion's distances, by their reference point on an obstacle. */
 const ENDS = {
   '': { note: '', axis: 'Value of the criterion' },
   centre: { note: "Distance to the nearest obstacle's centre. ", axis: 'Separation from centres' },

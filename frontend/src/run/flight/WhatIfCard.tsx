@@ -1,5 +1,4 @@
-// The what-if beside the 3D view: a slider and a field for every uncertain parameter, and what the flight gave.
-// Start reading at `WhatIfCard`.
+// The what-if next to the 3D view: a slider and a field for every uncertain parameter, and the result.
 import { IconAlertTriangle, IconX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { type CSSProperties, type KeyboardEvent, useState } from 'react'
@@ -87,7 +86,7 @@ export function WhatIfCard({ data, state, className }: Props) {
 
 const nameOf = (like: string): string => (like === NOMINAL ? 'nominal' : like === 'F1' ? 'worst (F1)' : like)
 
-/** What the flight gave: value and margin with units, or why there are none. */
+/** The result: value and margin with units, or why there are none. */
 function Outcome({ data, state: { answer, refused, busy, whatIf } }: Omit<Props, 'className'>) {
   const { run } = data
   return (
@@ -168,7 +167,7 @@ const stateOf = ({ status, reason }: FlightAnswer): string => {
   return reason ? `${word}: ${reason}` : word
 }
 
-/** The limit, the time of the closest approach, and the noise where there is any. */
+/** Criterion, time of the closest approach, and noise realisation if any. */
 function wordsOf(answer: FlightAnswer | null, whatIf: WhatIf | null): string {
   if (!answer) return 'Simulating …'
   const { trace, threshold, unit } = answer
@@ -183,7 +182,7 @@ interface RowProps {
   parameter: UncertainParameter
   value: number
   base: number
-  /** Of the finding that the page shows. */
+  /** Value in the displayed finding. */
   worst: number | null
   changed: boolean
   onChange: (value: number) => void
@@ -225,13 +224,13 @@ function Row({ parameter, value, base, worst, changed, onChange }: RowProps) {
 
 const KEYS: Readonly<Record<string, number>> = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -20, PageUp: 20 }
 
-/** Arrows step through the range; at both ends the value is exactly the bound. */
+/** Arrow keys step through the range; at the ends the value is exactly the bound. */
 function moved(event: KeyboardEvent, parameter: UncertainParameter, value: number, onChange: (value: number) => void): void {
   const { low, high } = parameter
   const steps = KEYS[event.key]
   if (steps === undefined && event.key !== 'Home' && event.key !== 'End') return
   event.preventDefault()
-  event.stopPropagation() // in the card arrows move the time
+  event.stopPropagation() // elsewhere in the card arrow keys change the time
   onChange(steps === undefined ? (event.key === 'Home' ? low : high) : stepped(parameter, value, steps))
 }
 
@@ -242,7 +241,7 @@ interface FieldProps {
   onChange: (value: number) => void
 }
 
-/** The value as text: rounded while it is only read, with every digit while it is typed. */
+/** The value as text: rounded for reading, at full precision for editing. */
 function Field({ parameter, label, value, onChange }: FieldProps) {
   const { low, high, nominal } = parameter
   const [typed, setTyped] = useState<string | null>(null)
@@ -264,7 +263,7 @@ function Field({ parameter, label, value, onChange }: FieldProps) {
       title={wrong ? `Give a number from ${said}` : said}
       value={typed ?? (Number.isFinite(value) ? fixed(value, decimalsFor([low, high, nominal])) : NONE)}
       onFocus={({ currentTarget }) => {
-        // At once, then selected: a text that changes under the caret would be added to, not replaced.
+        // Set immediately and selected: typing should replace the text, not extend it.
         flushSync(() => setTyped(field(value)))
         currentTarget.select()
       }}

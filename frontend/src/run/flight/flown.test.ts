@@ -1,4 +1,4 @@
-// Stored flights as curves over time, and findings as small pictures.
+// Stored flights as curves over time, and thumbnails of findings.
 import { expect, it } from 'vitest'
 import * as given from '../../api/fixtures'
 import type { TraceColumn, TraceData, TraceHead } from '../../client'
@@ -34,7 +34,7 @@ it('shows the encounter, or the whole flight', () => {
   expect(spanOf([FLIGHT], 4.5, 'encounter')).toEqual([0, 5])
   expect(spanOf([FLIGHT], 0.5, 'all')).toEqual([0, 5])
   expect(spanOf([], 0.5, 'encounter')).toEqual([0, 1])
-  // Too little is near to be an encounter.
+  // Too few rows are near to form an encounter.
   expect(spanOf([flight([9, 9, 9])], 1, 'encounter')).toEqual([0, 2])
 })
 

@@ -1,4 +1,4 @@
-// Stored flights as curves over time: which columns there are, which are shown, how much of the flight.
+// Stored flights as curves over time: available and displayed columns, time range.
 // Start reading at `spanOf` and `shownColumns`.
 import type { Curve } from '../../charts/series'
 import type { TraceColumn, TraceData, TraceInfo } from '../../client'
@@ -6,21 +6,21 @@ import { fixed, NARROW } from '../../format/numbers'
 import { symbolText } from '../../ui/Sign'
 import type { Shown } from '../../ui/WindowSeg'
 
-/** Charts over time share their crosshair by this key. */
+/** Key of the crosshair shared by charts over time. */
 export const TIME = 'time'
-/** So many columns are shown unless others are asked for. */
+/** Default number of columns. */
 export const MOST_COLUMNS = 6
 
-/** A column of a flight over its time; the first one of a group where no name is given. */
+/** A column of a flight over time; the first one of a group if no name is given. */
 export function curveOf(trace: TraceData, name: string): Curve {
   return { x: (trace.data[firstOf(trace, 'time')] ?? []).map((value) => value ?? 0), y: trace.data[name] ?? [] }
 }
 
-/** The name of the first column of a group; empty where there is none. */
+/** The name of the first column of a group; empty if there is none. */
 export const firstOf = (trace: TraceInfo, group: TraceColumn['group']): string =>
   trace.columns.find((column) => column.group === group)?.name ?? ''
 
-/** What is shown of flights: all of it, or as far as separation stays within twice the larger of criterion and lowest. */
+/** The displayed time range: all, or where the separation is within twice the larger of criterion and minimum. */
 export function spanOf(traces: readonly TraceData[], threshold: number | null, shown: Shown): [number, number] {
   const curves = traces.map((trace) => curveOf(trace, firstOf(trace, 'separation')))
   const times = curves.flatMap((curve) => [curve.x[0] ?? 0, curve.x[curve.x.length - 1] ?? 1])
@@ -32,7 +32,7 @@ export function spanOf(traces: readonly TraceData[], threshold: number | null, s
   return inside.length > 2 ? [Math.min(...inside), Math.max(...inside)] : whole
 }
 
-/** Lowest and highest value of curves between two times; null where there is none. */
+/** Lowest and highest value of curves between two times; null without values. */
 export function extentOf(curves: readonly Curve[], [from, to]: readonly [number, number]): [number, number] | null {
   let [low, high] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY]
   for (const curve of curves)
@@ -47,7 +47,7 @@ export function extentOf(curves: readonly Curve[], [from, to]: readonly [number,
 
 const SPEEDS = ['m/s', 'rad/s']
 
-/** Every speed and every command of a flight: speeds first, then what moves the vehicle, then what was asked of it. */
+/** All speeds and commands of a flight: speeds, then actuation, then demands. */
 export function overTime(trace: TraceInfo | undefined): TraceColumn[] {
   const rank = ({ group, unit, name }: TraceColumn): number =>
     group === 'state' ? SPEEDS.indexOf(unit) : name.endsWith('_demand') ? SPEEDS.length + 1 : SPEEDS.length
@@ -57,7 +57,7 @@ export function overTime(trace: TraceInfo | undefined): TraceColumn[] {
   return found.map((column, at) => ({ column, at })).sort((a, b) => rank(a.column) - rank(b.column) || a.at - b.at).map(({ column }) => column)
 }
 
-/** The columns that an address asks for; without any the usual ones: of many, the first speed of each unit and what moves the vehicle. */
+/** The columns given in the address; by default the first speed of each unit and the actuation. */
 export function shownColumns(all: readonly TraceColumn[], asked: string | undefined): TraceColumn[] {
   const names = asked?.split(',') ?? []
   const found = all.filter(({ name }) => names.includes(name))
@@ -69,7 +69,7 @@ export function shownColumns(all: readonly TraceColumn[], asked: string | undefi
   return moving.slice(0, MOST_COLUMNS)
 }
 
-/** The value of a curve at a time, by a straight line between its points; null outside them. */
+/** The linearly interpolated value of a curve at a time; null outside its range. */
 export function valueAt(curve: Curve, time: number): number | null {
   const after = curve.x.findIndex((x) => x >= time)
   const [y1, y0] = [curve.y[after], curve.y[after - 1]]
@@ -79,7 +79,7 @@ export function valueAt(curve: Curve, time: number): number | null {
   return y0 + ((y1 - y0) * (time - x0)) / (x1 - x0)
 }
 
-/** What the name says beside the symbol: of `omega_demand` with the symbol ω_d, that it is a demand. */
+/** The information of the name beyond the symbol: `omega_demand` with the symbol ω_d is a demand. */
 export function wordsOf({ name, symbol }: Pick<TraceColumn, 'name' | 'symbol'>): string {
   const [first = '', ...rest] = name.split('_')
   const same = symbolText(first) === symbolText(symbol).split('_')[0]
@@ -87,7 +87,7 @@ export function wordsOf({ name, symbol }: Pick<TraceColumn, 'name' | 'symbol'>):
 }
 
 
-/** How many stand side by side, so that as few places as possible stay empty. */
+/** The number of charts per row that leaves the fewest empty cells. */
 export function acrossOf(count: number, most: number): number {
   let best = 1
   for (let across = 1; across <= Math.min(most, count); across++) {
@@ -97,7 +97,7 @@ export function acrossOf(count: number, most: number): number {
   return best
 }
 
-/** How far above or below the obstacle a flight passes, where that is a good part of the distance. */
+/** The vertical distance to the obstacle, if it is a significant part of the distance. */
 export function aboveOf(trace: TraceInfo): string | null {
   const { closest, frame } = trace.meta
   const [own, other] = [closest?.position[2], closest?.obstacle_position[2]]
@@ -108,7 +108,7 @@ export function aboveOf(trace: TraceInfo): string | null {
   return `${fixed(Math.abs(above), decimals)}${NARROW}m ${above > 0 ? 'above' : 'below'}`
 }
 
-/** Which noise realisation a stored flight shows; empty where the scenario has no noise. */
+/** The noise realisation of a stored flight; empty without noise. */
 export function noiseOf(trace: Pick<TraceInfo, 'meta'> | undefined): string {
   const shown = trace?.meta.realisation
   if (!shown) return ''

@@ -1,4 +1,4 @@
-// Flights from above: axes of the two worlds, the encounter's rows, one scale for both directions.
+// Plan view of flights: world axes, rows of the encounter, equal scales.
 import { describe, expect, it } from 'vitest'
 import * as given from '../../api/fixtures'
 import type { TraceData, TraceHead } from '../../client'

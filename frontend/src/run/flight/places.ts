@@ -1,4 +1,4 @@
-// Flights of several runs seen from above, as places on one scale. East is right and north is up. Start reading at `viewOf`.
+// Plan view of flights of several runs on one scale. East is right and north is up. Start reading at `viewOf`.
 import type { TraceData, TraceHead } from '../../client'
 
 export interface Place {
@@ -12,7 +12,7 @@ export function placeOf(position: readonly number[], frame: TraceHead['frame']):
   return frame === 'ned' ? { east: y, north: x } : { east: x, north: y }
 }
 
-/** A column pair of a flight as places; with `near`, only around the encounter. */
+/** A column pair of a flight as positions; with `near`, only around the encounter. */
 export function trackOf(trace: TraceData, prefix = '', near = false): Place[] {
   const frame = trace.meta.frame
   const xs = trace.data[`${prefix}x`] ?? []
@@ -26,7 +26,7 @@ export function trackOf(trace: TraceData, prefix = '', near = false): Place[] {
   return track
 }
 
-/** The rows in which the separation stays below four times the larger of criterion and lowest, and some around. */
+/** The rows in which the separation is below four times the larger of criterion and minimum, with a margin. */
 export function encounterOf(trace: TraceData): [number, number] {
   const values = trace.data.separation ?? []
   const known = values.filter((value): value is number => typeof value === 'number')
@@ -41,13 +41,13 @@ export function encounterOf(trace: TraceData): [number, number] {
 export interface Scale {
   x: (place: Place) => number
   y: (place: Place) => number
-  /** Pixels for a metre. */
+  /** Pixels per metre. */
   ratio: number
   east: [number, number]
   north: [number, number]
 }
 
-/** One scale for both directions that holds all places in a box of width by height, with margins. */
+/** Equal scales that fit all positions into a box of width by height, with margins. */
 export function scaleOf(places: readonly Place[], width: number, height: number, left: number, bottom: number): Scale {
   let [e0, e1, n0, n1] = [Infinity, -Infinity, Infinity, -Infinity]
   for (const { east, north } of places) {
@@ -75,7 +75,7 @@ export interface Body {
   key: string
   at: Place
   radius: number
-  /** The distance to be kept from its centre. */
+  /** The required distance from its centre. */
   reach: number
   track: Place[]
 }
@@ -87,7 +87,7 @@ export interface Drawable {
   trace: TraceData
 }
 
-/** The obstacles of the worst flights: moving ones where they were at the closest approach; equal ones once. */
+/** The obstacles of the worst flights: moving ones at the closest approach; equal ones once. */
 export function bodiesOf(flights: readonly Drawable[]): Body[] {
   const found = new Map<string, Body>()
   for (const { trace, key } of flights.filter(({ worst }) => worst)) {
@@ -106,6 +106,6 @@ export function bodiesOf(flights: readonly Drawable[]): Body[] {
   return [...found.values()]
 }
 
-/** Places as the path of a drawing; empty where there are fewer than two. */
+/** Positions as an SVG path; empty for fewer than two. */
 export const line = (places: readonly Place[], scale: Scale): string =>
   places.length < 2 ? '' : `M${places.map((p) => `${scale.x(p).toFixed(1)} ${scale.y(p).toFixed(1)}`).join('L')}`

@@ -1,4 +1,4 @@
-// Every transition of the reconnect machine by itself, and that the architecture guide shows the same ones.
+// All transitions of the reconnect state machine, compared with the diagram in the architecture guide.
 import { describe, expect, it } from 'vitest'
 import guide from '../../../../docs/architecture.md?raw'
 import { CLOSED, type Event, type Kind, type Machine, type Name, next, OPENING, phaseOf, reframed, saidOf, TRANSITIONS } from './reconnect'

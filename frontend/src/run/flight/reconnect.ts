@@ -1,57 +1,57 @@
-// What becomes of a 3D view: it opens, it is lost, it is opened again, or it is given up. States, events and transitions
-// as data, without time and without requests; `View` does what a state asks for and hands in what came of it.
+// The state machine of a 3D view: opening, lost, reopening, failed. States, events and transitions are data, without
+// timers and requests; `View` runs the action of each state and feeds back its result.
 // Start reading at `TRANSITIONS`; docs/architecture.md shows them as a diagram.
 
-/** How long the service waits for a view whose frame is new to open [s]. */
+/** How long the service waits for the view of a new frame to open [s]. */
 export const OPENING = 30
-/** So many frames are tried before the view is given up. */
+/** Number of frames tried before the view fails. */
 export const FRAMES = 2
-/** So many requests for news in a row may fail. */
+/** Number of consecutive failed requests that are tolerated. */
 export const MISSES = 2
 
 /**
  * asking: the service is asked for the view, whose frame is there. open: the page listens for news of it.
- * resting: the service does not answer, and is asked again after a while. failed: given up, until the visitor tries again.
+ * resting: the service does not respond, and is retried. failed: given up, until the visitor tries again.
  * closed: the page has no need of it.
  */
 export type Name = 'closed' | 'asking' | 'open' | 'resting' | 'failed'
 
 export type Event =
-  /** The page wants the view, and has made a frame for it. */
+  /** The page needs the view, and has created a frame for it. */
   | { kind: 'wanted' }
-  /** The view is open, and was told what it is to show. */
+  /** The view is open, and the state has been sent to it. */
   | { kind: 'opened' }
   /** The service has no such view (404): its socket is lost, or did not open in time. */
   | { kind: 'absent'; wait?: number }
-  /** Something that it is to show is there no more (422). */
+  /** Part of the state no longer exists (422). */
   | { kind: 'refused'; why: string }
-  /** The service does not answer, or answers that it cannot now (5xx): it stops, starts, or is busy. */
+  /** The service does not respond, or is unavailable (5xx): it stops, starts, or is busy. */
   | { kind: 'silent'; why: string }
-  /** The service will not: the session has ended (401), the run was purged (410). */
+  /** The service refuses permanently: the session has ended (401), the run was purged (410). */
   | { kind: 'barred'; why: string }
-  /** News of the view. */
+  /** The view has changed. */
   | { kind: 'heard' }
-  /** A request for news was not answered; `wait` as in absent. */
+  /** A request for changes failed; `wait` as in absent. */
   | { kind: 'missed'; wait?: number }
   | { kind: 'rested' }
-  /** The visitor tries again. */
+  /** The visitor retries. */
   | { kind: 'retried' }
-  /** The page is left, or the view is out of sight. */
+  /** The page is left, or the view is not visible. */
   | { kind: 'left' }
 
 export type Kind = Event['kind']
 
 export interface Machine {
   readonly name: Name
-  /** Which of the frames made since the view was open or the service silent. */
+  /** Number of the frame since the view was open or the service unavailable. */
   readonly frames: number
   /** How long the service may wait for the view to open [s]. */
   readonly wait: number
-  /** What a view that opens is told beside what the page wants: all that it showed before, or no longer that. */
+  /** Whether the last displayed state is also restored in an opening view. */
   readonly restores: 'nothing' | 'all' | 'part'
-  /** Requests for news in a row that failed. */
+  /** Consecutive failed requests for changes. */
   readonly misses: number
-  /** The view or the service was lost since it was open last. */
+  /** Whether the view or the service was lost since it was last open. */
   readonly lost: boolean
   readonly why: string
 }
@@ -79,7 +79,7 @@ type Steps = { readonly [K in Kind]?: Step<K> }
 
 const left: Steps = { left: () => CLOSED }
 
-/** By state, what each event makes of it; an event that is not listed changes nothing. */
+/** Transitions by state and event; events that are not listed have no effect. */
 export const TRANSITIONS: Readonly<Record<Name, Steps>> = {
   closed: { wanted: () => ({ ...CLOSED, name: 'asking', frames: 1, wait: OPENING }) },
   asking: {
@@ -108,23 +108,23 @@ export const TRANSITIONS: Readonly<Record<Name, Steps>> = {
   },
 }
 
-/** The machine after an event. */
+/** The state machine after an event. */
 export function next(machine: Machine, event: Event): Machine {
   const step = TRANSITIONS[machine.name][event.kind] as ((machine: Machine, event: Event) => Machine) | undefined
   return step ? step(machine, event) : machine
 }
 
-/** Whether the step from one to the other needs a new frame: the one that is there did not open. */
+/** Whether the transition needs a new frame, because the current one did not open. */
 export const reframed = (before: Machine, after: Machine): boolean =>
   after.name === 'asking' && after.frames > 0 && (before.name === 'failed' || (before.name === 'asking' && after.frames > before.frames))
 
-/** What the visitor sees of it. */
+/** The status shown to the visitor. */
 export function phaseOf({ name, lost }: Machine): 'opening' | 'open' | 'lost' | 'failed' {
   if (name === 'open' || name === 'failed') return name
   return lost ? 'lost' : 'opening'
 }
 
-/** A sentence for the visitor: what is wrong and what becomes of it, or that the view is back. */
+/** A notice for the visitor: the problem and its handling, or that the view is restored. */
 export function saidOf({ name, why, lost, restores }: Machine): string {
   if (name === 'failed') return why
   if (name === 'open')

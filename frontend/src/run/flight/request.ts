@@ -1,16 +1,16 @@
-// A request that may be ended from several sides. Start reading at `Request`.
+// A request with several abort conditions.
 
-/** An answer that takes so much longer does not come any more [s]. */
+/** Additional time after which a response is considered lost [s]. */
 const LATE = 10
 
-/** A request that ends with the page's interest, when there is reason to hurry, and when no answer comes. */
+/** A request that is aborted when no longer needed, when woken, and after a timeout. */
 export class Request {
   late = false
   private readonly abort = new AbortController()
   private readonly outer: AbortSignal
   private readonly timer: ReturnType<typeof setTimeout>
 
-  /** The service may wait so long before it answers [s]. */
+  /** Time that the service may wait before it responds [s]. */
   constructor(outer: AbortSignal, wait: number) {
     this.outer = outer
     this.timer = setTimeout(() => {

@@ -1,17 +1,16 @@
-// The address and the 3D view agree on the instant and the camera: what is changed in one is in the other.
-// Start reading at `useInstant`.
+// Synchronises instant and camera between address and 3D view.
 import { useEffect, useRef } from 'react'
 import { useAddress } from '../data/useAddress'
 import type { View } from './view'
 import type { Place } from '../data/viewChange'
 
-/** The address goes along once the view has stood still for so long [ms]: browsers count its changes. */
+/** Debounce interval of address changes [ms], which browsers limit. */
 const STILL = 500
 
-/** Keeps both alike for as long as the page is there; without end, because each knows what the other has said. */
+/** Synchronises both while the page is open; records the last values sent, to avoid feedback. */
 export function useInstant(view: View, id: string): void {
   const [{ t, cam }, change] = useAddress(id)
-  /** What the address says, as far as the view knows of it. */
+  /** The values of the address that were sent to the view. */
   const said = useRef<Place>({ time: t, camera: cam })
   const latest = useRef(change)
   useEffect(() => {
@@ -26,7 +25,7 @@ export function useInstant(view: View, id: string): void {
   }, [t, cam, view])
 
   useEffect(() => {
-    /** Where it opened without being asked to: that need not stand in the address. */
+    /** The default initial state, which need not be in the address. */
     let opened: Place | null = null
     let timer: ReturnType<typeof setTimeout> | undefined
     const write = () => {

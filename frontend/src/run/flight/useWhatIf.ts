@@ -1,4 +1,4 @@
-// The what-if of a run's page: its parameters, what its flight gave, and the address and the 3D view that go along.
+// The what-if of a run's page: parameters, result, and synchronisation with address and 3D view.
 // Start reading at `useWhatIf`.
 import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from 'react'
 import { simulateFlight } from '../../api/calls'
@@ -10,22 +10,22 @@ import type { View } from './view'
 import { NOMINAL } from '../data/chosen'
 import { readWhatIf, requestOf, takenFrom, type WhatIf, written } from './whatif'
 
-/** The address goes along once nothing has moved for so long [ms]: browsers count its changes. */
+/** Debounce interval of address changes [ms], which browsers limit. */
 const STILL = 500
-/** Whoever was overtaken by another page asks again after this time [ms]. */
+/** Retry interval after being superseded by another page [ms]. */
 const AGAIN = 500
 
 export interface WhatIfState {
   /** Null while it is closed. */
   whatIf: WhatIf | null
-  /** The newest answer; that of the values before while another is under way. */
+  /** The newest result; that of earlier values while a request is pending. */
   answer: FlightAnswer | null
-  /** Why there is no flight. */
+  /** The reason why there is no flight. */
   refused: string | null
-  /** Another flight is being simulated. */
+  /** Whether a simulation is pending. */
   busy: boolean
   change: (next: WhatIf | null) => void
-  /** Opens it at the flight that the page shows, or closes it. */
+  /** Opens it with the parameters of the displayed flight, or closes it. */
   toggle: () => void
 }
 
@@ -36,7 +36,7 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
   const asked = readWhatIf(address, known)
   const inAddress = JSON.stringify(asked)
   const [whatIf, setWhatIf] = useState(asked)
-  /** What stood in the address last, and what was written there since, which may arrive late: anything else came by a
+  /** The last address and pending changes, which may arrive late: any other value came by a
    *  link or a step back. */
   const [before, setBefore] = useState(inAddress)
   const [own, setOwn] = useState<readonly string[]>([inAddress])
@@ -53,7 +53,7 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
   })
   const flight = useFlight(data.run.id, whatIf, view)
 
-  // An evaluation that is chosen in the parameter space is the page's, too, from then on.
+  // An evaluation picked in the parameter space is adopted by the page.
   const shown = useSyncExternalStore(view.subscribe, () => view.known.shown)
   const taken = shown ? takenFrom(shown, known) : null
   const text = JSON.stringify(taken)
@@ -72,7 +72,7 @@ export function useWhatIf(data: RunData, view: View): WhatIfState {
   return { whatIf, ...flight, change, toggle }
 }
 
-/** Writes it into the address once it has stood still. */
+/** Writes it into the address after the debounce interval. */
 function useWritten(whatIf: WhatIf | null, inAddress: string, write: (next: WhatIf | null) => void): void {
   const latest = useRef(write)
   useEffect(() => {
@@ -81,14 +81,14 @@ function useWritten(whatIf: WhatIf | null, inAddress: string, write: (next: What
   const text = JSON.stringify(whatIf)
   useEffect(() => {
     if (text === inAddress) return
-    // Opened and closed at once, so that a copied link has it.
+    // Opening and closing are written immediately, so that a copied link has them.
     const opened = (text === 'null') !== (inAddress === 'null')
     const timer = setTimeout(() => latest.current(JSON.parse(text) as WhatIf | null), opened ? 0 : STILL)
     return () => clearTimeout(timer)
   }, [text, inAddress])
 }
 
-/** The flight of the newest values: one request at a time, then the newest; what is overtaken meanwhile is never asked for. */
+/** Simulates the newest values: one request at a time; superseded values are skipped. */
 function useFlight(run: string, whatIf: WhatIf | null, view: View): Pick<WhatIfState, 'answer' | 'refused' | 'busy'> {
   const [answer, setAnswer] = useState<FlightAnswer | null>(null)
   const [refused, setRefused] = useState<string | null>(null)
@@ -128,7 +128,7 @@ function useFlight(run: string, whatIf: WhatIf | null, view: View): Pick<WhatIfS
   return { answer, refused, busy }
 }
 
-/** Has the view draw the flight where it was not open when the flight was simulated, and hide it with the what-if. */
+/** Draws the flight in a view that was opened after the simulation, and hides it when the what-if closes. */
 function useDrawn(view: View, whatIf: WhatIf | null, answer: FlightAnswer | null, { parameters }: Pick<RunData, 'parameters'>): void {
   const open = whatIf !== null
   const was = useRef(open)
@@ -144,4 +144,4 @@ function useDrawn(view: View, whatIf: WhatIf | null, answer: FlightAnswer | null
 }
 
 const refusalFor = (error: unknown): Refusal =>
-  error instanceof Refusal ? error : new Refusal(0, 'No answer', 'The service does not answer.')
+  error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.')

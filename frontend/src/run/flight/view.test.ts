@@ -1,4 +1,4 @@
-// Changes that are sent together, and the addresses of views.
+// Merging of changes, and the addresses of views.
 import { expect, it } from 'vitest'
 import { View } from './view'
 import { addressOf, again, merged } from '../data/viewChange'

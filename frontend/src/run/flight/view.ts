@@ -1,5 +1,5 @@
-// The page's hold on its 3D view: what it is to show goes there by a key that only this page knows, and where its visitor
-// has moved the camera or the time has run comes back at once. `reconnect` says what becomes of it. Start at `View.live`.
+// Controls the page's 3D view: changes are sent with a key that only this page has, and movements of camera and time are
+// received. `reconnect` is its state machine. Start reading at `View.live`.
 import { changeView, getView } from '../../api/calls'
 import { Refusal } from '../../api/problems'
 import { signedOut } from '../../api/session'
@@ -8,27 +8,27 @@ import { CLOSED, type Event, type Machine, next, phaseOf, reframed, saidOf } fro
 import { Request } from './request'
 import { addressOf, again, merged, type Place, uuid, type Wanted } from '../data/viewChange'
 
-/** Between two changes at least [ms]: what comes meanwhile goes together, the newest of each kind. */
+/** Minimum interval between changes [ms]: pending ones are merged, the newest of each kind. */
 const PAUSE = 40
-/** Between two pieces of news at least [ms]: while the flight plays, the page goes along so often. */
+/** Minimum interval between updates [ms] while the flight plays. */
 const NEWS = 100
-/** How long the service waits for news, at most [s]. */
+/** Maximum wait of the service for a change [s]. */
 const QUIET = 25
-/** A frame that has the focus opens a lost socket anew by itself: for so long it is waited for [s]. */
+/** How long to wait for a focused frame, which reopens a lost socket by itself [s]. */
 const OWN = 3
-/** How long it takes to ask again where the service does not answer [ms]. */
+/** Retry interval if the service does not respond [ms]. */
 const RETRY = 2000
-/** How long it is said that the view is back [ms]. */
+/** How long the notice of a restored view is shown [ms]. */
 const BACK = 8000
 
-/** What the page knows of its view. */
+/** The state of the view as known to the page. */
 export interface Known {
-  /** What is shown; null while it is not open. */
+  /** The displayed state; null while the view is not open. */
   shown: ViewState | null
   phase: ReturnType<typeof phaseOf>
-  /** A sentence for the visitor: what is wrong and what to do, or that it is back. */
+  /** A notice for the visitor: the problem and what to do, or that the view is restored. */
   said: string
-  /** Where the frame is, and which frame it is: one that is lost is replaced. */
+  /** Address and number of the frame: a lost one is replaced. */
   address: string | null
   frame: number
 }
@@ -38,15 +38,15 @@ export class View {
   readonly key = uuid()
   known: Known = { shown: null, phase: 'opening', said: '', address: null, frame: 0 }
   private machine: Machine = CLOSED
-  /** What it showed last, also after it was lost. */
+  /** The last displayed state, also after a loss. */
   private last: ViewState | null = null
   private wanted: Wanted | null = null
-  /** Which of it the view has been told. */
+  /** The part of it that has been sent to the view. */
   private told: Wanted | null = null
   private pending: ViewChange = {}
   private busy = false
   private abort: AbortController | null = null
-  /** Ends the request for news that is under way. */
+  /** Aborts the pending request for changes. */
   private hurry: () => void = () => undefined
   private readonly listeners = new Set<() => void>()
 
@@ -54,7 +54,7 @@ export class View {
     this.run = run
   }
 
-  /** Open it at a place, and keep it open until what is returned is called. */
+  /** Opens the view at an address, until the returned function is called. */
   open(place: Place): () => void {
     if (!this.wanted) return () => undefined
     const abort = new AbortController()
@@ -76,32 +76,32 @@ export class View {
     }
   }
 
-  /** Try once more after it was given up. */
+  /** Retries after a failure. */
   retry(): void {
     if (!this.abort || this.machine.name !== 'failed') return
     this.take({ kind: 'retried' })
     void this.live(this.abort.signal)
   }
 
-  /** What the page wants it to show from now on. */
+  /** Sets the state that the page requires. */
   want(wanted: Wanted): void {
     if (this.wanted?.flight === wanted.flight && this.wanted.theme === wanted.theme) return
     this.wanted = wanted
     this.steer({})
   }
 
-  /** Have it show something else, as soon as it can. */
+  /** Changes the display as soon as possible. */
   steer(change: ViewChange): void {
     this.pending = merged(this.pending, change)
     void this.send()
   }
 
-  /** Let the time run, or stand. */
+  /** Starts or pauses playback. */
   toggle(): void {
     if (this.known.shown) this.steer({ playing: !this.known.shown.playing })
   }
 
-  /** What it shows at this moment; null where there is none. */
+  /** The current state; null without a view. */
   async look(): Promise<ViewState | null> {
     const { abort } = this
     if (!abort || !this.known.shown) return null
@@ -114,10 +114,10 @@ export class View {
     return () => this.listeners.delete(listener)
   }
 
-  /** The time that is shown [s], for charts over time. */
+  /** The displayed time [s], for charts over time. */
   readonly time = (): number | null => this.known.shown?.time ?? null
 
-  /** Does what the state asks for and takes what comes of it, until the page is left or the view is given up. */
+  /** Runs the action of each state and feeds its result to the machine, until the page is left or the view has failed. */
   private async live(signal: AbortSignal): Promise<void> {
     while (!signal.aborted && this.machine.name !== 'failed') {
       const event = await this.doing(signal)
@@ -137,7 +137,7 @@ export class View {
     this.machine = next(before, event)
     const { machine } = this
     if (machine === before) return
-    if (machine.restores === 'part') this.last = null // what it showed is there no more: it opens as the page has it
+    if (machine.restores === 'part') this.last = null // its last state no longer exists: open it in the page's state
     if (reframed(before, machine)) this.frame(this.last ? placeOf(this.last) : {})
     if (machine.name === 'open' && before.name === 'open') return
     const said = saidOf(machine)
@@ -145,10 +145,10 @@ export class View {
     if (machine.name === 'open' && said) setTimeout(() => this.known.said === said && this.tell({ said: '' }), BACK)
   }
 
-  /** Tells it all that it is to show, once it is open. */
+  /** Sends the complete state once the view is open. */
   private async ask(signal: AbortSignal): Promise<Event> {
     const { wanted, last, machine, pending } = this
-    this.pending = {} // what is asked for meanwhile is sent once it is open
+    this.pending = {} // pending changes are sent once it is open
     const change = merged(last ? again(last) : {}, { ...pending, ...wanted })
     const asked = new Request(signal, machine.wait)
     const answer = await changeView(this.run, this.key, change, machine.wait, asked.signal).catch(refusedFor)
@@ -164,7 +164,7 @@ export class View {
     return { kind: 'opened' }
   }
 
-  /** News of what is shown, or that there is none; asks nothing while the page is hidden. */
+  /** Waits for a change of the display, or its loss; pauses while the page is hidden. */
   private async listen(signal: AbortSignal): Promise<Event> {
     if (document.hidden) {
       await this.rest(Number.POSITIVE_INFINITY, signal)
@@ -183,7 +183,7 @@ export class View {
     return failed ? { kind: 'missed', wait } : { kind: 'heard' }
   }
 
-  /** Sends what there is to change, one request at a time. */
+  /** Sends pending changes, one request at a time. */
   private async send(): Promise<void> {
     if (this.busy) return
     this.busy = true
@@ -194,10 +194,10 @@ export class View {
       const answer = await changeView(this.run, this.key, change, 0, abort.signal).catch(refusedFor)
       if (this.abort !== abort) break
       if (!(answer instanceof Refusal)) this.told = wanted
-      else if (answer.status === 422) this.told = wanted // asked again it would be refused again
+      else if (answer.status === 422) this.told = wanted // a repetition would be refused again
       else {
         this.pending = merged(change, this.pending)
-        this.hurry() // who listens finds out what is wrong
+        this.hurry() // the listening loop detects the problem
         break
       }
       if (!(answer instanceof Refusal)) this.hear(answer)
@@ -206,20 +206,20 @@ export class View {
     this.busy = false
   }
 
-  /** Takes what is shown; answers may overtake each other. */
+  /** Stores the state; responses may arrive out of order. */
   private hear(shown: ViewState): void {
     if (!this.known.shown || shown.revision < this.known.shown.revision) return
     this.last = shown
     if (shown.revision !== this.known.shown.revision) this.tell({ shown })
   }
 
-  /** A frame, another one where there is one. */
+  /** Creates a frame, replacing the current one. */
   private frame(place: Place): void {
     if (!this.wanted) return
     this.tell({ address: addressOf(this.run, this.wanted, place, this.key), frame: this.known.frame + 1 })
   }
 
-  /** Waits so long [ms], or until there is reason to hurry. */
+  /** Waits for a time [ms], or until woken. */
   private async rest(time: number, signal: AbortSignal): Promise<void> {
     await new Promise<void>((resolve) => {
       const timer = Number.isFinite(time) ? setTimeout(() => done(), time) : undefined
@@ -239,11 +239,11 @@ export class View {
   }
 }
 
-const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No answer', 'The service does not answer.'))
+const refusedFor = (error: unknown): Refusal => (error instanceof Refusal ? error : new Refusal(0, 'No response', 'The service does not respond.'))
 
 const placeOf = ({ time, camera }: ViewState): Place => ({ time, ...(camera && { camera }) })
 
-/** What a refused opening is to the machine. */
+/** The event of a refused opening. */
 function eventOf(answer: ViewState | Refusal): Event {
   if (!(answer instanceof Refusal)) return { kind: 'opened' }
   const { status, message: why } = answer

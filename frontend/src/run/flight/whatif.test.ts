@@ -1,4 +1,4 @@
-// The what-if in the address, what is simulated of it, and what is taken from the view.
+// The what-if in the address, its request, and updates from the view.
 import { describe, expect, it } from 'vitest'
 import type { FindingDetail, ViewState } from '../../client'
 import type { UncertainParameter } from '../data/data'

@@ -1,4 +1,4 @@
-// Asks for word from the browser when this run has ended.
+// Toggles the browser notification at the end of this run.
 import { IconBell, IconBellFilled } from '@tabler/icons-react'
 import { useState } from 'react'
 import { type Asked, toggleRun, useWanted } from '../../page/notify'

@@ -1,4 +1,4 @@
-// Pin, name and tags of a run, to be changed by whoever works with it; its campaign never changes.
+// Edits pin, name and tags of a run; its campaign never changes.
 import { Modal, TagsInput } from '@mantine/core'
 import { IconPencil, IconPin, IconPinnedFilled } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
@@ -43,7 +43,7 @@ export function EditRun({ run }: { run: RunDetail }) {
 function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
   const [name, setName] = useState(run.name)
   const [tags, setTags] = useState<string[]>(run.tags)
-  // What is typed but not yet a tag is one when the form is sent. Taking it when the field is left would move the button
+  // Text typed as a tag is added when the form is sent. Adding it on blur would move the button
   // away from under the pointer.
   const [typed, setTyped] = useState('')
   const all = [...new Set([...tags, ...typed.split(/[\s,]+/).filter(Boolean)])]
@@ -84,7 +84,7 @@ function Form({ run, onDone }: { run: RunDetail; onDone: () => void }) {
         acceptValueOnBlur={false}
       />
       {wrong.length > 0 && (
-        <p className="ferr">A tag is made of letters, digits and . _ + -, at most 40 of them: {wrong.join(', ')}</p>
+        <p className="ferr">A tag consists of letters, digits and . _ + -, at most 40 of them: {wrong.join(', ')}</p>
       )}
       {edit.isError && <p className="ferr">{edit.error.message}</p>}
       <div className="acts" style={{ justifyContent: 'flex-end' }}>

@@ -1,4 +1,4 @@
-// The head of a run's page: what it is, how it stands, what can be done with it.
+// The header of a run's page: identity, state, actions.
 import { Modal } from '@mantine/core'
 import { IconPlayerStop, IconRefresh } from '@tabler/icons-react'
 import { useMutation, useQueryClient } from '@tanstack/react-query'
@@ -55,7 +55,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
         {isLive(run) && <Freshness stale={stale} />}
         {isLive(run) && <Bell run={run.id} />}
         {isLive(run) && (
-          <Link to="/runs/$id/flight" params={{ id: run.id }} className="btn" title="The flights as they are found, and the searches">
+          <Link to="/runs/$id/flight" params={{ id: run.id }} className="btn" title="The flights found so far, and the searches">
             3D view
           </Link>
         )}
@@ -72,7 +72,7 @@ export function Head({ run, stale }: { run: RunDetail; stale: boolean }) {
 
 function Freshness({ stale }: { stale: boolean }) {
   const stream = useStreamStatus()
-  const words = stale ? 'The service does not answer, trying again' : stream === 'open' ? 'Live' : 'Refreshing every 2 s'
+  const words = stale ? 'The service does not respond, retrying' : stream === 'open' ? 'Live' : 'Refreshing every 2 s'
   return (
     <span className={stale ? 'small bad-t nw' : 'small mut nw'} role="status">
       {words}
@@ -106,8 +106,8 @@ function Cancel({ run }: { run: RunDetail }) {
         lockScroll={false}
       >
         <p className="sec">
-          The {count(run.evaluations)} evaluations flown so far are kept. A cancelled run has no verdict, and it cannot
-          be continued; it can be run again.
+          The {count(run.evaluations)} completed evaluations are stored. A cancelled run has no verdict and cannot
+          be resumed; it can be run again.
         </p>
         {cancel.isError && <p className="ferr">{cancel.error.message}</p>}
         <div className="acts" style={{ justifyContent: 'flex-end', marginTop: 16 }}>

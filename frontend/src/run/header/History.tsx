@@ -1,4 +1,4 @@
-// What was done to a run, and by whom: the audit trail, folded until it is asked for.
+// The audit trail of a run, collapsed by default.
 import { queryOptions, useQuery } from '@tanstack/react-query'
 import { useState } from 'react'
 import { getHistory } from '../../api/calls'

@@ -1,4 +1,4 @@
-// Notes on a run, in Markdown: why it was flown, what was seen, what was decided.
+// Notes on a run, in Markdown.
 import { IconPencil } from '@tabler/icons-react'
 import { lazy, Suspense, useState } from 'react'
 import type { RunDetail } from '../../client'
@@ -7,7 +7,7 @@ import { Card } from '../../ui/Card'
 import { useEdit } from './useEdit'
 import styles from './header.module.css'
 
-// Most runs have no notes: the parser comes with the first.
+// Most runs have no notes: the parser is loaded on first use.
 const Parsed = lazy(() => import('../../ui/Markdown').then((module) => ({ default: module.Markdown })))
 
 const MOST = 20_000

@@ -1,4 +1,4 @@
-// Taking runs out of the lists and putting them back: the buttons of a selection, and the dialog that asks why.
+// Removal and restoration of runs: the buttons of a selection, and the dialog that asks for a reason.
 import { Modal } from '@mantine/core'
 import { IconArrowBackUp, IconTrash } from '@tabler/icons-react'
 import { type QueryClient, useMutation, useQueryClient } from '@tanstack/react-query'
@@ -10,7 +10,7 @@ import { count } from '../../format/numbers'
 
 export const plural = (n: number): string => `${count(n)} ${n === 1 ? 'run' : 'runs'}`
 
-/** What became of runs, wherever they are shown: lists and what lists can be narrowed to are asked for again. */
+/** Updates changed runs everywhere: lists and their filter values are requested again. */
 function putMoved(cache: QueryClient, runs: readonly RunSummary[]): void {
   for (const run of runs) {
     const before = cache.getQueryData<RunDetail>(['run', run.id])
@@ -64,7 +64,7 @@ export function RemoveMarked({ runs, onDone }: { runs: readonly RunSummary[]; on
 
 interface RemoveDialogProps {
   runs: readonly RunSummary[]
-  /** Selected ones that are still in work. */
+  /** Selected runs that are still active. */
   staying?: number
   opened: boolean
   onClose: () => void

@@ -1,4 +1,4 @@
-// A run that was taken out of the lists: who did it, when and why, and the way back; what is left of one that was purged.
+// Notice of a removed run: who, when and why, and restoration; notice of a purged run.
 import { IconArrowBackUp, IconTrash } from '@tabler/icons-react'
 import { Link } from '@tanstack/react-router'
 import { useState } from 'react'

@@ -1,4 +1,4 @@
-// The audit trail in words.
+// Texts of the audit trail.
 import { expect, it } from 'vitest'
 import type { HistoryEntry } from '../../client'
 import { saidOf } from './said'
@@ -19,7 +19,7 @@ it('tells who signed, and why not any more', () => {
 
 it('tells whether a cancel came in time', () => {
   expect(said('run.cancelled', { state: 'cancelling' })).toBe('Cancelled')
-  expect(said('run.cancelled', { state: 'done' })).toBe('Asked to cancel, after its end')
+  expect(said('run.cancelled', { state: 'done' })).toBe('Requested cancellation after its end')
 })
 
 it('tells what became of a run', () => {

@@ -1,4 +1,4 @@
-// What was done to a run, in words. Start reading at `saidOf`.
+// Texts for entries of the audit trail.
 import type { HistoryEntry } from '../../client'
 
 const text = (value: unknown): string => (typeof value === 'string' ? value : '')
@@ -9,7 +9,7 @@ export function saidOf({ action, detail }: HistoryEntry): string {
     case 'run.submitted':
       return 'Submitted'
     case 'run.cancelled':
-      return detail.state === 'cancelled' || detail.state === 'cancelling' ? 'Cancelled' : 'Asked to cancel, after its end'
+      return detail.state === 'cancelled' || detail.state === 'cancelling' ? 'Cancelled' : 'Requested cancellation after its end'
     case 'run.edited':
       return editOf(detail)
     case 'run.removed':

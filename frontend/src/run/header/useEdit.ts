@@ -1,4 +1,4 @@
-// Writes what people say of a run (name, tags, notes, pin) and puts the answer wherever the run is shown.
+// Saves annotations of a run (name, tags, notes, pin) and updates the run everywhere.
 import { useMutation, useQueryClient } from '@tanstack/react-query'
 import { editRun } from '../../api/calls'
 import { putRun } from '../../api/events'
@@ -15,7 +15,7 @@ export function useEdit(run: RunDetail, onDone?: () => void) {
       void cache.invalidateQueries({ queryKey: ['history', run.id] })
       onDone?.()
     },
-    // Refused for what somebody else wrote meanwhile: that is to be seen.
+    // Refused because another user has changed them: show the current state.
     onError: () => void cache.invalidateQueries({ queryKey: ['run', run.id] }),
   })
 }

@@ -1,4 +1,4 @@
-// Sensitivity over the whole box: Morris' elementary effects and Sobol's shares of the variance, a row per parameter.
+// Global sensitivity: Morris' elementary effects and Sobol indices, one row per parameter.
 import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
 import { words } from '../../format/said'

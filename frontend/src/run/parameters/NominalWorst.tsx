@@ -1,4 +1,4 @@
-// Nominal against worst: every uncertain parameter, where it lies within its bounds, and what comes of it.
+// Nominal against worst: every uncertain parameter with its position within the bounds, and the results.
 import { decimalsFor, fixed, NARROW, NONE, plain } from '../../format/numbers'
 import { unitText } from '../../format/units'
 import { WithinBounds } from '../../ui/bars'
@@ -14,7 +14,7 @@ interface Worst {
   cost: number
   parameters: Record<string, number>
   method: string | null
-  /** Of every criterion, by its name. */
+  /** Values of all criteria, by name. */
   values: Record<string, number | null>
   atBounds?: Record<string, string>
 }
@@ -24,7 +24,7 @@ interface NominalWorstProps {
   className: string
   title: string
   note?: string
-  /** Head of the column of the other flight; null for the nominal one alone. */
+  /** Header of the column of the other flight; null if only the nominal one is shown. */
   column: string | null
   worst: Worst | null
   id?: string
@@ -99,7 +99,7 @@ export function NominalWorst({ data, className, title, note, column, worst, id }
   )
 }
 
-/** With which noise the two were simulated; nothing where the scenario has none. */
+/** Noise realisations of both; empty for a scenario without noise. */
 function Noise({ both, noises }: { both: boolean; noises: readonly string[] }) {
   const [nominal, other] = noises.map((noise) => noise.replace('noise seed ', ''))
   if (!nominal && !other) return null
@@ -119,11 +119,11 @@ interface ToldProps {
   unit: string
   both: boolean
   note?: string
-  /** In the nominal flight and in the other one. */
+  /** Values in the nominal flight and in the other one. */
   values: (number | null)[]
 }
 
-/** What else is told of the two flights; nothing where neither tells it. */
+/** Further results of the two flights; empty if neither has any. */
 function Told({ name, sign, unit, both, note, values }: ToldProps) {
   const [nominal, other] = values
   if (nominal === null && (other === null || !both)) return null
@@ -190,7 +190,7 @@ function Row({ parameter, worst, alone }: { parameter: UncertainParameter; worst
   )
 }
 
-/** Which bound a value lies on, within a hundred-thousandth of the range. */
+/** The bound at which a value is, within a hundred-thousandth of the range. */
 function edge(value: number, low: number, high: number): string | undefined {
   const reach = 1e-5 * (high - low)
   if (value <= low + reach) return 'low'

@@ -1,5 +1,5 @@
-// Sensitivity: each parameter over its bounds, the others nominal, and the others as in the chosen finding; all curves
-// share the vertical axis.
+// Sensitivity: each parameter over its bounds, the others nominal or as in the chosen finding; all curves share the
+// vertical axis.
 import { useMemo } from 'react'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'
@@ -19,10 +19,10 @@ import styles from './parameters.module.css'
 interface SensitivityCardProps {
   data: RunData
   result: SensitivityResult
-  /** Whether it came to the slices of every finding. */
+  /** Whether slices of all findings were simulated. */
   validation: ValidateResult | null
   className: string
-  /** Of each plot [px]. */
+  /** Size of each plot [px]. */
   height: number
 }
 
@@ -84,7 +84,7 @@ export function SensitivityCard({ data, result, validation, className, height }:
   )
 }
 
-/** The slice of one parameter through the finding, and the finding's own value of it. */
+/** The slice of one parameter through the finding, and its value in the finding. */
 function throughOf(slices: Slices | null, path: string): Through | null {
   const curve = slices?.curves.find((each) => each.path === path)
   return curve && slices ? { curve, at: slices.at[path] ?? null } : null
@@ -95,7 +95,7 @@ interface Through {
   at: number | null
 }
 
-/** Why a finding has no slices, where validation ended before it flew them. */
+/** The reason why a finding has no slices: validation ended before. */
 function missing(validation: ValidateResult | null, chosen: string, slices: Slices | null): string {
   if (slices || chosen === NOMINAL || !validation?.findings || validation.findings.complete) return ''
   return `No slices were simulated through ${chosen}: validation ended before them.  `
@@ -103,7 +103,7 @@ function missing(validation: ValidateResult | null, chosen: string, slices: Slic
 
 function footerOf(curves: readonly Curve[], absent: string) {
   const failed = curves.reduce((sum, curve) => sum + curve.status.filter((status) => status !== 'ok').length, 0)
-  const gaps = failed > 0 ? `${failed} of these flights gave no value; the curves have gaps there.` : ''
+  const gaps = failed > 0 ? `${failed} of these evaluations have no value; the curves have gaps there.` : ''
   return absent || gaps ? absent + gaps : undefined
 }
 

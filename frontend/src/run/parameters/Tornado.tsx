@@ -1,4 +1,4 @@
-// The tornado: how far each parameter alone moves the value from nominal, at its low and at its high bound.
+// Tornado chart: change of the value from nominal at the low and the high bound of each parameter.
 
 import type { SensitivityResult } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
@@ -19,7 +19,7 @@ interface TornadoProps {
   data: RunData
   result: SensitivityResult
   className: string
-  /** Rows farther apart: beside much that is higher. */
+  /** More spacing between rows, next to higher cards. */
   tall?: boolean
 }
 
@@ -75,7 +75,7 @@ function barsOf({ run, parameters }: RunData, result: SensitivityResult): Bar[] 
 
 const reach = (bar: Bar): number => Math.max(Math.abs(bar.low), Math.abs(bar.high))
 const [BAR, SIGN, SIDE] = [16, 46, 34]
-/** Room for the labels: symbols are short, paths are not. */
+/** Width of the labels: symbols are short, paths are not. */
 const leftOf = (bars: Bar[]): number => Math.max(SIGN, ...bars.map((bar) => (isPath(bar.symbol) ? 12 + 6.4 * bar.symbol.length : 0)))
 
 function Bars({ bars, quantity, unit, row }: { bars: Bar[]; quantity: string; unit: string; row: number }) {
@@ -132,7 +132,7 @@ interface HalfProps {
   y: number
 }
 
-/** The bar of one bound, with the bound's name at its end; when both go the same way, the second is drawn inside. */
+/** The bar of one bound, labelled at its end; if both have the same direction, the second is drawn inside. */
 function Half({ bar, side, x, y }: HalfProps) {
   const change = bar[side]
   const same = Math.sign(bar.low) === Math.sign(bar.high)

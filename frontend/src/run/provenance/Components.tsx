@@ -1,4 +1,4 @@
-// What the components and methods of a run meant when it began, folded; what is installed otherwise now, at once.
+// The component and method descriptions of a run, collapsed, and their differences from the installation.
 import { useQuery } from '@tanstack/react-query'
 import { lazy, Suspense, useState } from 'react'
 import { componentsQuery } from '../../api/queries'
@@ -36,7 +36,7 @@ export function Components({ run, className }: { run: RunDetail; className: stri
   )
 }
 
-/** Texts alone do not say what flies: only the same code does. */
+/** Equal descriptions do not imply equal code. */
 const sameCode = ({ code, code_installed }: RunComponents) => code !== null && code === code_installed
 
 function Code({ told }: { told: RunComponents }) {
@@ -87,7 +87,7 @@ function Origin({ told }: { told: RunComponents }) {
     return (
       <p className="sec">
         This run did not store the descriptions of its components. Texts, units, limits and default values on this page are those
-        installed now (Clearance {catalogue.version}); they may not be those that flew.
+        installed now (Clearance {catalogue.version}); they may differ from those of the run.
       </p>
     )
   return (
@@ -97,7 +97,7 @@ function Origin({ told }: { told: RunComponents }) {
         <span className="mono" title={digest}>
           {digest.slice(0, 16)}
         </span>
-        .{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The texts are the same now.')}
+        .{changes.length === 0 && (sameCode(told) ? ' The installed components are the same.' : ' The installed texts are the same.')}
       </p>
       {changes.length > 0 && (
         <div className="note warn">

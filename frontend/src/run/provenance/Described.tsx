@@ -1,4 +1,4 @@
-// The entries of a catalogue that a run used, each folded: loaded only when they are asked for.
+// The catalogue entries that a run used, collapsed and loaded on demand.
 import type { Catalogue } from '../../client'
 import { ComponentText } from '../../help/ComponentText'
 import { MethodText } from '../../help/MethodText'

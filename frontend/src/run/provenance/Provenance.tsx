@@ -1,4 +1,4 @@
-// Provenance: all that is needed to get the same numbers again, and the campaign itself to take along.
+// Provenance: everything needed to reproduce the numbers, and the campaign as a file.
 import { IconDownload } from '@tabler/icons-react'
 import { useMutation } from '@tanstack/react-query'
 import { Link } from '@tanstack/react-router'
@@ -51,7 +51,7 @@ export function Provenance({ data, className }: { data: RunData; className: stri
   )
 }
 
-/** What the verdict states; what it does not state, and of a run without a verdict, as it was stored when the run began. */
+/** The provenance of the verdict; missing values, and those of a run without a verdict, are from the start of the run. */
 export function originOf({ summary, flown }: Pick<RunDetail, 'summary' | 'flown'>): Origin {
   const stated = summary?.provenance
   const known = <K extends keyof Flown>(key: K): Flown[K] | null => stated?.[key] ?? flown?.[key] ?? null
@@ -99,13 +99,20 @@ function flightRows({ run, campaign }: RunData, origin: Origin): Rows {
     ['Code', <span key="o">sha256 {hash(run.flown?.code)}</span>],
     [campaign.simulator ? 'Simulator digest' : 'Simulation kernel', <span key="k">{hash(campaign.simulator ? origin.simulator : origin.loop)}</span>],
     ['Seed', String(origin.seed ?? campaign.seed ?? '')],
-    ...(campaign.simulator ? [['Simulator', campaign.simulator.name] satisfies Rows[number]] : loopRows(campaign, origin)),
+    ...(campaign.simulator ? [simulatorRow(campaign.simulator.name)] : loopRows(campaign, origin)),
     ['Started by', `${run.owner}, ${moment(run.created)}`],
     ['Finished', run.finished === null ? 'not finished' : moment(run.finished)],
   ]
 }
 
-/** What only a closed loop has: its integrator, its horizon, its components. */
+const simulatorRow = (name: string): Rows[number] => [
+  'Simulator',
+  <Link key="s" to="/help/components" hash={idOfComponent('simulator', name)}>
+    {name}
+  </Link>,
+]
+
+/** Rows of a closed loop only: integrator, horizon, components. */
 function loopRows(campaign: RunData['campaign'], origin: Origin): Rows {
   const period = Number(campaign.scenario.guidance?.period ?? 0)
   return [

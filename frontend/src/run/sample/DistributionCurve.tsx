@@ -1,4 +1,4 @@
-// The distribution function of the independent sample with the band that holds the true one, and the bound on a quantile.
+// The distribution function of the independent sample with its confidence band, and the bound on a quantile.
 import { useMemo } from 'react'
 import type { Distribution, Sample } from '../../client'
 import { Plot } from '../../charts/Plot'

@@ -1,5 +1,5 @@
-// The independent sample: its histogram with criterion, nominal and worst, its distribution function where the certify
-// stage drew it, and the statements it allows.
+// The independent sample: its histogram with criterion, nominal and worst, its distribution function if the certify
+// stage drew it, and the statements that it supports.
 
 import { useState } from 'react'
 import type { GridResult, Sample } from '../../client'
@@ -18,7 +18,7 @@ import type { RunData } from '../data/data'
 interface SampleCardProps {
   data: RunData
   sample: Sample
-  /** Flown by the certify stage beside the sample. */
+  /** Simulated by the certify stage in addition to the sample. */
   grid?: GridResult | null
   className: string
 }
@@ -70,7 +70,7 @@ export function SampleCard({ data, sample, grid, className }: SampleCardProps) {
       ) : sample.histogram && sample.histogram.counts.length > 0 ? (
         <Histogram data={data} edges={edges} counts={sample.histogram.counts} />
       ) : (
-        <p className="sec">No flight of the sample gave a value.</p>
+        <p className="sec">No evaluation of the sample has a value.</p>
       )}
     </ChartCard>
   )
@@ -84,7 +84,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
   const [holder, width] = useWidth(420)
   const [first, last] = [edges[0] ?? 0, edges[edges.length - 1] ?? 1]
   const spread = last - first || 1
-  // The criterion belongs on the axis unless the bars would shrink to a line beside it.
+  // The axis includes the criterion unless the bars would shrink to a line.
   const threshold = run.threshold
   const off = threshold === null || threshold < first - 2 * spread || threshold > last + 2 * spread
   const low = Math.min(first, run.worst_cost ?? first, off ? first : threshold) - 0.04 * spread
@@ -171,7 +171,7 @@ function Histogram({ data, edges, counts }: { data: RunData; edges: number[]; co
       </svg>
       {off && threshold !== null && (
         <p className="fig">
-          The criterion, {plain(threshold)} {run.unit}, lies off this axis.
+          The criterion, {plain(threshold)} {run.unit}, is outside this axis.
         </p>
       )}
     </div>
@@ -187,7 +187,7 @@ interface MarkerProps {
   width: number
 }
 
-/** A named vertical line; names stand in rows, so that near lines do not write over each other. */
+/** A labelled vertical line; labels are in rows, so that those of close lines do not overlap. */
 function Marker({ at, row, text, colour, dashed, width }: MarkerProps) {
   const right = at > width * 0.6
   return (

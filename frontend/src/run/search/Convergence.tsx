@@ -1,4 +1,4 @@
-// Convergence: the best value each method has found so far, against evaluations or working time. Live and afterwards.
+// Convergence history: the best value of each method so far over evaluations or working time, live and afterwards.
 import { useMemo, useState } from 'react'
 import { ChartCard } from '../../charts/ChartCard'
 import { type Key, Legend, useHidden } from '../../charts/Legend'

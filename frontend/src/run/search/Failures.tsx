@@ -1,4 +1,4 @@
-// Evaluations that gave no value: how many of which kind, why, and with which parameters, to be taken away as YAML.
+// Evaluations without a value: counts by kind, reasons, and parameters, which can be copied as YAML.
 import { useState } from 'react'
 import type { EvaluationFailure } from '../../client'
 import { count, decimalsFor, fixed } from '../../format/numbers'
@@ -59,7 +59,7 @@ export function Failures({ data, className }: { data: RunData; className: string
               </NumHead>
             ))}
             <th>
-              <span className="sr">Take away</span>
+              <span className="sr">Copy</span>
             </th>
           </tr>
         </thead>

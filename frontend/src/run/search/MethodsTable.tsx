@@ -1,4 +1,4 @@
-// The methods side by side: what each found, with how much work, and how it ended.
+// Comparison of the methods: results, effort, and how each ended.
 import { resultOf } from '../../api/stages'
 import type { Compared, Member } from '../../client'
 import { count, decimalsApart, duration, fixed, NONE, signed } from '../../format/numbers'
@@ -23,7 +23,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   const excluded = searches.some(({ stage }) => stage.excluded > 0)
   const validation = resultOf(stageOf(data, 'validate'), 'validate')
   const compared = validation && validation.comparison.length > 0 ? validation.comparison : null
-  // Once the findings are known they need the room: the margin follows from the best.
+  // With findings there is no room for the margin, which follows from the best value.
   const whole = !compared && !(over && (failed || excluded))
   return (
     <Card
@@ -49,7 +49,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
               <>
                 <NumHead unit="at evaluation">Within 1 %</NumHead>
                 <NumHead unit={`of ${data.findings.length}`}>Findings</NumHead>
-                <th title="The finding whose basin holds the method's best evaluation">Best is in</th>
+                <th title="The finding whose basin contains the method's best evaluation">Best is in</th>
               </>
             )}
             {failed && <th className="num">Failed</th>}
@@ -97,7 +97,7 @@ export function MethodsTable({ data, className, id }: { data: RunData; className
   )
 }
 
-/** How soon a method was near the best known, and how many of the findings it came to by itself. */
+/** Evaluations until a method was near the best known value, and how many findings it found independently. */
 function Reached({ row, basins }: { row: Compared | undefined; basins: boolean }) {
   return (
     <>
@@ -110,16 +110,16 @@ function Reached({ row, basins }: { row: Compared | undefined; basins: boolean }
   )
 }
 
-/** The finding whose basin holds a method's best. Basins are as old as the encounter: earlier versions stored neither. */
+/** The finding whose basin contains a method's best. Earlier versions stored neither basins nor the encounter. */
 export function basinText(row: Pick<Compared, 'basin'> | undefined, basins: boolean): string {
   return row && basins ? (row.basin ?? 'no finding') : NONE
 }
 
-/** Who of a portfolio flew how many. */
+/** Evaluations of each member of a portfolio. */
 const membersText = (members: Member[]): string =>
   members.map((member) => `${member.title} ${count(member.evaluations)}`).join(', ')
 
-/** How each search ended, in its own words. */
+/** The reason why each search ended. */
 function Ends({ searches }: { searches: SearchStage[] }) {
   return searches.map(({ stage, title, result }) =>
     result?.stop ? (

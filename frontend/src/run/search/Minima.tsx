@@ -1,4 +1,4 @@
-// Where the descents of a method ended: of a local one each start beside its end, of any other the lowest ends alone.
+// The minima of a method: starts and ends of a local method, only the lowest ends of any other.
 import { useState } from 'react'
 import type { SearchResult } from '../../client'
 import { count, decimalsApart, decimalsFor, fixed, NONE } from '../../format/numbers'
@@ -9,22 +9,22 @@ import { Said } from '../../ui/Said'
 import { Sign } from '../../ui/Sign'
 import type { RunData } from '../data/data'
 
-/** How many starts are listed before the card says that there are more. */
+/** Maximum number of listed starts. */
 const SHOWN = 12
 const MOST = 40
 
-/** How many rows the card has at first. */
+/** Number of rows initially shown. */
 export const rowsOf = (search: SearchResult): number =>
   Math.min(search.minima.length, search.kind === 'local' ? SHOWN : FEW)
 
-/** Of a method whose descents are its own affair. */
+/** For a method that starts its own descents. */
 const FEW = 5
 
 interface MinimaProps {
   data: RunData
   search: SearchResult
   className: string
-  /** Starts above their ends instead of beside them: for many parameters. */
+  /** Starts above their ends instead of next to them, for many parameters. */
   tall?: boolean
 }
 
@@ -33,7 +33,7 @@ export function Minima({ data, search, className, tall }: MinimaProps) {
   const costs = search.minima.map((minimum) => minimum.cost)
   const decimals = decimalsApart(costs, 5, 6)
   const lowest = Math.min(...costs)
-  // A method that starts from points of its own sample tells none: then only where each descent ended is shown.
+  // A method that starts from its own sample reports no starts: then only the ends are shown.
   const started = search.kind === 'local'
   const [all, setAll] = useState(false)
   const most = all ? MOST : started ? SHOWN : FEW

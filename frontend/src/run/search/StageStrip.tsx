@@ -1,4 +1,4 @@
-// The stages of a run in a row, those of one kind together, and the verdict.
+// The stages of a run in a row, grouped by kind, and the verdict.
 import { IconAlertTriangle, IconBan, IconCircleCheck, IconCircleDashed, IconLoader } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { isLive } from '../../api/queries'
@@ -107,7 +107,7 @@ function step(run: RunDetail, kind: StageSummary, stages: StageProgress[]): Step
   }
 }
 
-/** A stage that ended by its own rule has come all the way, whatever was left of its budget. */
+/** A stage that ended by its own rule is complete, even with budget left. */
 const shareOf = (stage: StageProgress): number =>
   stage.state === 'done' ? 1 : Math.min(1, stage.evaluations / Math.max(1, stage.planned))
 

@@ -1,10 +1,10 @@
-// Evaluations without a value: how many of which kind, and one of them as text for a campaign. Start reading at `countsOf`.
+// Evaluations without a value: counts by kind, and one of them as text for a campaign. Start reading at `countsOf`.
 import type { EvaluationFailure, Evaluations, StageProgress } from '../../client'
 
 export type Fate = EvaluationFailure['status']
 
 interface Meaning {
-  /** In a row of a table. */
+  /** Text in a table row. */
   word: string
   name: string
   text: string
@@ -24,11 +24,11 @@ export const MEANING: Record<Fate, Meaning> = {
   excluded: {
     word: 'Excluded',
     name: 'excluded',
-    text: 'the scenario’s precondition does not hold there; such a flight is no evidence either way',
+    text: 'the scenario’s precondition does not hold there; such an evaluation is no evidence either way',
   },
 }
 
-/** How many there are of each kind, those that there are none of left out. */
+/** Counts by kind, without zeros. */
 export function countsOf(
   stages: readonly Pick<StageProgress, 'failed' | 'excluded'>[],
   evaluations: Pick<Evaluations, 'stages'> | undefined,
@@ -44,13 +44,13 @@ export function countsOf(
   return all.filter(({ count }) => count > 0)
 }
 
-/** Parameters as a start of a search, as a campaign file has it: every digit, so that the same flight is flown. */
+/** Parameters as a start of a search in a campaign file, at full precision for a bit-identical evaluation. */
 export function startsYaml(parameters: Readonly<Record<string, number>>): string {
   const pairs = Object.entries(parameters).map(([path, value]) => `${path}: ${numberYaml(value)}`)
   return `starts:\n  - {${pairs.join(', ')}}\n`
 }
 
-/** YAML 1.1 reads 1e-07 as text: a number needs a dot before its exponent, and a sign behind it. */
+/** YAML 1.1 reads 1e-07 as text: a number needs a dot before its exponent, and a sign after it. */
 function numberYaml(value: number): string {
   const text = String(value)
   const [mantissa = '', exponent] = text.split('e')

@@ -1,4 +1,4 @@
-// What the colours mean: the values from the lowest to the highest, with the criterion where it lies between them.
+// The colour scale from the lowest to the highest value, with the criterion if it is in between.
 import { useId } from 'react'
 import { plain } from '../../format/numbers'
 import { symbolText, SvgSign } from '../../ui/Sign'

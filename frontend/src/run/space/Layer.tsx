@@ -1,4 +1,4 @@
-// A canvas for data under an SVG for axes and ranges, both at the size of the holder.
+// A canvas for data below an SVG for axes and ranges, both of the container's size.
 import { type ReactNode, useLayoutEffect, useRef } from 'react'
 import { prepared } from './paint'
 import styles from './space.module.css'
@@ -7,7 +7,7 @@ interface LayerProps {
   width: number
   height: number
   label: string
-  /** Its identity says when to draw anew. */
+  /** A new identity triggers a redraw. */
   paint: (ctx: CanvasRenderingContext2D) => void
   children: ReactNode
 }

@@ -1,4 +1,4 @@
-// Parallel coordinates: one line for each evaluation, one axis for its value and for every parameter. A range is drawn on
+// Parallel coordinates: one line for each evaluation, one axis for the value and every parameter. A range is drawn on
 // an axis by dragging, and moved by its handles or by keys.
 import { type KeyboardEvent, useCallback, useMemo, useRef } from 'react'
 import { decimalsFor, fixed } from '../../format/numbers'
@@ -19,7 +19,7 @@ export interface ViewProps {
   brush: Brush
   onBrush: (axis: Axis, range: readonly [number, number] | null) => void
   ink: Ink
-  /** Drawn on top: the lowest of all kept, and the one under the pointer. */
+  /** Drawn on top: the lowest selected one, and the one under the pointer. */
   worst: number | null
   over: number | null
   onOver: (evaluation: number | null) => void
@@ -101,7 +101,7 @@ interface AxisBarProps extends ViewProps {
   axis: Axis
   lines: Lines
   x: number
-  /** Whether the low end's value stands beside the axis. */
+  /** Whether the value of the low end is next to the axis. */
   beside: boolean
 }
 

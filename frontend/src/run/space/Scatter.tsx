@@ -1,4 +1,4 @@
-// Evaluations over pairs of axes: all pairs of few parameters with the value below, or one chosen pair of many.
+// Evaluations over pairs of axes: all pairs of few parameters, or one chosen pair of many.
 // A rectangle drawn in a cell is a range on both of its axes.
 import { useCallback, useMemo } from 'react'
 import { linearTicks, tickDecimals } from '../../charts/ticks'
@@ -17,7 +17,7 @@ const [LEFT, BOTTOM, TOP, RIGHT, GAP] = [62, 40, 8, 10, 14]
 
 interface ScatterProps extends ViewProps {
   height: number
-  /** Positions of axes; across and up. All pairs where there is none. */
+  /** Indices of the axes, horizontal and vertical. All pairs if absent. */
   pair: readonly [number, number] | null
 }
 
@@ -66,7 +66,7 @@ const cellOf = ([x, y]: readonly [number, number], width: number, height: number
   height: height - TOP - BOTTOM,
 })
 
-/** The lower triangle of all pairs, parameters in order, what gives the colours in the last row. */
+/** The lower triangle of all pairs in parameter order, with the coloured quantity in the last row. */
 function matrixOf({ axes }: Space, last: number, width: number, height: number): Cell[] {
   const order = [...parametersOf(axes), last]
   const across = order.length - 1
@@ -149,7 +149,7 @@ function Frame({ cell, cells, space, kept, brush, onBrush, onOver, threshold }: 
   )
 }
 
-/** At least two, or an axis would say nothing of its scale. */
+/** At least two ticks, to show the scale of an axis. */
 function ticksOf({ low, high }: Axis, room: number, each: number): number[] {
   const ticks = linearTicks(low, high, Math.max(2, Math.floor(room / each)))
   return ticks.length > 1 ? ticks : linearTicks(low, high, 4)
@@ -171,7 +171,7 @@ function Upright({ axis, cell }: { axis: Axis; cell: Cell }) {
   )
 }
 
-/** At the ends of an axis its numbers stay within it, beside those of the next cell. */
+/** Labels at the ends of an axis stay within it, next to those of the next cell. */
 const anchorAt = (share: number) => (share < 0.04 ? 'start' : share > 0.96 ? 'end' : 'middle')
 
 function Level({ axis, cell }: { axis: Axis; cell: Cell }) {

@@ -1,8 +1,8 @@
 // The parameter space: every stage's evaluations with their value as colour, in parallel coordinates and over pairs of
-// parameters. A range on an axis keeps what lies within it, in every view. Start reading at `SpaceCard`.
+// parameters. A range on an axis filters all views. Start reading at `SpaceCard`.
 import { IconX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
-import { useEffect, useMemo, useState } from 'react'
+import { Fragment, useEffect, useMemo, useState } from 'react'
 import type { EvaluationSeries } from '../../client'
 import { ChartCard } from '../../charts/ChartCard'
 import { useHidden } from '../../charts/Legend'
@@ -23,9 +23,9 @@ import './space.css'
 import runStyles from '../run.module.css'
 import styles from './space.module.css'
 
-/** More evaluations than this are not drawn: lines of more would only cover each other. */
+/** Maximum number of drawn evaluations: more lines would only cover each other. */
 const MOST = 4000
-/** Parameters beyond which the cells of all pairs would be too small. */
+/** Maximum number of parameters for the cells of all pairs. */
 const FEW = 4
 
 export function SpaceCard({ data, className }: { data: RunData; className: string }) {
@@ -37,7 +37,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
     const value = valueAxis(evaluations, run.quantity || 'value', run.unit, run.threshold)
     const titleOf = ({ method, kind }: EvaluationSeries) =>
       catalogue?.methods.find((m) => m.name === method)?.title ?? method ?? kind.charAt(0).toUpperCase() + kind.slice(1)
-    // Not all stages of a run may have them: what was flown by an older version knows only the one that decides.
+    // Stages stored by an older version have only the deciding criterion.
     const told = evaluations?.stages.every((series) => further.every(({ name }) => series.further[name])) ? further : []
     const axes = [value, ...told.map((c) => criterionAxis(evaluations, c)), ...parameters.map((p) => ({ ...p, key: p.path }))]
     return spaceOf({ evaluations, axes, titleOf, most: MOST })
@@ -64,7 +64,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
     onBrush: (axis, range) => setBrush((before) => brushed(before, axis, range)),
     ink,
     worst,
-    // What is left out while the pointer rests on it is not pointed at any more.
+    // A filtered evaluation under the pointer is no longer highlighted.
     over: over !== null && kept.includes(over) ? over : null,
     onOver: setOver,
     threshold: run.threshold,
@@ -77,7 +77,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
       title="Parameter space"
       note={
         space.count < space.total
-          ? `${count(space.count)} of ${count(space.total)} evaluations drawn: the lowest of each stage and an even choice`
+          ? `${count(space.count)} of ${count(space.total)} evaluations drawn: the lowest of each stage and an even selection`
           : `All ${count(space.total)} evaluations of all stages`
       }
       className={className}
@@ -125,7 +125,7 @@ export function SpaceCard({ data, className }: { data: RunData; className: strin
   )
 }
 
-/** The ranges, which stand in the address too: its copy shows the same. */
+/** The ranges, also in the address, so that a copied link shows the same. */
 function useAddressedBrush(id: string, axes: readonly Axis[]) {
   const [{ brush: asked }, change] = useAddress(id)
   const [brush, setBrush] = useState<Brush>(() => brushOf(asked ?? [], axes))
@@ -133,7 +133,7 @@ function useAddressedBrush(id: string, axes: readonly Axis[]) {
   const there = asked?.join(' ') ?? ''
   useEffect(() => {
     if (texts === there) return
-    // The address follows once the range rests.
+    // The address is updated after the range stops changing.
     const timer = setTimeout(() => change({ brush: texts ? texts.split(' ') : undefined }), 300)
     return () => clearTimeout(timer)
   }, [texts, there, change])
@@ -144,7 +144,7 @@ interface RangesProps extends ViewProps {
   onClear: () => void
 }
 
-/** How many are left, the lowest value of them, and each range with a button that takes it away. */
+/** The number of selected evaluations, their lowest value, and each range with a button to remove it. */
 function Ranges({ space, kept, worst, brush, onBrush, onClear }: RangesProps) {
   const value = space.axes[0] as Axis
   const lowest = worst === null ? null : space.columns[0]?.[worst]
@@ -216,9 +216,9 @@ function Pair({ axes, pair, onPair }: { axes: Axis[]; pair: readonly [number, nu
   )
 }
 
-/** One evaluation in words: the one under the pointer, otherwise the lowest that is kept. */
+/** One evaluation as text: the one under the pointer, otherwise the lowest selected. */
 function Reading({ space, at, lowest }: { space: Space; at: number | null; lowest: boolean }) {
-  if (at === null) return <p className={clsx('small mut', styles.read)}>Nothing is kept.</p>
+  if (at === null) return <p className={clsx('small mut', styles.read)}>No evaluation is selected.</p>
   const group = space.groups[space.of[at] as number]
   const fate = FATES[space.fates[at] as number]
   return (
@@ -229,11 +229,13 @@ function Reading({ space, at, lowest }: { space: Space; at: number | null; lowes
       {space.axes.map((axis, k) => {
         const value = space.columns[k]?.[at] as number
         return Number.isNaN(value) ? null : (
-          <span key={axis.key} className="nw">
+          <Fragment key={axis.key}>
             {k > 0 && '; '}
-            <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
-            {axis.unit && ` ${unitText(axis.unit)}`}
-          </span>
+            <span className="nw">
+              <Sign text={axis.symbol} path={axis.key} /> = {plain(value, 5)}
+              {axis.unit && ` ${unitText(axis.unit)}`}
+            </span>
+          </Fragment>
         )
       })}
     </p>

@@ -1,4 +1,4 @@
-// Switches for the stages and for what gave no value, with how many of each are drawn.
+// Toggles for stages and for evaluations without a value, with the numbers drawn.
 import { count } from '../../format/numbers'
 import { Mark } from '../../ui/MethodMark'
 import { FATES, type Space } from './space'

@@ -1,8 +1,8 @@
-// Colours of values: viridis (S. van der Walt and N. Smith, matplotlib 1.5; CC0), the part of it that stands out on the
-// page's ground. The lowest values are farthest from the ground in both themes. Start reading at `colourOf`.
+// Colours of values: viridis (S. van der Walt and N. Smith, matplotlib 1.5; CC0), the part of it that contrasts with the
+// page's background. The lowest values contrast most in both themes. Start reading at `colourOf`.
 import type { Theme } from '../../theme/useTheme'
 
-/** Every tenth of viridis. */
+/** Viridis in steps of a tenth. */
 const VIRIDIS: readonly (readonly [number, number, number])[] = [
   [68, 1, 84],
   [72, 36, 117],
@@ -17,13 +17,13 @@ const VIRIDIS: readonly (readonly [number, number, number])[] = [
   [253, 231, 37],
 ]
 
-/** Which part of the scale is used, from the lowest value to the highest. */
+/** The part of the scale used from the lowest to the highest value. */
 const PART: Record<Theme, readonly [number, number]> = { light: [0, 0.58], dark: [1, 0.41] }
 
-/** How many colours are told apart: what is of one colour is drawn in one go. */
+/** Number of distinct colours: elements of one colour are drawn in one path. */
 export const SHADES = 40
 
-/** The colour at a share of the range of values, 0 at the lowest. */
+/** The colour at a fraction of the value range, 0 at the lowest. */
 export function colourOf(share: number, theme: Theme): string {
   return `rgb(${rgbOf(share, theme).join(', ')})`
 }

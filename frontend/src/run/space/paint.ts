@@ -1,20 +1,20 @@
-// Draws evaluations on canvases: lines across parallel axes, points in cells. What is of one colour is drawn in one go,
-// the lowest values last, so that they lie on top. Start reading at `paintLines` and `paintPoints`.
+// Draws evaluations on canvases: lines across parallel axes, points in cells. Elements of one colour are drawn in one path,
+// the lowest values last, so that they are on top. Start reading at `paintLines` and `paintPoints`.
 import { colour } from '../../charts/draw'
 import type { Theme } from '../../theme/useTheme'
 import { SHADES, shadeOf, shades } from './colours'
 import { type Axis, shareOf, type Space } from './space'
 
-/** Where things stand in the parallel view [px]. */
+/** Layout of the parallel view [px]. */
 export interface Lines {
   xs: number[]
   top: number
   bottom: number
-  /** Where evaluations without a value end on the value's axis. */
+  /** Position of evaluations without a value on the value's axis. */
   none: number
 }
 
-/** One pair of axes, by their positions in `Space.axes`, and its place [px]. */
+/** One pair of axes, by their indices in `Space.axes`, and its position [px]. */
 export interface Cell {
   x: number
   y: number
@@ -29,13 +29,13 @@ export interface Ink {
   /** The values at the ends of the colour scale. */
   low: number
   high: number
-  /** Whose values they are, by its position among the axes. */
+  /** Index of the axis that gives the values. */
   axis: number
-  /** Whether high values are the ones to stand out, not low ones. */
+  /** Whether high values are emphasised instead of low ones. */
   turned: boolean
 }
 
-/** Canvas lines beyond which Chromium's rasteriser takes longer for one path than for several. */
+/** Maximum number of lines in one path; beyond it Chromium's rasteriser is faster with several paths. */
 const AT_ONCE = 40
 
 /** The canvas at its element's size, cleared; units are CSS pixels. */
@@ -51,7 +51,7 @@ export function prepared(canvas: HTMLCanvasElement, width: number, height: numbe
   return ctx
 }
 
-/** Rows by shade, what stands out first; behind them those without a value. */
+/** Rows by shade, most prominent first; then those without a value. */
 export function layersOf(
   space: Space,
   kept: Uint32Array,
@@ -86,7 +86,7 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
   ctx.lineJoin = 'bevel'
   const stroke = (rows: number[]) => {
     for (let first = 0; first < rows.length; first += AT_ONCE) {
-      ctx.lineDashOffset = (first / AT_ONCE) * 3 // dashes side by side would look like rings
+      ctx.lineDashOffset = (first / AT_ONCE) * 3 // aligned dashes would look like rings
       ctx.beginPath()
       for (const i of rows.slice(first, first + AT_ONCE))
         crossings(space, i, lines).forEach((y, k) => {
@@ -99,7 +99,7 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
   }
   ctx.strokeStyle = colour('--ink-3')
   for (const [rows, dash] of [[fates[1] ?? [], [4, 3]], [fates[2] ?? [], [1, 3]]] as const) {
-    // They all come from one place: many of them must not stand out more than what has a value.
+    // They all start at one point: many of them must not be more prominent than those with a value.
     ctx.globalAlpha = rows.length > 400 ? 0.2 : rows.length > 80 ? 0.35 : 0.6
     ctx.setLineDash([...dash])
     stroke(rows)
@@ -115,7 +115,7 @@ export function paintLines(ctx: CanvasRenderingContext2D, space: Space, kept: Ui
   ctx.globalAlpha = 1
 }
 
-/** The place of an evaluation in a cell [px]; NaN where it has no value. */
+/** The position of an evaluation in a cell [px]; NaN without a value. */
 export function placed(space: Space, i: number, cell: Cell): [number, number] {
   const x = shareOf(space.axes[cell.x] as Axis, space.columns[cell.x]?.[i] as number)
   const y = shareOf(space.axes[cell.y] as Axis, space.columns[cell.y]?.[i] as number)
@@ -162,7 +162,7 @@ function cross(ctx: CanvasRenderingContext2D, x: number, y: number): void {
   ctx.lineTo(x - 2.5, y + 2.5)
 }
 
-/** The evaluation whose line passes nearest to a place, at most `reach` [px] above or below it. */
+/** The evaluation whose line is nearest to a position, at most `reach` [px] above or below it. */
 export function lineNear(space: Space, kept: Uint32Array, lines: Lines, x: number, y: number, reach = 6): number | null {
   const right = Math.max(1, lines.xs.findIndex((at) => at >= x))
   const [from, to] = [lines.xs[right - 1], lines.xs[right]]
@@ -176,7 +176,7 @@ export function lineNear(space: Space, kept: Uint32Array, lines: Lines, x: numbe
   return nearest
 }
 
-/** The evaluation nearest to a place in a cell, at most `reach` [px] away. */
+/** The evaluation nearest to a position in a cell, at most `reach` [px] away. */
 export function pointNear(space: Space, kept: Uint32Array, cell: Cell, x: number, y: number, reach = 8): number | null {
   let [nearest, least]: [number | null, number] = [null, reach]
   for (const i of kept) {

@@ -1,4 +1,4 @@
-// Ranges on axes, thinning, and colours that stand out in both themes.
+// Ranges on axes, thinning, and contrast of colours in both themes.
 import { expect, it } from 'vitest'
 import type { Evaluations, EvaluationSeries } from '../../client'
 import { rgbOf, SHADES, shadeOf } from './colours'
@@ -66,7 +66,7 @@ it('has further criteria between the value and the parameters', () => {
   expect([...(space.columns[1] ?? [])]).toEqual([7, 9, Number.NaN])
   expect(parametersOf(axes)).toEqual([2])
   const ink = { theme: 'light', low: 7, high: 9, axis: 1, turned: true } as const
-  // What is worst lies in the first layer, which is painted last.
+  // The worst ones are in the first layer, which is painted last.
   expect(layersOf(space, Uint32Array.of(0, 1, 2), ink).shaded[0]).toEqual([1])
 })
 

@@ -1,4 +1,4 @@
-// The evaluations of all stages as columns for charts, and which of them ranges on the axes keep.
+// The evaluations of all stages as columns for charts, and their selection by ranges on the axes.
 // Start reading at `spaceOf` and `keptOf`.
 import type { CriterionOut, Evaluations, EvaluationSeries } from '../../client'
 import { padded } from '../../charts/ticks'
@@ -6,7 +6,7 @@ import { padded } from '../../charts/ticks'
 export interface Axis {
   /** A parameter's path, `VALUE`, or the name of a further criterion. */
   key: string
-  /** Of a further criterion: which end is worse. */
+  /** The worse direction of a further criterion. */
   worse?: 'low' | 'high'
   symbol: string
   unit: string
@@ -15,7 +15,7 @@ export interface Axis {
   high: number
 }
 
-/** The key of the axis of the criterion's value. */
+/** Key of the axis of the criterion's value. */
 export const VALUE = 'value'
 
 /** The evaluations of one stage. */
@@ -23,7 +23,7 @@ export interface Group {
   key: string
   title: string
   method: string | null
-  /** How many there are, and how many of them are drawn. */
+  /** Total number, and number drawn. */
   total: number
   shown: number
 }
@@ -37,9 +37,9 @@ export interface Space {
   groups: Group[]
   /** By axis; the value of a failed or excluded evaluation is NaN. */
   columns: Float64Array[]
-  /** Position in `FATES`; a flight that took too long has failed. */
+  /** Index in `FATES`; a timeout counts as failed. */
   fates: Uint8Array
-  /** Position in `groups`. */
+  /** Index in `groups`. */
   of: Uint16Array
   /** Counted from 0 within the stage. */
   index: Uint32Array
@@ -57,7 +57,7 @@ interface Source {
   most: number
 }
 
-/** At most about `most` evaluations, each stage by its share, with the lowest of each. */
+/** At most about `most` evaluations, in proportion to the stages, with the lowest of each. */
 export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
   const stages = (evaluations?.stages ?? []).filter((series) => axes.every(({ key }) => key === VALUE || columnOf(series, key)))
   const there = stages.reduce((sum, series) => sum + series.index.length, 0)
@@ -96,11 +96,11 @@ export function spaceOf({ evaluations, axes, titleOf, most }: Source): Space {
   return space
 }
 
-/** What a stage tells of a parameter or of a further criterion; their keys differ, paths have dots. */
+/** A stage's column of a parameter or a further criterion; only paths contain dots. */
 const columnOf = (series: EvaluationSeries, key: string): readonly (number | null)[] | undefined =>
   series.parameters[key] ?? series.further?.[key]
 
-/** At most `most` rows, evenly spread, the lowest among them. */
+/** At most `most` rows, evenly spread, including the lowest. */
 export function thinned(costs: readonly (number | null)[], most: number): number[] {
   if (costs.length <= most) return costs.map((_, i) => i)
   const chosen = new Set<number>()
@@ -119,7 +119,7 @@ function lowestOf(costs: readonly (number | null)[]): number {
   return at
 }
 
-/** What is drawn: within every range, of stages and fates that are not switched off; an open range keeps all. */
+/** The selected evaluations: within all ranges, and of stages and statuses that are switched on. */
 export function keptOf(space: Space, brush: Brush, hidden: ReadonlySet<string>): Uint32Array {
   const ranges = space.axes.flatMap(({ key }, k) => {
     const range = brush[key]
@@ -131,13 +131,13 @@ export function keptOf(space: Space, brush: Brush, hidden: ReadonlySet<string>):
   let n = 0
   for (let i = 0; i < space.count; i++) {
     if (!groups[space.of[i] as number] || !fates[space.fates[i] as number]) continue
-    // What has no value lies in no range of it.
+    // An evaluation without a value is outside every range of the value.
     if (ranges.every(({ column, low, high }) => (column[i] as number) >= low && (column[i] as number) <= high)) kept[n++] = i
   }
   return kept.slice(0, n)
 }
 
-/** The one with the lowest value; null where none has a value. */
+/** The one with the lowest value; null if none has a value. */
 export function worstOf(space: Space, kept: Uint32Array): number | null {
   const values = space.columns[0] as Float64Array
   let worst: number | null = null
@@ -148,7 +148,7 @@ export function worstOf(space: Space, kept: Uint32Array): number | null {
   return worst
 }
 
-/** The range between two values on an axis, within the axis; null where that is the whole axis. Its ends are round. */
+/** The range between two values, clipped to the axis and with rounded ends; null for the whole axis. */
 export function rangeOn(axis: Axis, a: number, b: number): readonly [number, number] | null {
   const step = 10 ** Math.floor(Math.log10((axis.high - axis.low) / 300))
   const round = (value: number) => Number((Math.round(value / step) * step).toPrecision(12))
@@ -157,11 +157,11 @@ export function rangeOn(axis: Axis, a: number, b: number): readonly [number, num
   return low <= axis.low && high >= axis.high ? null : [low, high]
 }
 
-/** A brush as it stands in the address: `path:from:to` for each axis. */
+/** Encodes a brush for the address: `path:from:to` for each axis. */
 export const brushTexts = (brush: Brush): string[] =>
   Object.entries(brush).map(([key, [from, to]]) => `${key}:${from}:${to}`)
 
-/** The brush that an address means; what is no range of these axes is left out. */
+/** Parses the brush of an address; invalid ranges are ignored. */
 export function brushOf(texts: readonly string[], axes: readonly Axis[]): Brush {
   const found: Record<string, readonly [number, number]> = {}
   for (const text of texts) {
@@ -173,7 +173,7 @@ export function brushOf(texts: readonly string[], axes: readonly Axis[]): Brush 
   return found
 }
 
-/** A brush with another range on one axis, or without one. */
+/** Sets or removes the range of one axis in a brush. */
 export function brushed(brush: Brush, axis: Axis, range: readonly [number, number] | null): Brush {
   const { [axis.key]: before, ...rest } = brush
   if (range) return { ...rest, [axis.key]: range }
@@ -201,13 +201,13 @@ export function nudged(axis: Axis, range: readonly [number, number], end: 0 | 1,
     : [from, Math.max(Math.min(to + by * step, axis.high), from)]
 }
 
-/** Where a value lies on its axis: 0 at the low end, 1 at the high end. */
+/** The position of a value on its axis: 0 at the low end, 1 at the high end. */
 export const shareOf = (axis: Axis, value: number): number => (value - axis.low) / (axis.high - axis.low || 1)
 
 export const valueAt = (axis: Axis, share: number): number =>
   axis.low + Math.min(1, Math.max(0, share)) * (axis.high - axis.low)
 
-/** The value's axis: all values, and the criterion unless it is so far away that they would shrink to a line. */
+/** The value's axis: all values, and the criterion unless it is too far away. */
 export function valueAxis(evaluations: Evaluations | undefined, symbol: string, unit: string, threshold: number | null): Axis {
   const costs = (evaluations?.stages ?? []).flatMap((series) => series.cost.filter((cost) => cost !== null))
   const [low, high] = padded(costs, false, 0.02)
@@ -216,7 +216,7 @@ export function valueAxis(evaluations: Evaluations | undefined, symbol: string, 
   return { key: VALUE, symbol, unit, text: '', low: range[0] as number, high: range[1] as number }
 }
 
-/** The axis of a criterion that does not decide: all its values. */
+/** The axis of a further criterion: all its values. */
 export function criterionAxis(evaluations: Evaluations | undefined, criterion: CriterionOut): Axis {
   const { name, title, quantity, unit, worse } = criterion
   const values = (evaluations?.stages ?? []).flatMap((series) => (series.further[name] ?? []).filter((value) => value !== null))
@@ -224,6 +224,6 @@ export function criterionAxis(evaluations: Evaluations | undefined, criterion: C
   return { key: name, symbol: quantity || title, unit, text: title, low, high, worse }
 }
 
-/** Positions of the parameters among the axes: behind the value and the further criteria. */
+/** Indices of the parameters among the axes: after the value and the further criteria. */
 export const parametersOf = (axes: readonly Axis[]): number[] =>
   axes.flatMap((axis, k) => (k === 0 || axis.worse ? [] : [k]))

@@ -1,4 +1,4 @@
-// Dragging in a drawing: where it began and where it is, in the drawing's own pixels, and a click where nothing moved.
+// Dragging in a drawing: start and current position in the drawing's pixels, and a click if nothing moved.
 import { type PointerEvent, useRef } from 'react'
 
 const STILL = 3
@@ -7,9 +7,9 @@ interface Drag {
   /** While dragged: from and to [px]. */
   onDrag: (from: [number, number], to: [number, number]) => void
   onClick: () => void
-  /** Moved over with no button held; null when it leaves. */
+  /** Hover position without a button pressed; null when it leaves. */
   onOver?: (at: [number, number] | null) => void
-  /** What is remembered at the beginning of a drag. */
+  /** State at the start of a drag. */
   onStart?: (at: [number, number]) => void
 }
 

@@ -1,4 +1,4 @@
-// What came of a run: icon, word, sentence and scope, and the checks the verdict rests on. A failure is no verdict.
+// The outcome of a run: verdict, sentence, scope and checks. A failed run has no verdict.
 import { IconCircleCheck, IconCircleX, IconHelpCircle } from '@tabler/icons-react'
 import type { DescribedCheck, RunDetail } from '../../client'
 import { withoutValue } from '../../format/counts'
@@ -54,7 +54,7 @@ export function Banner({ data }: { data: RunData }) {
   )
 }
 
-/** Green only where nothing is left open: evaluations that failed have no value to hold for. */
+/** Green only if no evaluation failed: failed ones have no value for which the check could hold. */
 export function Standing({ check }: { check: Pick<DescribedCheck, 'standing'> }) {
   if (check.standing === 'holds') return <IconCircleCheck className="i s ok-t" aria-label="holds" />
   if (check.standing === 'open')
@@ -62,12 +62,12 @@ export function Standing({ check }: { check: Pick<DescribedCheck, 'standing'> })
   return <IconCircleX className="i s bad-t" aria-label="does not hold" />
 }
 
-/** As a sentence, however it was stored. */
+/** Converts stored text or spans to a sentence. */
 const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1).replace(/[.\s]+$/, '')}.`
 
 function reasonOf(run: RunDetail, outcome: Outcome): string {
   if (outcome === 'cancelled')
-    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations, ${withoutValue(run)}. Completed evaluations are shown below; they support no statement about the avoidance system.`
+    return `The run was cancelled after ${count(run.evaluations)} of at most ${count(run.planned)} evaluations, ${withoutValue(run)}. Completed evaluations are shown below; they support no claim about the avoidance system.`
   const attempts = run.attempts > 1 ? ` It was tried ${run.attempts} times.` : ''
   return `${sentence(run.error ?? 'the run ended without a verdict')}${attempts} This is not a result about the avoidance system.`
 }

@@ -1,4 +1,4 @@
-// What shows that the avoidance was put to the test: closest approaches, motion, the flight that sees nothing, influence.
+// Evidence that the avoidance was exercised: closest approaches, motion, the case without avoidance, influence.
 import type { ClosestApproach, Encounter } from '../../client'
 import { count, decimalsFor, fixed, NONE, plain } from '../../format/numbers'
 import { HelpLink } from '../../help/links'

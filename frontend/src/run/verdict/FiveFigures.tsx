@@ -1,4 +1,4 @@
-// The five figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
+// The five key figures of a finished run: worst, margin, nominal, bound on P(violation), evaluations.
 import { lostOf, unknownOf, withoutValue } from '../../format/counts'
 import { count, decimalsFor, duration, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { numberOf } from '../../launch/campaign/parameters'

@@ -1,4 +1,4 @@
-// Published values beside ours, where the campaign repeats a study. Ours is flown at the published point where one is given.
+// Compares published values with those of the run, if the campaign repeats a study, at the published point if given.
 import { IconAlertTriangle } from '@tabler/icons-react'
 import { useQuery } from '@tanstack/react-query'
 import { Fragment } from 'react'
@@ -10,7 +10,7 @@ import { Card, NumHead } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { type RunData, searchesOf } from '../data/data'
 
-/** Whether this campaign still asks what the shipped one asks: budgets may differ, scenario and bounds may not. */
+/** Whether this campaign equals the shipped one, apart from budgets. */
 function useChanged(campaign: Campaign): boolean {
   const { data } = useQuery(libraryQuery)
   const part = ({ scenario, uncertain }: Campaign) => JSON.stringify([scenario, uncertain])
@@ -104,7 +104,7 @@ function where({ parameters }: RunData, row: PublishedValue) {
   ))
 }
 
-/** Our value for a published one: from the start its label names, or by the method it begins with. */
+/** The run's value for a published one: from the start named by its label, or by the method with which the label starts. */
 function oursFor(data: RunData, row: PublishedValue): number | null {
   const label = row.label.toLowerCase()
   if (label.startsWith('nominal')) return data.run.nominal_cost
@@ -120,7 +120,7 @@ function oursFor(data: RunData, row: PublishedValue): number | null {
   return search?.stage.best ?? null
 }
 
-/** The minimum reached from the start whose numbers the label names. */
+/** The minimum reached from the start named by the label. */
 function minimumFrom(minima: Minimum[], label: string): Minimum | undefined {
   const numbers = [...label.matchAll(/=\s*([\d.]+)/g)].map((match) => Number(match[1]))
   const near = (a: number, b: number) => Math.abs(a - b) < 1e-6 * Math.max(1, Math.abs(b))

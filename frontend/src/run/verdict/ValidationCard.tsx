@@ -1,5 +1,4 @@
-// Validation: nominal and findings at half the step and with the reference integrator, and what of all other evaluations
-// was simulated again. Start reading at `ValidationCard`.
+// Validation: nominal case and findings by step halving and the reference integrator, and the repeated evaluations.
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { SpotChecks, ValidateResult, Validation, Violations } from '../../client'
@@ -90,13 +89,13 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
 
 interface AgainProps {
   data: Pick<RunData, 'run' | 'stages'>
-  /** Evaluated again by the same simulator, and by no other means. */
+  /** Evaluated again by the same simulator only. */
   repeated: boolean
   violations: Violations
   spots: SpotChecks
 }
 
-/** What was simulated again besides nominal and findings, in figures. */
+/** Numbers of repeated evaluations besides nominal case and findings. */
 function Again({ data: { run, stages }, repeated, violations, spots }: AgainProps) {
   const unit = run.unit
   const apart = (value: number | null) => (value === null ? NONE : `${plain(value, 3)} ${unit}`)
@@ -162,7 +161,7 @@ function Rows({ item, decimals }: { item: Validation; decimals: number }) {
   })
 }
 
-/** A difference, however small, with two digits and its sign. */
+/** A signed difference with two significant digits. */
 function signedSmall(value: number): string {
   if (value === 0) return '0'
   return Math.abs(value) < 1e-4 ? `${value > 0 ? '+' : ''}${plain(value, 2)}` : signed(value, decimalsFor([value], 2))

@@ -1,4 +1,4 @@
-// What can be done about a run that failed.
+// Advice for a failed run.
 import { Link } from '@tanstack/react-router'
 import type { RunDetail } from '../../client'
 import { Card } from '../../ui/Card'

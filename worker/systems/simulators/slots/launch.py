@@ -1,7 +1,7 @@
 """Sets the limits of a process and becomes the program: launch.py MEMORY PARENT PROGRAM ARGUMENTS...
 
-It runs without site-packages, so that it starts in milliseconds, and in place of a function between fork and exec, which
-could deadlock in a parent with threads. Linux only: the process dies with the thread that started it.
+It runs without site-packages, so that it starts in milliseconds, and in place of a function between fork and exec,
+which could deadlock in a parent with threads. Linux only: the process dies with the thread that started it.
 """
 
 import ctypes

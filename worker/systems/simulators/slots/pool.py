@@ -1,11 +1,12 @@
 """Slots side by side: hands out evaluations, and replaces a process that died, hung, leaked or served long enough.
 
 One thread owns all processes (they die with the thread that started them) and waits on their pipes and on their deaths.
-Whatever an evaluation does, it comes to an `Outcome`, and no other evaluation is lost. Start reading at `SlotPool._turn`.
+Whatever an evaluation does, it comes to an `Outcome`, and no other is lost. Start reading at `SlotPool._turn`.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import selectors
 import signal
@@ -21,7 +22,7 @@ from worker.systems.simulators.slots.program import Program, TooLong
 from worker.systems.simulators.slots.slot import Slot
 
 AHEAD = 8
-"""So many evaluations wait in a slot's pipe while they are shorter than `SHORT`: else the pipe is most of their time."""
+"""So many evaluations wait in a slot's pipe while they are shorter than `SHORT`: otherwise the pipe dominates."""
 SHORT = 0.002
 """[s]"""
 FAILED_STARTS = 3
@@ -96,10 +97,8 @@ class SlotPool:
         self._thread.join()
 
     def _wake(self) -> None:
-        try:
+        with contextlib.suppress(BlockingIOError):  # a full pipe wakes it too
             os.write(self._wakes, b"x")
-        except BlockingIOError:  # it is full: awake
-            pass
 
     def _loop(self) -> None:
         try:
@@ -223,7 +222,11 @@ class SlotPool:
         if self._failed_starts < FAILED_STARTS:
             return
         self._failed_starts = 0
-        reason = f"it was not ready within {self.limits.start:g} s" if why == "late" else f"it ended while starting, {_death(code)}"
+        reason = (
+            f"it was not ready within {self.limits.start:g} s"
+            if why == "late"
+            else f"it ended while starting, {_death(code)}"
+        )
         with self._lock:
             waiting, self._waiting = list(self._waiting), deque()
         for job in waiting:
@@ -249,10 +252,8 @@ class SlotPool:
             self._selector.unregister(slot.writes)
 
     def _drain(self) -> None:
-        try:
+        with contextlib.suppress(BlockingIOError):
             os.read(self._woken, 4096)
-        except BlockingIOError:
-            pass
 
     def _finish(self, job: int, outcome: Outcome) -> None:
         with self._lock:

@@ -22,8 +22,7 @@ class Program:
     """A command line, how it is spoken to, its environment besides ours, and its folder; `{slot}` is the slot's number.
 
     protocol "framed": each message is its length (4 bytes, little-endian) and JSON; the first one from the process says
-    that it is ready. "lines": one JSON object a line on standard input and output; lines that are not objects are output
-    like any other.
+    that it is ready. "lines": one JSON object a line on standard input and output; other lines are ordinary output.
     """
 
     command: Sequence[str]

@@ -57,8 +57,9 @@ class Slot:
         Path(program.folder).mkdir(parents=True, exist_ok=True)
         prefix = [sys.executable, "-S", "-E", str(LAUNCH), str(self.limits.memory), str(os.getpid())]
         opened = [child_reads, child_writes, child_logs]
+        passed: tuple[int, ...] = ()
         if self.lines:
-            command, streams, passed = list(program.command), (child_reads, child_writes), ()
+            command, streams = list(program.command), (child_reads, child_writes)
         else:
             shared = os.memfd_create("begun")
             os.ftruncate(shared, 8)

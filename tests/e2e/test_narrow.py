@@ -58,7 +58,16 @@ PAGES: dict[str, tuple[str, list[str]]] = {
     "no-such-page": ("/no/such/page", ["text=Page not found"]),
 }
 """Each with its address and what is drawn once it is scrolled to."""
-GUIDES = ("first-campaign", "your-own-component", "methods", "evidence", "ci", "operation", "architecture")
+GUIDES = (
+    "first-campaign",
+    "your-own-component",
+    "your-own-simulator",
+    "methods",
+    "evidence",
+    "ci",
+    "operation",
+    "architecture",
+)
 
 BEYOND = """() => {
     const scrolls = (element) => /auto|scroll/.test(getComputedStyle(element).overflowX)

@@ -62,7 +62,12 @@ MAY: dict[str, tuple[str, ...]] = {
         *("worker.systems.base", "worker.systems.threads", "worker.kernels", "worker.search", "worker.catalogue"),
         *("backend.db.records", "campaigns"),
     ),
-    "worker.systems.simulators": ("worker.systems.base", "worker.catalogue.simulator", "campaigns"),
+    "worker.systems.simulators": (
+        *("worker.systems.base", "worker.systems.threads", "worker.search.base"),
+        *("worker.catalogue.simulator", "worker.catalogue.descriptor", "campaigns"),
+    ),
+    # The slots know programs and JSON, nothing of campaigns.
+    "worker.systems.simulators.slots": (),
     "worker.problem": ("worker.systems.base", "worker.systems.threads", "worker.search", "campaigns"),
     "worker.reference": ("worker.kernels", "worker.systems"),
     # It alone puts systems together, with what confirms them.

@@ -1,8 +1,8 @@
 """Discovers installed components, methods and simulators: one file each, or entry points of other packages.
 
 A module in a folder of `worker.components` declares a component by its attribute `component`, a module of
-`worker.search.methods` a method by `method`. Simulators (`simulator`) come only from entry points. `catalogue` returns
-all of them as data for the service. Start reading there.
+`worker.search.methods` a method by `method`. Simulators come from entry points (`simulator`) and from descriptors in
+the operator's folders. `catalogue` returns all of them as data for the service. Start reading there.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
-from worker.catalogue.simulator import Simulator
+from worker.catalogue.descriptor import Described, listed
+from worker.catalogue.simulator import Program, Simulator
 from worker.kernels.component import (
     Avoider,
     Component,
@@ -62,13 +63,19 @@ def methods() -> dict[str, Method]:
 
 
 @cache
-def simulators() -> dict[str, Simulator]:
-    """Every simulator of this installation by name; a duplicate name is an error."""
-    found: dict[str, Simulator] = {}
+def simulators() -> dict[str, Simulator | Program]:
+    """Every simulator of this installation by name; a duplicate name is an error.
+
+    Packages come before the operator's folders: a descriptor with the name of another simulator is skipped.
+    """
+    found: dict[str, Simulator | Program] = {}
     for module in _modules(group="clearance.simulators"):
         simulator = getattr(module, "simulator", None)
         if isinstance(simulator, Simulator):
             _add(found, simulator.entry.name, simulator, module)
+    for described in listed():
+        if isinstance(described, Described):
+            found.setdefault(described.descriptor.name, Program(described))
     return found
 
 

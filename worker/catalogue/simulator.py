@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from campaigns.catalogue import SimulatorEntry
+from worker.catalogue.descriptor import Described
 
 
 @dataclass(frozen=True)
@@ -27,3 +28,14 @@ class Simulator:
 
     entry: SimulatorEntry
     open: Callable[[Opening], Any]
+
+
+@dataclass(frozen=True)
+class Program:
+    """A simulator that is a program with a descriptor; `worker.systems.simulators.command` runs it."""
+
+    described: Described
+
+    @property
+    def entry(self) -> SimulatorEntry:
+        return self.described.entry

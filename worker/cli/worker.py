@@ -30,6 +30,7 @@ def worker(
     """Execute runs from the queue. Start as many as there are cores; Ctrl-C returns the run to the queue."""
     from backend.db.engine import migrate
     from backend.db.private import UMASK
+    from worker.catalogue.descriptor import unusable
     from worker.processes.supervisor import Supervisor, default_name
 
     if check:
@@ -37,6 +38,8 @@ def worker(
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)
+    for problem in unusable():
+        logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     migrate(url)
     stopped_by = Supervisor(url, name or default_name(), runner=runner, lease=lease).run()

@@ -11,13 +11,15 @@ from campaigns import Campaign
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Simulator
 from campaigns.checked.check import flyable, parameters
+from worker.catalogue.descriptor import BadDescriptor, read
 from worker.catalogue.installed import catalogue, simulators
-from worker.catalogue.simulator import Opening
+from worker.catalogue.simulator import Opening, Program
 from worker.problem.problem import Problem
 from worker.reference import Reference
 from worker.systems.base import CampaignUnusable, System
 from worker.systems.closed_loop.assemble import LANES
 from worker.systems.closed_loop.system import ClosedLoop
+from worker.systems.simulators.command import CommandSimulator
 
 
 def problem(campaign: Campaign) -> Problem:
@@ -42,12 +44,29 @@ def _simulator(campaign: Campaign, asked: Simulator) -> System:
         raise CampaignUnusable(problems)
     nominal = {path: value for path, (_, value) in parameters(campaign, catalogue()).items()}
     result = campaign.criterion.result or ""
-    opened = simulators()[asked.name].open(Opening(nominal, result))
+    simulator, opening = simulators()[asked.name], Opening(nominal, result)
+    opened = _program(simulator, opening) if isinstance(simulator, Program) else simulator.open(opening)
     wrong = _undeclared(opened, nominal, result)
     if wrong:
         raise CampaignUnusable([Wrong("simulator.name", asked.name, wrong)])
     found: System = opened
     return found
+
+
+def _program(simulator: Program, opening: Opening) -> CommandSimulator:
+    """A program, by its descriptor as it is now, which must still be the one that the catalogue shows."""
+    described, changed = simulator.described, ""
+    try:
+        described = read(described.folder)
+        if described.entry != simulator.entry:
+            changed = (
+                "its descriptor has other parameters or results than when this process started: restart the worker"
+            )
+    except BadDescriptor as error:
+        changed = f"its descriptor cannot be used any more: {error}"
+    if changed:
+        raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, changed)])
+    return CommandSimulator(described, opening)
 
 
 def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> str:

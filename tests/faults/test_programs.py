@@ -1,0 +1,107 @@
+"""The programs of docs/examples, from their descriptors to a verdict on the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from tests.faults.processes import REPOSITORY
+from tests.simulators import unrepeatable
+from worker.catalogue.descriptor import read
+from worker.catalogue.simulator import Opening
+from worker.systems.simulators.command import CommandSimulator
+
+EXAMPLES = REPOSITORY / "docs" / "examples"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The examples as an operator installs them, the C program compiled."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    made = tmp_path_factory.mktemp("simulators")
+    shutil.copytree(EXAMPLES, made, dirs_exist_ok=True)
+    subprocess.run([compiler, "-O2", "-o", made / "drop/drop", made / "drop/drop.c", "-lm"], check=True)
+    described = made / "mass_spring" / "simulator.yaml"
+    described.write_text(described.read_text().replace("python3", sys.executable))
+    return made
+
+
+def run(folder: Path, campaign: Path) -> tuple[int, Any, str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "worker.cli", "run", str(campaign), "--json"],
+        env=os.environ | {"CLEARANCE_SIMULATORS": str(folder)}, capture_output=True, text=True, check=False,
+        cwd=REPOSITORY, timeout=250,
+    )  # fmt: skip
+    return done.returncode, json.loads(done.stdout) if done.stdout.startswith("{") else None, done.stderr
+
+
+def test_a_program_of_json_lines(folder: Path) -> None:
+    code, result, errors = run(folder, EXAMPLES / "campaigns" / "drop.yaml")
+    assert code == 1, errors
+    assert result["verdict"] == "violated"
+    assert [s["best"] for s in result["stages"] if s["kind"] == "search"] == pytest.approx([0.0, 0.0], abs=1e-3)
+    repeated = result["findings"][0]["validation"]
+    assert repeated["again"]["cost"] == repeated["cost"]
+    assert repeated["violates"]
+
+
+def test_a_process_for_each_evaluation(folder: Path) -> None:
+    """The closed form: clearance = 0.5 - |v| sqrt(m / k)."""
+    described = read(folder / "mass_spring")
+    nominal = {f"simulator.{name}": p.nominal for name, p in described.descriptor.parameters.items()}
+    simulator = CommandSimulator(described, Opening(nominal, "clearance"))
+    vectors = np.array([[m, 100.0, v] for m in (0.5, 2.0) for v in (-2.0, 0.0, 1.0)])
+    try:
+        batch, reasons = simulator.evaluate(vectors)
+    finally:
+        simulator.close()
+    assert reasons == {}
+    assert batch.costs[:, 0] == pytest.approx(0.5 - abs(vectors[:, 2]) * np.sqrt(vectors[:, 0] / 100.0), abs=1e-12)
+
+
+def test_a_descriptor_that_is_gone_is_refused_with_a_sentence(folder: Path, tmp_path: Path) -> None:
+    code, _, errors = run(tmp_path, EXAMPLES / "campaigns" / "drop.yaml")
+    assert code == 3
+    assert "simulator.name" in errors
+
+
+@pytest.mark.parametrize(
+    ("how", "reason"),
+    [
+        ("noise", "a fresh evaluation disagrees by more than the tolerance"),
+        ("now and then", "validation did not confirm it"),
+    ],
+)
+def test_what_does_not_repeat_is_never_cleared(tmp_path: Path, how: str, reason: str) -> None:
+    (tmp_path / "one").mkdir()
+    described = {
+        "name": "unrepeatable",
+        "command": [sys.executable, str(Path(unrepeatable.__file__)), how],
+        "parameters": {name: {"nominal": 0.5, "low": 0, "high": 1} for name in "ab"},
+        "results": {"d": {"unit": "m"}},
+    }
+    (tmp_path / "one" / "simulator.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
+    methods = [{"method": name, "evaluations": 300} for name in ("direct", "differential_evolution")]
+    campaign = {
+        "name": "Unrepeatable",
+        "simulator": {"name": "unrepeatable"},
+        "uncertain": {f"simulator.{name}": {"low": 0, "high": 1} for name in "ab"},
+        "criterion": {"result": "d", "threshold": 1.0},
+        "stages": {"search": methods, "certify": {"samples": 100}, "validate": {"neighbours": 20}},
+    }
+    file = tmp_path / "campaign.yaml"
+    file.write_text(yaml.safe_dump(campaign), encoding="utf-8")
+    code, result, errors = run(tmp_path, file)
+    assert code == 2, errors
+    assert reason in result["sentence"] + result["reason"]

@@ -1,0 +1,65 @@
+"""A program of JSON lines that does what its parameter `do` says; what a simulator may do wrong, by number."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+HELD = []
+
+
+def leak():
+    while True:
+        HELD.append(bytearray(10_000_000))
+
+
+def much():
+    for _ in range(100_000):
+        sys.stderr.write("y" * 999 + "\n")
+    return {"d": 1.0}
+
+
+def grandchild():
+    subprocess.Popen(["setsid", "sleep", os.environ["MARK"]])
+    time.sleep(0.1)
+    os._exit(3)
+
+
+ACTS = {
+    "right": lambda: {"d": 1.5},
+    "segfault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
+    "hang": lambda: time.sleep(1e6),
+    "spin": lambda: pow(3, 10**10),
+    "leak": leak,
+    "exit code": lambda: os._exit(3),
+    "killed": lambda: os.kill(os.getpid(), signal.SIGKILL),
+    "not a number": lambda: {"d": float("nan")},
+    "infinite": lambda: {"d": float("inf")},
+    "missing key": lambda: {"e": 1.0},
+    "wrong type": lambda: {"d": "near"},
+    "boolean": lambda: {"d": True},
+    "no object": lambda: [1.0],
+    "100 MB of output": much,
+    "garbage": lambda: print("garbage \x00\xff", flush=True) or {"d": 1.0},
+    "long answer": lambda: {"d": 1.0, "text": "x" * 40_000_000},
+    "error": lambda: {"d": 1 / 0},
+    "grandchild": grandchild,
+    "early end": lambda: sys.exit(0),
+}
+
+
+def main():
+    for line in sys.stdin:
+        act = list(ACTS)[int(json.loads(line)["parameters"]["do"])]
+        print(f"working on {act}", file=sys.stderr, flush=True)
+        try:
+            answer = {"results": ACTS[act]()}
+        except ZeroDivisionError as error:
+            answer = {"error": str(error)}
+        print(json.dumps(answer), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,91 @@
+"""Descriptors of programs: what they state, and one sentence for every mistake."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from worker.catalogue.descriptor import FOLDERS, BadDescriptor, listed, read, unusable
+
+GOOD: dict[str, Any] = {
+    "name": "drop",
+    "command": ["{folder}/drop"],
+    "parameters": {"mass": {"unit": "kg", "nominal": 2, "low": 1, "high": 3}},
+    "results": {"separation": {"unit": "m"}},
+}
+
+
+def write(folder: Path, **changed: Any) -> Path:
+    folder.mkdir(parents=True)
+    document = {k: v for k, v in (GOOD | changed).items() if v is not None}
+    (folder / "simulator.yaml").write_text(yaml.safe_dump(document), encoding="utf-8")
+    return folder
+
+
+def test_its_entry_in_the_catalogue(tmp_path: Path) -> None:
+    entry = read(write(tmp_path / "a")).entry
+    assert (entry.name, entry.title) == ("drop", "drop")
+    assert [(p.name, p.unit, p.low, p.default, p.high) for p in entry.parameters] == [("mass", "kg", 1.0, 2.0, 3.0)]
+    assert [(r.name, r.title, r.quantity, r.worse) for r in entry.results] == [
+        ("separation", "separation", "separation", "low")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        ({"command": None}, "command: Field required"),
+        ({"command": []}, "command: Tuple should have at least 1 item"),
+        ({"comand": ["x"]}, "comand: Extra inputs are not permitted"),
+        ({"protocol": "http"}, "protocol: Input should be 'lines' or 'files'"),
+        ({"name": "a b"}, "name: "),
+        ({"timeout": 0}, "timeout: Input should be greater than 0"),
+        ({"timeout": float("nan")}, "timeout: Input should be a finite number"),
+        ({"parameters": {}}, "parameters: Dictionary should have at least 1 item"),
+        ({"parameters": {"mass": {"nominal": 5, "low": 1, "high": 3}}}, "parameters.mass: nominal 5 must be within"),
+        ({"parameters": {"mass": {"nominal": 2, "low": 1}}}, "parameters.mass.high: Field required"),
+        ({"results": {"d": {"worse": "both"}}}, "results.d.worse: Input should be 'low' or 'high'"),
+    ],
+)
+def test_a_mistake_is_named_with_its_file_and_key(tmp_path: Path, changed: dict[str, Any], expected: str) -> None:
+    folder = write(tmp_path / "a", **changed)
+    with pytest.raises(BadDescriptor) as caught:
+        read(folder)
+    assert str(caught.value).startswith(f"{folder / 'simulator.yaml'}: {expected}")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["{", "a: [1", "\tname: x", "- 1", "", "name: \x00"])
+def test_what_is_not_a_descriptor_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "simulator.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(BadDescriptor, match=r"simulator\.yaml: "):
+        read(tmp_path)
+
+
+def test_a_bad_one_keeps_no_other_from_being_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path / "one" / "a")
+    write(tmp_path / "one" / "b", name="other", timeout=-1)
+    write(tmp_path / "two" / "c")
+    monkeypatch.setenv(FOLDERS, os.pathsep.join(map(str, (tmp_path / "one", tmp_path / "two", tmp_path / "none"))))
+    assert sum(not isinstance(d, BadDescriptor) for d in listed()) == 2
+    assert unusable() == [
+        f"{FOLDERS} names {tmp_path / 'none'}, which is not a folder",
+        f"{tmp_path / 'one' / 'b' / 'simulator.yaml'}: timeout: Input should be greater than 0",
+        f"{tmp_path / 'two' / 'c' / 'simulator.yaml'}: name: {tmp_path / 'one' / 'a'} already describes a simulator "
+        "drop; rename one of them",
+    ]
+
+
+def test_the_digest_covers_every_file_by_name_and_content(tmp_path: Path) -> None:
+    folder = write(tmp_path / "a")
+    digests = [read(folder).digest]
+    for name, content in (("drop", "1"), ("drop", "2"), ("inner/data.csv", "2"), ("other", "")):
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(content)
+        digests.append(read(folder).digest)
+    assert len(set(digests)) == len(digests)
+    assert read(folder).digest == digests[-1]

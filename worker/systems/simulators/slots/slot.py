@@ -1,0 +1,184 @@
+"""One warm process that evaluates, with its pipes: what it was sent, what it answered, what it wrote last.
+
+A slot never blocks and decides nothing: `pool` asks it. Its process leads a session of its own; everything that it
+started is killed with it, also what left the session, which its environment gives away.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import mmap
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from pathlib import Path
+
+from worker.systems.simulators.slots.outcome import Limits, Request
+from worker.systems.simulators.slots.program import Program, framed, line, unframed, unlined
+
+LAUNCH = Path(__file__).with_name("launch.py")
+TAG = "CLEARANCE_SLOT"
+LAST = 8192
+"""Of its output are kept so many bytes."""
+SHOWN = 400
+CHUNK = 1 << 16
+
+
+class Slot:
+    """A process; `number` is its place in the pool, `generation` how many had it before."""
+
+    def __init__(self, program: Program, limits: Limits, number: int, generation: int) -> None:
+        self.limits = limits
+        self.number = number
+        self.tag = f"{os.getpid()}-{id(self):x}-{generation}"
+        self.lines = program.protocol == "lines"
+        self.waiting: deque[int] = deque()
+        """The jobs that it was sent and has not answered, oldest first."""
+        self.since = time.monotonic()
+        """When the oldest of them began, or the process."""
+        self.served = 0
+        self.ready = self.lines
+        self.retire = False
+        self.ended: set[int] = set()
+        """The pipes that nothing more can arrive on."""
+        self._unsent, self._answers, self._last = bytearray(), bytearray(), bytearray()
+        self._start(program.placed(number))
+
+    def _start(self, program: Program) -> None:
+        child_reads, self.writes = os.pipe()
+        self.reads, child_writes = os.pipe()
+        self.logs, child_logs = os.pipe()
+        self._begun: mmap.mmap | None = None
+        environment = {**os.environ, **program.environment, TAG: self.tag, "PYTHONUNBUFFERED": "1"}
+        Path(program.folder).mkdir(parents=True, exist_ok=True)
+        prefix = [sys.executable, "-S", "-E", str(LAUNCH), str(self.limits.memory), str(os.getpid())]
+        opened = [child_reads, child_writes, child_logs]
+        passed: tuple[int, ...] = ()
+        if self.lines:
+            command, streams = list(program.command), (child_reads, child_writes)
+        else:
+            shared = os.memfd_create("begun")
+            os.ftruncate(shared, 8)
+            self._begun = mmap.mmap(shared, 8)
+            opened.append(shared)
+            command = [*program.command[:2], str(child_reads), str(child_writes), str(shared), *program.command[2:]]
+            streams, passed = (subprocess.DEVNULL, child_logs), (child_reads, child_writes, shared)
+        try:
+            self.process = subprocess.Popen(
+                prefix + command, stdin=streams[0], stdout=streams[1], stderr=child_logs, pass_fds=passed,
+                start_new_session=True, env=environment, cwd=program.folder,
+            )  # fmt: skip
+        finally:
+            for descriptor in opened:
+                os.close(descriptor)
+        self.death = os.pidfd_open(self.process.pid)
+        for descriptor in (self.writes, self.reads, self.logs):
+            os.set_blocking(descriptor, False)
+
+    @property
+    def begun(self) -> int | None:
+        """How many evaluations it has begun; None where it cannot tell."""
+        return None if self._begun is None else int.from_bytes(self._begun[:8], "little")
+
+    @property
+    def unsent(self) -> bool:
+        return bool(self._unsent)
+
+    @property
+    def due(self) -> float | None:
+        """When it must have answered, or be ready, by the monotonic clock [s]; None while it has nothing to do."""
+        if not self.ready:
+            return self.since + self.limits.start
+        return self.since + self.limits.timeout if self.waiting else None
+
+    def send(self, job: int, request: Request) -> None:
+        """Send a job; `flush` writes what the pipe does not take at once."""
+        if not self.waiting:
+            self.since = time.monotonic()
+        self.waiting.append(job)
+        self._unsent += line(request) if self.lines else framed(request)
+        self.flush()
+
+    def flush(self) -> None:
+        try:
+            while self._unsent:
+                del self._unsent[: os.write(self.writes, self._unsent)]
+        except BlockingIOError:
+            pass
+        except BrokenPipeError:
+            self._unsent.clear()
+
+    def receive(self) -> list[object]:
+        """The messages that have arrived; raises ValueError (TooLong) for what cannot be one."""
+        for chunk in self._chunks(self.reads):
+            self._answers += chunk
+        if not self.lines:
+            return unframed(self._answers, self.limits.answer)
+        found, other = unlined(self._answers, self.limits.answer)
+        self._keep(other)
+        return list(found)
+
+    def read_output(self) -> None:
+        if self.logs in self.ended:
+            return
+        for chunk in self._chunks(self.logs):
+            self._keep(chunk)
+
+    def last_words(self) -> str:
+        """The end of what it wrote since its last answer."""
+        self.read_output()
+        text = bytes(self._last[-SHOWN:]).decode(errors="replace").strip()
+        return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+
+    def forget_output(self) -> None:
+        self._last.clear()
+
+    def where_it_hangs(self) -> None:
+        """Have it write where it is, to its output; only Python of ours can."""
+        if self.lines or not self.ready:
+            return
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(self.process.pid, signal.SIGUSR1)
+            select.select([self.logs], [], [], 0.05)
+
+    def kill(self) -> int:
+        """Kill it and all that it started; returns its exit code, negative for a signal."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        code = self.process.wait()
+        self.read_output()
+        for descriptor in (self.reads, self.writes, self.logs, self.death):
+            os.close(descriptor)
+        self.ended.update((self.reads, self.logs))
+        _sweep(self.tag)
+        return code
+
+    def _chunks(self, descriptor: int) -> list[bytes]:
+        """What a pipe has now, 16 chunks at most."""
+        found: list[bytes] = []
+        with contextlib.suppress(BlockingIOError):
+            while len(found) < 16:
+                chunk = os.read(descriptor, CHUNK)
+                if not chunk:
+                    self.ended.add(descriptor)
+                    break
+                found.append(chunk)
+        return found
+
+    def _keep(self, output: bytes) -> None:
+        self._last += output
+        del self._last[:-LAST]
+
+
+def _sweep(tag: str) -> None:
+    """Kill what left the session and still carries the tag."""
+    sought = f"{TAG}={tag}".encode()
+    for entry in os.listdir("/proc"):
+        if entry.isdigit():
+            with contextlib.suppress(OSError):
+                if sought in Path("/proc", entry, "environ").read_bytes().split(b"\0"):
+                    os.kill(int(entry), signal.SIGKILL)

@@ -32,6 +32,9 @@ it('puts names that begin so first', () => {
 
 it('knows where each leads', () => {
   expect(matching(places, 'vehicle').map((place) => place.to)).toEqual(['/help/components#vehicle-unicycle'])
-  expect(matching(places, 'simulator').map((place) => place.to)).toEqual(['/help/components#simulator-two_basins'])
+  expect(matching(places, 'simulator').map((place) => place.to)).toEqual([
+    '/help/guides/your-own-simulator',
+    '/help/components#simulator-two_basins',
+  ])
   expect(matching(places, 'moving').map((place) => place.to)).toEqual(['/launch?case=uav_moving'])
 })

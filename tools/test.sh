@@ -14,6 +14,5 @@ step "$VENV/bin/ruff" format --check .
 step "$VENV/bin/mypy"
 (cd frontend && step npm run --silent check && step npm run --silent test)
 # A file's tests share services and browsers: tests/conftest.py keeps them together, and orders them.
-# One process more than there are cores, four at most: browsers, services and databases keep their tests waiting.
 workers="$(nproc)"
-step "$VENV/bin/pytest" -n "$((workers < 4 ? workers + 1 : 4))" --dist loadfile --no-loadscope-reorder "$@"
+step "$VENV/bin/pytest" -n "$((workers < 4 ? workers : 4))" --dist loadfile --no-loadscope-reorder "$@"

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -21,6 +23,8 @@ from tests.simulators import misbehaving
 from worker.catalogue.descriptor import read
 from worker.catalogue.simulator import Opening
 from worker.systems.simulators.command import CommandSimulator
+from worker.systems.simulators.slots import files
+from worker.systems.simulators.slots import pool as pool_module
 from worker.systems.simulators.slots.outcome import Limits
 from worker.systems.simulators.slots.pool import SlotPool
 from worker.systems.simulators.slots.program import Program
@@ -47,6 +51,7 @@ EXPECTED = {
     "early end": (FAILED, "exit code 0"),
     "100 MB of output": (OK, ""),
     "garbage": (OK, ""),
+    "deeply nested": (OK, ""),
 }
 """What the user sees, by what the simulator does."""
 
@@ -115,12 +120,49 @@ def test_a_program_that_never_starts_ends_every_evaluation_with_its_words() -> N
     assert all("/no/such/program cannot be started: No such file" in o.output for o in outcomes)
 
 
+@pytest.mark.parametrize("protocol", ["lines", "framed"])
+def test_a_program_that_never_starts_is_not_started_again_without_work(protocol: Literal["lines", "framed"]) -> None:
+    command = ["/no/such/program"] if protocol == "lines" else [sys.executable, str(files.CHILD), "nowhere:f"]
+    with SlotPool(Program(command, protocol), 2) as pool:
+        outcomes = pool.evaluate([{"parameters": {}}] * 3)
+        assert all(o.kind in ("crash", "not started") for o in outcomes)
+        until(lambda: len(pool.idle) == 2, "both slots wait for work", 20)
+        assert pool.starts <= 2 + 3 + 2
+
+
+def test_a_pool_that_cannot_start_a_process_gives_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    monkeypatch.setattr(pool_module, "Slot", full)
+    with SlotPool(Program(["true"], "lines"), 1) as pool:
+        until(lambda: refused(pool), "a refusal", 20)
+
+
+def refused(pool: SlotPool) -> bool:
+    """Whether it takes no more requests; one that it took is answered, with the reason in either case."""
+    try:
+        future = pool.submit({"parameters": {}})
+    except RuntimeError as error:
+        reason, closed = str(error), True
+    else:
+        reason, closed = future.result(timeout=10).reason, False
+    assert "Too many open files" in reason
+    return closed
+
+
+def test_it_may_be_closed_twice_and_by_many() -> None:
+    pool = SlotPool(Program([sys.executable, "-c", "import time; time.sleep(1e6)"], "lines"), 1)
+    with ThreadPoolExecutor(4) as threads:
+        list(threads.map(lambda _: pool.close(), range(8)))
+    pool.close()
+
+
 def framed(tmp_path: Path, text: str, slots: int, limits: Limits) -> SlotPool:
     """A pool around a function `f` of this text."""
     file = tmp_path / "function.py"
     file.write_text(text, encoding="utf-8")
-    child = REPOSITORY / "worker/systems/simulators/slots/child.py"
-    return SlotPool(Program([sys.executable, str(child), f"{file}:f"], "framed"), slots, limits)
+    return SlotPool(Program([sys.executable, str(files.CHILD), f"{file}:f"], "framed"), slots, limits)
 
 
 def test_a_process_killed_from_outside_loses_nothing(tmp_path: Path) -> None:

@@ -44,6 +44,7 @@ ACTS = {
     "100 MB of output": much,
     "garbage": lambda: print("garbage \x00\xff", flush=True) or {"d": 1.0},
     "long answer": lambda: {"d": 1.0, "text": "x" * 40_000_000},
+    "deeply nested": lambda: print('{"a":' * 100_000 + "1" + "}" * 100_000, flush=True) or {"d": 1.0},
     "error": lambda: {"d": 1 / 0},
     "grandchild": grandchild,
     "early end": lambda: sys.exit(0),

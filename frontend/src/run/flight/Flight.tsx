@@ -30,7 +30,9 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
   const theme = useTheme()
   // A viewer uses resources of the service: it is opened when it comes near the window.
   const [holder, near] = useNear<HTMLDivElement>()
-  const ready = useCalm() && near && drawable()
+  const wanted = useCalm() && near
+  const draws = !wanted || drawable()
+  const ready = wanted && draws
   const { t, cam } = useSearch({ from: '/runs/$id' })
   const place = useRef({ time: t, camera: cam })
   const known = useSyncExternalStore(view.subscribe, () => view.known)
@@ -73,7 +75,7 @@ export function Flight({ data, view, whatIf, className, alone = false }: FlightP
               inert={known.phase !== 'open'}
             />
           )}
-          {drawable() ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable />}
+          {draws ? <FlightNotice known={known} onRetry={() => view.retry()} /> : <NotDrawable />}
         </div>
         <PlayBar data={data} view={view} shown={known.shown} whatIf={whatIf} />
       </div>

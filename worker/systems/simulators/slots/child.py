@@ -24,6 +24,7 @@ LENGTH = struct.Struct("<I")
 
 def main() -> None:
     reading, writing, shared = (int(a) for a in sys.argv[1:4])
+    sys.path.remove(str(Path(__file__).resolve().parent))  # else `import program` of a function would find ours
     faulthandler.enable()
     # Where it hangs, on request: written by a handler in C, which needs no lock of the interpreter.
     faulthandler.register(signal.SIGUSR1, all_threads=False)

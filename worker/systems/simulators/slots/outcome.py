@@ -1,4 +1,4 @@
-"""What an evaluation in a slot is asked and comes to, and the limits that it runs under."""
+"""The request, the limits and the outcome of one evaluation in a slot."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Outcome:
 
     @property
     def sentence(self) -> str:
-        """The reason and, indented by nothing, the last lines that the simulator wrote."""
+        """The reason, and the last lines that the simulator wrote."""
         return f"{self.reason}; its last output: {self.output}" if self.output else self.reason
 
 

@@ -50,7 +50,11 @@ class SlotPool:
         self._failed_starts = 0
         self._mean = 1.0
         self._stop = False
+        self._ended = "cancelled"
+        """Why what was left at the end has no answer."""
         self._slots: list[Slot] = []
+        self._vacant: list[int] = []
+        """Numbers of the slots whose process ended before it evaluated anything; they start when there is work."""
         self._selector = selectors.DefaultSelector()
         self._woken, self._wakes = os.pipe()
         for descriptor in (self._woken, self._wakes):
@@ -65,58 +69,68 @@ class SlotPool:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @property
+    def idle(self) -> list[int]:
+        """Numbers of the slots without a process, which start when there is work."""
+        return list(self._vacant)
+
     def submit(self, request: Request) -> Future[Outcome]:
         """Queue one evaluation; raises RuntimeError once closed."""
         future: Future[Outcome] = Future()
         with self._lock:
             if self._stop:
-                raise RuntimeError("the slots are closed")
+                raise RuntimeError(f"the slots are closed: {self._ended}")
             self._jobs[self._next] = _Job(request, future)
             self._waiting.append(self._next)
             self._next += 1
-        self._wake()
+            self._wake()
         return future
 
     def evaluate(self, requests: Sequence[Request]) -> list[Outcome]:
         """Evaluate all, in any order; the outcomes in the order of the requests."""
         return [future.result() for future in [self.submit(r) for r in requests]]
 
-    def drop(self) -> None:
-        """Answer everything that waits or runs with "cancelled"; processes that were at work are replaced."""
-        with self._lock:
-            dropped, self._waiting = list(self._waiting), deque()
-        for job in dropped:
-            self._finish(job, Outcome("not started", reason="cancelled"))
-        self._wake()
-
     def close(self) -> None:
         """Kill all processes; what waits or runs is answered with "cancelled"."""
         with self._lock:
             self._stop = True
-        self._wake()
+            self._wake()
         self._thread.join()
+        with self._lock:
+            if self._wakes >= 0:
+                os.close(self._woken)
+                os.close(self._wakes)
+            self._woken = self._wakes = -1
 
     def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):  # a full pipe wakes it too
-            os.write(self._wakes, b"x")
+        """With the lock held: the pipe must not be closed meanwhile."""
+        if self._wakes >= 0:
+            with contextlib.suppress(BlockingIOError):  # a full pipe wakes it too
+                os.write(self._wakes, b"x")
 
     def _loop(self) -> None:
         try:
-            self._slots = [self._start(k) for k in range(self.size)]
+            for number in range(self.size):
+                self._start(number)
             while not self._stop:
                 self._turn()
+        except OSError as error:  # no descriptors, processes or disk left
+            self._ended = f"its processes cannot be started: {error.strerror}"
         finally:
+            with self._lock:
+                self._stop = True
             for slot in self._slots:
                 self._unregister(slot)
                 slot.kill()
             for job in list(self._jobs):
-                self._finish(job, Outcome("not started", reason="cancelled"))
+                self._finish(job, Outcome("not started", reason=self._ended))
             self._selector.close()
-            os.close(self._woken)
-            os.close(self._wakes)
 
     def _turn(self) -> None:
-        """Hand out, replace what is due, wait for the next event, handle it."""
+        """Fill vacant slots if there is work, hand out, replace what is due, wait for the next event, handle it."""
+        if self._waiting:
+            while self._vacant:
+                self._start(self._vacant.pop())
         for slot in list(self._slots):
             self._hand_out(slot)
         now = time.monotonic()
@@ -166,7 +180,7 @@ class SlotPool:
         except TooLong:
             self._replace(slot, f"its answer is longer than {self.limits.answer} bytes")
             return False
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             self._replace(slot, f"its answer is not JSON: {error}")
             return False
         for message in messages:
@@ -206,7 +220,11 @@ class SlotPool:
             self._finish(jobs.pop(0), self._blame(slot, code, why))
         with self._lock:
             self._waiting.extendleft(reversed(jobs))
-        self._slots[self._slots.index(slot)] = self._start(slot.number)
+        self._slots.remove(slot)
+        if slot.served:
+            self._start(slot.number)
+        else:
+            self._vacant.append(slot.number)
 
     def _blame(self, slot: Slot, code: int, why: str) -> Outcome:
         duration = time.monotonic() - slot.since
@@ -232,12 +250,12 @@ class SlotPool:
         for job in waiting:
             self._finish(job, Outcome("not started", None, reason, slot.last_words()))
 
-    def _start(self, number: int) -> Slot:
+    def _start(self, number: int) -> None:
         self.starts += 1
         slot = Slot(self.program, self.limits, number, self.starts)
         for descriptor in (slot.reads, slot.logs, slot.death):
             self._selector.register(descriptor, selectors.EVENT_READ, slot)
-        return slot
+        self._slots.append(slot)
 
     def _unregister(self, slot: Slot) -> None:
         for descriptor in (slot.reads, slot.logs, slot.death, slot.writes):

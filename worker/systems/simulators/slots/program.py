@@ -96,6 +96,6 @@ def _object(text: bytes) -> dict[str, Any] | None:
         return None
     try:
         value = json.loads(text)
-    except ValueError:  # includes text that is not UTF-8
+    except (ValueError, RecursionError):  # also text that is not UTF-8, and deep nesting
         return None
     return value if isinstance(value, dict) else None

@@ -114,10 +114,12 @@ class Slot:
 
     def receive(self) -> list[object]:
         """The messages that have arrived; raises ValueError (TooLong) for what cannot be one."""
-        for chunk in self._chunks(self.reads):
-            self._answers += chunk
+        chunks = self._chunks(self.reads)
+        self._answers += b"".join(chunks)
         if not self.lines:
             return unframed(self._answers, self.limits.answer)
+        if len(self._answers) <= self.limits.answer and not any(b"\n" in chunk for chunk in chunks):
+            return []  # a long line is looked through once, not again with each part of it
         found, other = unlined(self._answers, self.limits.answer)
         self._keep(other)
         return list(found)

@@ -130,7 +130,7 @@ def _counts(columns: Columns) -> JsonObject:
         "evaluations": len(columns.status),
         "failed": _failed(columns),
         "excluded": int((columns.status == EXCLUDED).sum()),
-        "seconds": float(columns.seconds[-1]),
+        "seconds": float(columns.seconds.max()),
         "best": None if index is None else best,
         "best_index": index,
     }

@@ -34,6 +34,13 @@ class Columns(NamedTuple):
     reasons: dict[int, str]
 
 
+class Ahead(NamedTuple):
+    """Evaluations of one stage that were completed before an earlier one: indices in the stage (m,), and their rows."""
+
+    indices: NDArray[np.int64]
+    columns: Columns
+
+
 @dataclass(frozen=True)
 class StagePlan:
     """A stage before it starts; `planned` is its budget of evaluations."""

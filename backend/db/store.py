@@ -14,11 +14,11 @@ import numpy as np
 import sqlalchemy as sa
 from pydantic import BaseModel
 
-from backend.db import codes, snapshots
+from backend.db import codes, evaluations_ahead, snapshots
 from backend.db.convergence import extended
 from backend.db.engine import Result, now, read, write
 from backend.db.queue import Claim, fenced
-from backend.db.records import Columns, StagePlan, StageRecord, Trace, join
+from backend.db.records import Ahead, Columns, StagePlan, StageRecord, Trace, join
 from backend.db.tables import EvaluationChunk, Run, Stage
 from backend.db.tables import Finding as FindingRow
 from backend.db.tables import Trace as TraceRow
@@ -86,13 +86,19 @@ class RunStore:
             rows = connection.execute(sa.select(EvaluationChunk).where(*of).order_by(EvaluationChunk.first))
             return join([as_columns(row) for row in rows])
 
-    def append(self, position: int, first: int, columns: Columns) -> None:
+    def ahead(self, position: int) -> Ahead | None:
+        """The stored evaluations of a stage that an earlier one is missing for, by index; None if there are none."""
+        with read(self.engine) as connection:
+            return evaluations_ahead.read(connection, self._run, position)
+
+    def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
         """Store evaluations from index `first` on, and update the counts and the best value of stage and run.
 
-        Raises `ValueError` unless `first` is the number of evaluations already stored for the stage.
+        ahead: further ones, completed before an earlier one of the stage; None for stages that have none. Raises
+        `ValueError` unless `first` is the number of evaluations already stored for the stage.
         """
-        if len(columns.status):
-            self._write(lambda connection: self._append(connection, position, first, columns))
+        if len(columns.status) or ahead is not None:
+            self._write(lambda connection: self._append(connection, position, first, columns, ahead))
 
     def finish(
         self,
@@ -177,7 +183,9 @@ class RunStore:
             for row in rows
         ]
 
-    def _append(self, connection: sa.Connection, position: int, first: int, columns: Columns) -> None:
+    def _append(
+        self, connection: sa.Connection, position: int, first: int, columns: Columns, ahead: Ahead | None
+    ) -> None:
         count = len(columns.status)
         failed = int(np.isin(columns.status, (FAILED, TIMEOUT)).sum())
         totals = {"evaluations": Run.evaluations + count, "failed_evaluations": Run.failed_evaluations + failed}
@@ -188,13 +196,17 @@ class RunStore:
             raise ValueError(
                 f"stage {position} has {stage.evaluations} evaluations, but new ones start at index {first}"
             )
+        if ahead is not None:
+            evaluations_ahead.store(connection, self._run, position, first + count, ahead)
+        if not count:
+            return
         chunk = {"run_id": self._run, "position": position, "first": first, "count": count, **blobs(columns)}
         connection.execute(sa.insert(EvaluationChunk).values(**chunk))
         values: JsonObject = {
             "evaluations": first + count,
             "failed": Stage.failed + failed,
             "excluded": Stage.excluded + int((columns.status == EXCLUDED).sum()),
-            "seconds": float(columns.seconds[-1]),
+            "seconds": float(columns.seconds.max()),
         }
         best, index = lowest(columns)
         if index is not None and (stage.best is None or best < stage.best):

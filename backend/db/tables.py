@@ -160,6 +160,28 @@ class EvaluationChunk(Base):
     )
 
 
+class EvaluationAhead(Base):
+    """An evaluation that was completed before an earlier one of its stage; it moves to a chunk when that one is."""
+
+    __tablename__ = "evaluations_ahead"
+    run_id: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    position: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    place: orm.Mapped[int] = orm.mapped_column(primary_key=True)
+    """Index in the stage."""
+    point: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """float64 on the unit cube."""
+    costs: orm.Mapped[bytes] = orm.mapped_column(sa.LargeBinary)
+    """float64, NaN where the status is not ok."""
+    status: orm.Mapped[int]
+    seconds: orm.Mapped[float]
+    """Working time of the stage when it was completed [s]."""
+    reason: orm.Mapped[str] = orm.mapped_column(sa.Text)
+    """Why it is not ok; empty otherwise."""
+    __table_args__ = (
+        sa.ForeignKeyConstraint(["run_id", "position"], ["stages.run_id", "stages.position"], ondelete="CASCADE"),
+    )
+
+
 class Finding(Base):
     """One distinct worst case; parameters at full precision."""
 

@@ -52,4 +52,4 @@ class Improvements:
         self.index += (chunk.first + better).tolist()
         self.seconds += seconds[better].tolist()
         self.cost += costs[better].tolist()
-        self.read, self.elapsed = chunk.first + chunk.count, float(seconds[-1])
+        self.read, self.elapsed = chunk.first + chunk.count, max(self.elapsed, float(seconds.max()))

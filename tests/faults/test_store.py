@@ -10,7 +10,7 @@ import pytest
 import sqlalchemy as sa
 
 from backend.db.queue import Claim, Queue, submit
-from backend.db.records import Columns, StagePlan, StageRecord
+from backend.db.records import Ahead, Columns, StagePlan, StageRecord
 from backend.db.store import RunStore, plain
 from backend.db.tables import EvaluationChunk, Finding, Run, Stage, Trace
 from campaigns.results import Verdict
@@ -69,6 +69,30 @@ def test_evaluations_come_back_bit_for_bit_with_every_count_in_step(store: RunSt
     assert (stage.best, stage.best_index) == (np.nanmin(whole.costs), int(np.nanargmin(whole.costs)))
     assert (run.evaluations, run.failed_evaluations) == (100, failed)
     assert (run.worst_cost, run.worst_method) == (stage.best, "direct")
+
+
+def behind(whole: Columns, *indices: int) -> Ahead:
+    """These evaluations of a stage, completed before an earlier one."""
+    rows = list(indices)
+    arrays = (whole.points[rows], whole.costs[rows], whole.status[rows], whole.seconds[rows])
+    return Ahead(np.array(rows), Columns(*arrays, {i: whole.reasons[i] for i in rows if i in whole.reasons}))
+
+
+def test_what_is_completed_before_an_earlier_one_waits_beside_the_record(store: RunStore) -> None:
+    store.begin(1)
+    whole, nothing = columns(0, 100), columns(0, 0)
+    failed = np.flatnonzero(whole.status == FAILED)[0]
+    store.append(1, 0, columns(0, 5), behind(whole, 7, int(failed)))
+    store.append(1, 5, nothing, behind(whole, 50))
+    held = store.ahead(1)
+    assert held is not None
+    assert held.indices.tolist() == sorted([7, int(failed), 50])
+    assert same_bits(held.columns, behind(whole, *sorted([7, int(failed), 50])).columns)
+    assert len(store.evaluations(1).status) == rows(store, Run)[0].evaluations == 5  # type: ignore[union-attr]
+    store.append(1, 5, columns(5, 95), behind(whole))
+    assert store.ahead(1) is None
+    assert same_bits(store.evaluations(1), whole)  # type: ignore[arg-type]
+    assert store.ahead(0) is None
 
 
 def test_the_first_of_equal_costs_is_the_best(store: RunStore) -> None:

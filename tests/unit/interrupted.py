@@ -6,7 +6,7 @@ from typing import Any
 
 from campaigns.results import Verdict
 from worker.runs.store import MemoryStore
-from worker.stages.parts.store import Columns, join
+from worker.stages.parts.store import Ahead, Columns, join
 
 
 class Interrupted(Exception):
@@ -20,8 +20,8 @@ class Unreliable(MemoryStore):
         super().__init__()
         self.left = left
 
-    def append(self, position: int, first: int, columns: Columns) -> None:
-        super().append(position, first, columns)
+    def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
+        super().append(position, first, columns, ahead)
         self.left -= len(columns.status)
         if self.left <= 0:
             self.left = 10**9

@@ -14,7 +14,7 @@ from tests.unit.cases import campaign, case1
 from worker.runs.runner import Cancelled, ReplayMismatch
 from worker.runs.store import MemoryStore
 from worker.search.base import Batch, Floats, Search
-from worker.stages.parts import base
+from worker.stages.parts import driver
 from worker.stages.parts.base import Context, Driven, drive
 from worker.stages.parts.store import Columns, StagePlan
 
@@ -173,8 +173,8 @@ def test_nothing_that_failed_is_ever_the_best() -> None:
 
 
 def test_results_are_stored_as_they_arise(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(base, "FLUSH_ROWS", 10)
-    monkeypatch.setattr(base, "FLUSH_SECONDS", 1e9)
+    monkeypatch.setattr(driver, "FLUSH_ROWS", 10)
+    monkeypatch.setattr(driver, "FLUSH_SECONDS", 1e9)
     told: list[int] = []
     made = context(Counting(), progress=lambda position, tally: told.append(tally.evaluations))
     assert isinstance(made.store, MemoryStore)

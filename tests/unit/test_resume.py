@@ -19,7 +19,7 @@ from worker.problem.problem import Problem
 from worker.runs.runner import Cancelled, Tally, execute
 from worker.runs.store import MemoryStore
 from worker.search.base import Floats
-from worker.stages.parts import base
+from worker.stages.parts import driver
 
 SEARCHES = (
     {"method": "direct", "evaluations": 150},
@@ -51,7 +51,7 @@ def test_the_result_does_not_depend_on_the_threads(whole: Any) -> None:
 def test_a_run_interrupted_anywhere_ends_as_if_it_had_not_been(
     k: int, whole: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(base, "FLUSH_ROWS", 7)
+    monkeypatch.setattr(driver, "FLUSH_ROWS", 7)
     flown: list[int] = []
     fly = Problem.fly
 

@@ -13,7 +13,7 @@ from tests.unit.cases import campaign
 from tests.unit.interrupted import Interrupted, Unreliable, outcome
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
-from worker.stages.parts import base
+from worker.stages.parts import driver
 from worker.stages.parts.store import join
 
 MONTE_CARLO: tuple[dict[str, Any], ...] = (
@@ -43,7 +43,7 @@ ASKED: Campaign = campaign(
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Evaluations are stored a few at a time."""
-    monkeypatch.setattr(base, "FLUSH_ROWS", 7)
+    monkeypatch.setattr(driver, "FLUSH_ROWS", 7)
 
 
 def run(store: MemoryStore, threads: int) -> Any:

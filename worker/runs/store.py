@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from campaigns.flown import Code, Flown
 from campaigns.results import Finding, StageResult, Verdict
 from campaigns.runs import StageState
-from worker.stages.parts.store import Columns, StagePlan, StageRecord, Trace, join
+from worker.stages.parts.store import Ahead, Columns, StagePlan, StageRecord, Trace, join
 
 
 @dataclass
@@ -21,6 +23,7 @@ class MemoryStore:
     traces: dict[str, Trace] = field(default_factory=dict)
     verdict: Verdict | None = None
     flown: Flown | None = None
+    waiting: dict[int, list[Ahead]] = field(default_factory=dict)
 
     def plan(self, stages: Sequence[StagePlan]) -> list[StageRecord]:
         if not self.stages:
@@ -37,11 +40,19 @@ class MemoryStore:
     def evaluations(self, position: int) -> Columns | None:
         return join(self.chunks.get(position, []))
 
-    def append(self, position: int, first: int, columns: Columns) -> None:
+    def ahead(self, position: int) -> Ahead | None:
+        waiting = [a for a in self.waiting.get(position, []) if len(a.indices)]
+        columns = join([a.columns for a in waiting])
+        return None if columns is None else Ahead(np.concatenate([a.indices for a in waiting]), columns)
+
+    def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
         held = sum(len(c.status) for c in self.chunks.get(position, []))
         if first != held:
             raise ValueError(f"stage {position} holds {held} evaluations, given some from index {first} on")
         self.chunks.setdefault(position, []).append(columns)
+        if ahead is not None:
+            waiting = [*self.waiting.get(position, []), ahead]
+            self.waiting[position] = [_behind(a, first + len(columns.status)) for a in waiting]
 
     def finish(
         self,
@@ -60,3 +71,12 @@ class MemoryStore:
 
     def conclude(self, verdict: Verdict) -> None:
         self.verdict = verdict
+
+
+def _behind(ahead: Ahead, done: int) -> Ahead:
+    """Those whose index is not among the first `done`."""
+    kept, columns = ahead.indices >= done, ahead.columns
+    rows = Columns(
+        columns.points[kept], columns.costs[kept], columns.status[kept], columns.seconds[kept], columns.reasons
+    )
+    return Ahead(ahead.indices[kept], rows)

@@ -29,6 +29,18 @@ class Batch(NamedTuple):
         return np.where(self.status == OK, self.costs[:, 0], np.inf)
 
 
+@dataclass
+class Several:
+    """A request of several groups of points at once, each by its number; the batch of one group is received.
+
+    The others go on: the next request adds further groups, or none. `answered` is the number of the received group,
+    which is the first of those begun to be complete. Only for a `Space` with slots.
+    """
+
+    groups: list[tuple[int, Floats]]
+    answered: int = -1
+
+
 class Minimum(NamedTuple):
     """A local minimum at which a method ended: point (n,), cost, the start it came from, evaluations spent, how it
     ended."""
@@ -47,7 +59,8 @@ class Space:
     starts (s, n); quantile maps uniform samples (m, n) to points drawn from the campaign's distributions; report
     passes on a local minimum as soon as it is found, so that none is lost when the budget ends; attribute states, just
     before a request and in its order, which member of a method requests how many of its points. A cost at or below the
-    threshold is a violation; confidence is that of statements on its probability.
+    threshold is a violation; confidence is that of statements on its probability. slots: number of evaluations that run
+    side by side and end in any order; 0: a batch is evaluated as a whole, and a request must not be `Several`.
     """
 
     dimension: int
@@ -59,6 +72,7 @@ class Space:
     attribute: Callable[[str, int], None] = lambda member, points: None
     threshold: float = float("-inf")
     confidence: float = 0.95
+    slots: int = 0
 
 
 class Ended(str):
@@ -81,6 +95,9 @@ class Ended(str):
 
 Search = Generator[Floats, Batch, str]
 """Yields points (m, n), receives their `Batch`, returns the sentence of the rule by which it stopped: `Ended`."""
+
+Parallel = Generator[Floats | Several, Batch, str]
+"""A search that may also request several groups at once, in a space with slots."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +130,7 @@ class Method:
     source: str
     evaluations: int
     options: type
-    search: Callable[[Space, Any], Search]
+    search: Callable[[Space, Any], Parallel]
     repeats: bool = False
     starts: bool = False
     extend: Callable[[Any, int], Any] | None = None
@@ -128,6 +145,31 @@ class Method:
 
 AT_ONCE = 256
 """Searches that `side_by_side` runs at a time: each may hold a thread."""
+
+
+def independently(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats | Several, Batch, list[str]]:
+    """Advance several searches in slots: each goes on as soon as its own points have ended. Returns their sentences."""
+    said = [""] * len(searches)
+    wanted: dict[int, Floats] = {}
+    begun = 0
+    request = Several([])
+    try:
+        while True:
+            while len(wanted) < at_once and begun < len(searches):
+                _advance(begun, searches[begun], None, wanted, said)
+                if begun in wanted:
+                    request.groups.append((begun, wanted[begun]))
+                begun += 1
+            if not wanted:
+                return said
+            batch = yield request
+            i, request = request.answered, Several([])
+            _advance(i, searches[i], batch, wanted, said)
+            if i in wanted:
+                request.groups.append((i, wanted[i]))
+    finally:
+        for search in searches:
+            search.close()
 
 
 def side_by_side(searches: list[Search], at_once: int = AT_ONCE) -> Generator[Floats, Batch, list[str]]:

@@ -45,6 +45,7 @@ def run(context: Context, position: int) -> Outcome[SearchResult]:
         attribute=members.attribute,
         threshold=context.problem.threshold,
         confidence=context.campaign.confidence,
+        slots=context.problem.system.slots,
     )
     options: Any = TypeAdapter(method.options).validate_python(asked.options)
     if method.compiles:
@@ -64,7 +65,7 @@ def _warm(name: str, dimension: int) -> None:
     search = method.search(bowl, method.options())
     with suppress(StopIteration):
         points = next(search)
-        while budget > 0:
+        while budget > 0 and isinstance(points, np.ndarray):
             budget -= len(points)
             costs = ((points - 0.4) ** 2).sum(axis=1, keepdims=True)
             points = search.send(Batch(costs, np.zeros(len(points), dtype=np.uint8)))

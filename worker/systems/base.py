@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,6 +149,14 @@ class Settings:
     integrator: str | None = None
 
 
+class Evaluated(NamedTuple):
+    """One evaluation: costs (k,), NaN unless ok; its status, numbered as `STATUS`; the reason unless ok."""
+
+    costs: Floats
+    status: int
+    reason: str
+
+
 class System(ABC):
     """A system that a campaign can evaluate.
 
@@ -166,6 +175,8 @@ class System(ABC):
     """Whether the same vector and seed give the same bits in every process on the same kind of machine."""
     block: int = 0
     """Preferred number of rows per call; threads get whole blocks. 0: no concurrent calls."""
+    slots: int = 0
+    """Number of evaluations that run side by side and end in any order; `submit` starts one. 0: `evaluate` only."""
     shows: tuple[Condition, ...] = ()
     """The evidence that `encounter` can give; the verdict has only these checks of the encounter."""
     settings: Settings = Settings()
@@ -200,6 +211,10 @@ class System(ABC):
         By default under the realisations that the campaign states; with seeds (m,), each vector under its own seed. A
         failed evaluation is a status with a reason; an exception ends the run.
         """
+
+    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        """Start the evaluation of one vector (size,) in a slot, as `evaluate` would; for a system with slots."""
+        raise NotImplementedError(f"{type(self).__name__} has no slots")
 
     @abstractmethod
     def confirm(

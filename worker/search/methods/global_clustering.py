@@ -17,7 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
+from worker.search.base import (
+    Batch,
+    Ended,
+    Floats,
+    Method,
+    MethodLook,
+    Minimum,
+    Parallel,
+    Search,
+    Several,
+    Space,
+    independently,
+    side_by_side,
+)
 from worker.search.parts.descent import End, Settings, descend
 from worker.search.parts.unirandi import unirandi
 
@@ -115,7 +128,7 @@ class Clusters:
         return [int(i) for i in np.flatnonzero(self.sample.cluster[: self.reduced] == ALONE)]
 
 
-def search(space: Space, options: Options) -> Search:
+def search(space: Space, options: Options) -> Parallel:
     """Cycles of one request for the sample and then the local searches, one after another."""
     n = space.dimension
     samples, selected = options.samples or 10 * n, options.selected or min(2 * n, 20)
@@ -155,10 +168,11 @@ def critical_distance(sampled: int, dimension: int) -> float:
     return 0.5 * float((1.0 - ALPHA ** (1.0 / max(sampled - 1, 1))) ** (1.0 / dimension))
 
 
-def _search_locally(space: Space, options: Options, clusters: Clusters) -> Generator[Floats, Batch, None]:
+def _search_locally(space: Space, options: Options, clusters: Clusters) -> Generator[Floats | Several, Batch, None]:
     """Search from the lone points, lowest first; a point that joins a cluster meanwhile is skipped or abandoned."""
     if options.at_once:
-        yield from side_by_side([_while_alone(space, options, clusters, i) for i in clusters.alone()])
+        searches = [_while_alone(space, options, clusters, i) for i in clusters.alone()]
+        yield from independently(searches) if space.slots else side_by_side(searches)
         return
     for i in clusters.alone():
         if clusters.is_alone(i) and len(clusters.minima) < options.minima:

@@ -16,7 +16,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Parallel, Space
 from worker.search.methods import direct, sqp
 from worker.search.parts import basins
 
@@ -33,7 +33,7 @@ class Options(direct.Options):
     gradients: Annotated[int, Field(ge=1, le=100_000, description="Maximum gradients per descent")] = 200
 
 
-def search(space: Space, options: Options) -> Search:
+def search(space: Space, options: Options) -> Parallel:
     boxes = direct.Boxes(space.dimension)
     said = yield from _divided(boxes, space, options)
     starts = _centres(boxes, options.centres)

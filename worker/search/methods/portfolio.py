@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Parallel, Several, Space
 from worker.search.methods import cma_es, contrast_racing, differential_evolution, direct, global_clustering, mlsl, sqp
 from worker.search.parts.portfolio_record import Record
 
@@ -75,26 +75,52 @@ class Options:
     ] = 4
 
 
-def search(space: Space, options: Options) -> Search:
-    """One request contains the points of every member whose turn it is; it runs until the budget ends."""
+def search(space: Space, options: Options) -> Parallel:
+    """Give the members their turns until the budget ends."""
     record = Record(space.dimension)
     members = [Member(part, space) for part in MEMBERS]
+    fair = options.fair * space.dimension
     try:
-        while True:
-            turn = _turn(members, record, options.fair * space.dimension)
-            if not turn:
-                return Ended("members", "every member has ended")
-            for member in turn:
-                space.attribute(member.method.name, len(member.requested))
-            batch = yield np.concatenate([member.requested for member in turn])
-            at = 0
-            for member in turn:
-                rows = slice(at, at + len(member.requested))
-                at = rows.stop
-                member.tell(Batch(batch.costs[rows], batch.status[rows]), record)
+        return (yield from (_in_slots if space.slots else _in_batches)(space, members, record, fair))
     finally:
         for member in members:
             member.close()
+
+
+def _in_batches(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:
+    """One request contains the points of every member whose turn it is."""
+    while True:
+        turn = _turn(members, record, fair, members)
+        if not turn:
+            return Ended("members", "every member has ended")
+        for member in turn:
+            space.attribute(member.method.name, len(member.requested))
+        batch = yield np.concatenate([member.requested for member in turn])
+        at = 0
+        for member in turn:
+            rows = slice(at, at + len(member.requested))
+            at = rows.stop
+            member.tell(Batch(batch.costs[rows], batch.status[rows]), record)
+
+
+def _in_slots(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:
+    """Each member goes on when its own points have ended; others get a turn while the slots have too little to do."""
+    pending: dict[int, Member] = {}
+    while True:
+        request = Several([])
+        while sum(len(m.requested) for m in pending.values()) < 2 * space.slots:
+            turn = _turn(members, record, fair, [m for m in members if m not in pending.values()])
+            if not turn:
+                break
+            for member in turn:
+                space.attribute(member.method.name, len(member.requested))
+                number = members.index(member)
+                pending[number] = member
+                request.groups.append((number, member.requested))
+        if not pending:
+            return Ended("members", "every member has ended")
+        batch = yield request
+        pending.pop(request.answered).tell(batch, record)
 
 
 class Member:
@@ -103,7 +129,7 @@ class Member:
     def __init__(self, part: Part, space: Space) -> None:
         self.part, self.method, self.space = part, part.method, space
         self.requested: Floats = np.empty((0, space.dimension))
-        self.search: Search | None = None
+        self.search: Parallel | None = None
         self.used = self.stale = 0
         self.ever = np.inf
         self.due = self.cost = 0.0
@@ -131,6 +157,7 @@ class Member:
             random=np.random.default_rng(self.space.random.integers(2**63)),
             starts=starts,
             attribute=lambda member, points: None,
+            slots=0,
         )
         self.search = self.method.search(given, self.part.options)
         return self._advance(None, record)
@@ -179,7 +206,9 @@ class Member:
     def _advance(self, batch: Batch | None, record: Record) -> bool:
         assert self.search is not None
         try:
-            self.requested = (next(self.search) if batch is None else self.search.send(batch)).copy()
+            request = next(self.search) if batch is None else self.search.send(batch)
+            assert isinstance(request, np.ndarray)
+            self.requested = request.copy()
         except StopIteration:
             self._end(record)
             return False
@@ -192,9 +221,9 @@ class Member:
             record.take(self.best)
 
 
-def _turn(members: list[Member], record: Record, fair: int) -> list[Member]:
-    """The members whose turn it is: a request delays the next turn by its length divided by the member's share."""
-    able = [m for m in members if m.ready(record)]
+def _turn(members: list[Member], record: Record, fair: int, free: list[Member]) -> list[Member]:
+    """The free members whose turn it is: a request delays the next one by its length divided by the member's share."""
+    able = [m for m in free if m.ready(record)]
     if not able:
         return []
     early = sum(m.used for m in members) < fair * len(members)

@@ -14,7 +14,18 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Ended, Floats, Method, MethodLook, Minimum, Search, Space, side_by_side
+from worker.search.base import (
+    Ended,
+    Floats,
+    Method,
+    MethodLook,
+    Minimum,
+    Parallel,
+    Search,
+    Space,
+    independently,
+    side_by_side,
+)
 from worker.search.parts.descent import Settings, descend
 
 
@@ -33,14 +44,15 @@ class Options:
     iterations: Annotated[int, Field(ge=1, le=100_000, description="Maximum gradients per start")] = 200
 
 
-def search(space: Space, options: Options) -> Search:
+def search(space: Space, options: Options) -> Parallel:
     starts = space.starts
     if len(starts) == 0:
         from scipy.stats import qmc  # a campaign's process must start fast
 
         sampler = qmc.Sobol(space.dimension, rng=space.random)
         starts = sampler.random_base2(int(np.ceil(np.log2(options.starts))))[: options.starts]
-    said = yield from side_by_side([_descend(space, options, start) for start in starts])
+    descents = [_descend(space, options, start) for start in starts]
+    said = yield from independently(descents) if space.slots else side_by_side(descents)
     if len(starts) == 1:
         return said[0]
     ends = {f"end{i}": end for i, end in enumerate(sorted(set(said)))}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
 from campaigns.results.base import OK
 from campaigns.results.search import Member
 from worker.catalogue.installed import methods
-from worker.search.base import Search
+from worker.search.base import Parallel, Several
 from worker.stages.parts.store import Columns
 
 
@@ -24,17 +25,18 @@ class Members:
         """The next `count` points of the coming request belong to this member."""
         self.announced.append((member, points))
 
-    def listening(self, search: Search) -> Search:
+    def listening(self, search: Parallel) -> Parallel:
         """The same search, with its requests recorded."""
         batch = None
         try:
             while True:
-                points = next(search) if batch is None else search.send(batch)
+                request = next(search) if batch is None else search.send(batch)
+                groups = [points for _, points in request.groups] if isinstance(request, Several) else [request]
                 said, self.announced = self.announced, []
                 names = [member for member, count in said for _ in range(count)]
-                for name, point in zip(names, points, strict=False):
+                for name, point in zip(names, chain(*groups), strict=False):
                     self.owner.setdefault(point.tobytes(), name)
-                batch = yield points
+                batch = yield request
         except StopIteration as end:
             rule: str = end.value
             return rule

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from backend.db.records import (
+    Ahead,
     Columns,
     Floats,
     StagePlan,
@@ -22,6 +23,7 @@ from campaigns.flown import Code, Flown
 from campaigns.results import Finding, StageResult, Verdict
 
 __all__ = [
+    "Ahead",
     "Columns",
     "Floats",
     "StagePlan",
@@ -48,8 +50,14 @@ class Store(Protocol):
     def evaluations(self, position: int) -> Columns | None:
         """All stored evaluations of a stage, in order; None if there are none."""
 
-    def append(self, position: int, first: int, columns: Columns) -> None:
-        """Store evaluations from index `first` on, and update the counts and best of the stage and the run."""
+    def ahead(self, position: int) -> Ahead | None:
+        """The stored evaluations of a stage that an earlier one is missing for; None if there are none."""
+
+    def append(self, position: int, first: int, columns: Columns, ahead: Ahead | None = None) -> None:
+        """Store evaluations from index `first` on, and update the counts and best of the stage and the run.
+
+        ahead: further ones, not stored before, which an earlier one is missing for; None for a stage without them.
+        """
 
     def finish(
         self,

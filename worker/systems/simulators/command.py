@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 import sys
 import tempfile
+from collections.abc import Callable
+from concurrent.futures import Future
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ from campaigns.results.base import FAILED, OK, TIMEOUT
 from worker.catalogue.descriptor import Described
 from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
-from worker.systems.base import Floats, Reasons, Seeds
+from worker.systems.base import Evaluated, Floats, Reasons, Seeds
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
@@ -47,23 +49,26 @@ class CommandSimulator(Simulated):
         """Over all files in the folder of the descriptor, when the simulator was opened."""
         return self.described.digest
 
-    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+    @property
+    def slots(self) -> int:  # type: ignore[override]
+        return 1 if self._fresh else self.described.descriptor.slots or usual_threads()
+
+    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
         names = [p.path.removeprefix("simulator.") for p in self.parameters]
-        pool = self._opened()
-        requests = [{"parameters": dict(zip(names, v[: len(names)].tolist(), strict=True))} for v in vectors]
-        outcomes = pool.evaluate(requests)
-        if outcomes:
-            self.cost = sum(o.duration for o in outcomes) / len(outcomes) / pool.size
-        costs = np.full((len(vectors), 1), np.nan)
-        status = np.zeros(len(vectors), dtype=np.uint8)
-        reasons: Reasons = {}
-        for k, outcome in enumerate(outcomes):
-            value, reason = self._read(outcome)
-            if reason:
-                status[k], reasons[k] = TIMEOUT if outcome.kind == "timeout" else FAILED, reason
-            else:
-                status[k], costs[k, 0] = OK, value if self._result.worse == "low" else -value
-        return Batch(costs, status), reasons
+        request = {"parameters": dict(zip(names, vector[: len(names)].tolist(), strict=True))}
+        return then(self._opened().submit(request), self._evaluated)
+
+    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+        found = [future.result() for future in [self.submit(vector) for vector in vectors]]
+        costs = np.array([one.costs for one in found]).reshape(len(found), 1)
+        reasons = {k: one.reason for k, one in enumerate(found) if one.reason}
+        return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), reasons
+
+    def _evaluated(self, outcome: Outcome) -> Evaluated:
+        value, reason = self._read(outcome)
+        if reason:
+            return Evaluated(np.array([np.nan]), TIMEOUT if outcome.kind == "timeout" else FAILED, reason)
+        return Evaluated(np.array([value if self._result.worse == "low" else -value]), OK, "")
 
     def close(self) -> None:
         """Kill its processes; they start again with the next evaluation."""
@@ -78,9 +83,8 @@ class CommandSimulator(Simulated):
         if self._pool is None:
             d = self.described.descriptor
             limits = Limits(d.timeout, d.start, d.memory, recycle=1 if self._fresh else d.recycle)
-            slots = 1 if self._fresh else d.slots or usual_threads()
             self._work = tempfile.TemporaryDirectory(prefix=f"clearance-{d.name}-", ignore_cleanup_errors=True)
-            self._pool = SlotPool(self._program(Path(self._work.name)), slots, limits)
+            self._pool = SlotPool(self._program(Path(self._work.name)), self.slots, limits)
         return self._pool
 
     def _program(self, work: Path) -> Program:
@@ -96,6 +100,20 @@ class CommandSimulator(Simulated):
         if outcome.kind != "ok":
             return math.nan, outcome.sentence
         return number(_results(outcome.answer), self._result.name)
+
+
+def then(future: Future[Outcome], read: Callable[[Outcome], Evaluated]) -> Future[Evaluated]:
+    """The evaluation that an outcome will be read as."""
+    read_later: Future[Evaluated] = Future()
+
+    def done(ended: Future[Outcome]) -> None:
+        try:
+            read_later.set_result(read(ended.result()))
+        except Exception as error:  # reaches whoever waits for it, not the thread that ended the evaluation
+            read_later.set_exception(error)
+
+    future.add_done_callback(done)
+    return read_later
 
 
 def _results(answer: Any) -> Any:

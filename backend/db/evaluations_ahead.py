@@ -1,0 +1,50 @@
+"""Reads and writes evaluations that were completed before an earlier one of their stage.
+
+The chunks contain a stage's evaluations without a gap; these wait beside them. Start reading at `store`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import sqlalchemy as sa
+
+from backend.db.records import Ahead, Columns
+from backend.db.tables import EvaluationAhead
+
+
+def read(connection: sa.Connection, run_id: int, position: int) -> Ahead | None:
+    """Those of a stage by index; None if there are none."""
+    of = (EvaluationAhead.run_id == run_id, EvaluationAhead.position == position)
+    rows = connection.execute(sa.select(EvaluationAhead).where(*of).order_by(EvaluationAhead.place)).all()
+    if not rows:
+        return None
+    columns = Columns(
+        points=np.array([np.frombuffer(row.point, dtype="<f8") for row in rows]),
+        costs=np.array([np.frombuffer(row.costs, dtype="<f8") for row in rows]),
+        status=np.array([row.status for row in rows], dtype=np.uint8),
+        seconds=np.array([row.seconds for row in rows]),
+        reasons={row.place: row.reason for row in rows if row.reason},
+    )
+    return Ahead(np.array([row.place for row in rows], dtype=np.int64), columns)
+
+
+def store(connection: sa.Connection, run_id: int, position: int, done: int, ahead: Ahead) -> None:
+    """Drop those that the first `done` evaluations of the stage now contain, and add these."""
+    of = (EvaluationAhead.run_id == run_id, EvaluationAhead.position == position)
+    connection.execute(sa.delete(EvaluationAhead).where(*of, EvaluationAhead.place < done))
+    columns = ahead.columns
+    rows = [
+        {
+            "run_id": run_id,
+            "position": position,
+            "place": index,
+            "point": np.ascontiguousarray(columns.points[row], dtype="<f8").tobytes(),
+            "costs": np.ascontiguousarray(columns.costs[row], dtype="<f8").tobytes(),
+            "status": int(columns.status[row]),
+            "seconds": float(columns.seconds[row]),
+            "reason": columns.reasons.get(index, ""),
+        }
+        for row, index in enumerate(ahead.indices.tolist())
+    ]
+    if rows:
+        connection.execute(sa.insert(EvaluationAhead), rows)

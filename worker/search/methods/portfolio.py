@@ -13,6 +13,7 @@ are those of its members. Start reading at `search`.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -90,7 +91,7 @@ def search(space: Space, options: Options) -> Parallel:
 def _in_batches(space: Space, members: list[Member], record: Record, fair: int) -> Parallel:
     """One request contains the points of every member whose turn it is."""
     while True:
-        turn = _turn(members, record, fair, members)
+        turn = _turn(members, record, fair)
         if not turn:
             return Ended("members", "every member has ended")
         for member in turn:
@@ -109,7 +110,7 @@ def _in_slots(space: Space, members: list[Member], record: Record, fair: int) ->
     while True:
         request = Several([])
         while sum(len(m.requested) for m in pending.values()) < 2 * space.slots:
-            turn = _turn(members, record, fair, [m for m in members if m not in pending.values()])
+            turn = _turn(members, record, fair, pending.values())
             if not turn:
                 break
             for member in turn:
@@ -221,9 +222,9 @@ class Member:
             record.take(self.best)
 
 
-def _turn(members: list[Member], record: Record, fair: int, free: list[Member]) -> list[Member]:
-    """The free members whose turn it is: a request delays the next one by its length divided by the member's share."""
-    able = [m for m in free if m.ready(record)]
+def _turn(members: list[Member], record: Record, fair: int, busy: Collection[Member] = ()) -> list[Member]:
+    """The members whose turn it is: a request delays the next one by its length divided by the member's share."""
+    able = [m for m in members if m not in busy and m.ready(record)]
     if not able:
         return []
     early = sum(m.used for m in members) < fair * len(members)

@@ -14,7 +14,7 @@ from campaigns.asked.load import CampaignError, load_document
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
-from tests.simulators import functions, package, two_basins
+from tests.simulators import functions, isolated, package, two_basins
 from worker.catalogue.files import PythonFunction
 from worker.catalogue.installed import catalogue
 from worker.catalogue.simulator import Opening
@@ -32,8 +32,8 @@ def problem(request: pytest.FixtureRequest) -> Iterator[Problem]:
     elif request.param == "simulator":
         yield Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
     else:
-        function = functions.together if request.param == "function" else functions.alone
-        place = {"module": functions.__name__, "name": function.__name__}
+        function = functions.together if request.param == "function" else isolated.alone
+        place = {"module": function.__module__, "name": function.__name__}
         declared = PythonFunction(function.declaration, place, function.call)
         campaign = load_document(package.campaign(simulator={"name": function.declaration.name}))
         known = catalogue().model_copy(update={"simulators": [declared.entry]})

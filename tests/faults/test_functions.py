@@ -16,7 +16,7 @@ import pytest
 import clearance
 from campaigns.results.base import FAILED, OK, TIMEOUT
 from tests.faults.processes import REPOSITORY
-from tests.simulators import functions, two_basins
+from tests.simulators import isolated, two_basins
 from worker.audit import judge
 from worker.audit.record import of_folder
 from worker.catalogue.files import entry_of
@@ -34,7 +34,7 @@ EXPECTED = [
     (FAILED, "MemoryError, at line"),
     (FAILED, "it returned nan, not a finite number"),
 ]
-"""By what `functions.misbehaving` does."""
+"""By what `isolated.misbehaving` does."""
 
 
 def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -46,8 +46,8 @@ def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess[
 
 @pytest.fixture(scope="module")
 def misbehaving() -> Iterator[Isolated]:
-    declaration = functions.misbehaving.declaration
-    place = {"module": functions.__name__, "name": "misbehaving"}
+    declaration = isolated.misbehaving.declaration
+    place = {"module": isolated.__name__, "name": "misbehaving"}
     opening = Opening({"simulator.do": 0.0}, "value")
     opened = Isolated(place, entry_of(declaration), opening, declaration.settings, "digest")
     yield opened
@@ -65,7 +65,7 @@ def test_whatever_a_function_does_costs_one_evaluation(misbehaving: Isolated) ->
 
 def test_a_function_that_cannot_be_loaded_fails_with_its_reason(tmp_path: Path) -> None:
     (tmp_path / "gone.py").write_text("raise OSError('no licence')")
-    declaration = functions.misbehaving.declaration
+    declaration = isolated.misbehaving.declaration
     place = {"file": str(tmp_path / "gone.py"), "name": "f"}
     opened = Isolated(place, entry_of(declaration), Opening({"simulator.do": 0.0}, "value"), declaration.settings, "d")
     batch, reasons = opened.evaluate(np.zeros((2, 1)))
@@ -92,9 +92,6 @@ def test_three_lines_to_a_verdict_that_can_be_audited(tmp_path: Path) -> None:
     assert stored["sentence"] == result.verdict.sentence
     assert stored["evaluations"]["stored"] == len(result.costs)
     assert len((folder / "evaluations.csv").read_text().splitlines()) == len(result.costs) + 1
-    page = result.report(tmp_path / "report.html").read_text()
-    assert "Python function fly" in page
-    assert "Cleared" in page
 
 
 def campaign(tmp_path: Path, name: str, neighbours: int = 20) -> Path:
@@ -104,8 +101,8 @@ def campaign(tmp_path: Path, name: str, neighbours: int = 20) -> Path:
         "uncertain": {f"simulator.{p}": {"low": 0.0, "high": 0.95} for p in "xy"},
         "criterion": {"result": "separation", "threshold": 2.0},
         "stages": {
-            "search": [{"method": m, "evaluations": 600} for m in ("direct", "cma_es")],
-            "findings": {"evaluations": 1500},
+            "search": [{"method": m, "evaluations": 400} for m in ("direct", "cma_es")],
+            "findings": {"evaluations": 1000},
             "validate": {"neighbours": neighbours},
         },
     }
@@ -118,7 +115,8 @@ SOURCE = f"""
 import sys
 sys.path.insert(0, {str(REPOSITORY)!r})
 import clearance
-from tests.simulators.functions import PARAMETERS, RESULTS, alone, together
+from tests.simulators.functions import together
+from tests.simulators.isolated import PARAMETERS, RESULTS, alone
 
 @clearance.simulator(parameters=PARAMETERS, results=RESULTS, isolated=False, vectorized=True)
 def fast(x, y):
@@ -158,8 +156,9 @@ def test_a_file_in_slots_gives_the_same_numbers(folder: Path, tmp_path: Path) ->
         done = command("run", str(campaign(tmp_path, name, 0)), "--json", CLEARANCE_SIMULATORS=str(folder))
         assert done.returncode == 0, done.stderr
         result = json.loads(done.stdout)
-        found.append([result["nominal"], result["worst"]])
-    assert found[0] == found[1]
+        found.append(result)
+    assert found[0]["nominal"] == found[1]["nominal"]
+    assert found[0]["worst"]["cost"] == pytest.approx(found[1]["worst"]["cost"], abs=1e-9)
 
 
 def test_a_simulator_that_is_not_there_is_explained(

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from tests.simulators import functions
+from tests.simulators import isolated
 from worker.catalogue import files
 from worker.catalogue.descriptor import FOLDERS
 from worker.catalogue.files import BadFile, PythonFunction, digest_of, listed_files, unusable_files
@@ -93,15 +93,15 @@ def test_the_digest_is_that_of_the_python_files(folder: Path) -> None:
 
 
 def test_an_entry_point_names_a_function_or_a_module_of_them() -> None:
-    named = _simulators_of(functions, "alone")
-    assert [s.place for s in named] == [{"module": "tests.simulators.functions", "name": "alone"}]  # type: ignore[union-attr]
-    every = _simulators_of(functions, "")
-    assert [s.entry.name for s in every] == ["alone", "together", "misbehaving"]
+    named = _simulators_of(isolated, "alone")
+    assert [s.place for s in named] == [{"module": "tests.simulators.isolated", "name": "alone"}]  # type: ignore[union-attr]
+    every = _simulators_of(isolated, "")
+    assert [s.entry.name for s in every] == ["alone", "misbehaving"]
     module = ModuleType("one")
-    module.simulator = functions.alone  # type: ignore[attr-defined]
+    module.simulator = isolated.alone  # type: ignore[attr-defined]
     assert [s.entry.name for s in _simulators_of(module, "")] == ["alone"]
-    assert _simulators_of(functions, "RESULTS") == []
-    assert digest_of({"module": "tests.simulators.functions", "name": "alone"}) == digest_of({"module": "tests"})
+    assert _simulators_of(isolated, "RESULTS") == []
+    assert digest_of({"module": "tests.simulators.isolated", "name": "alone"}) == digest_of({"module": "tests"})
 
 
 def test_nothing_of_a_file_stays_in_this_process(folder: Path) -> None:

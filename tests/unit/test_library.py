@@ -20,7 +20,7 @@ import pytest
 
 import clearance
 from campaigns.results.base import STATUS
-from tests.simulators import functions
+from tests.simulators import isolated
 from worker.catalogue.files import entry_of
 from worker.catalogue.simulator import Opening
 from worker.systems.simulators import calling
@@ -114,7 +114,7 @@ class TestArguments:
     )
     def test_what_does_not_fit_a_declaration_is_refused(self, change: dict[str, Any], message: str) -> None:
         with pytest.raises(ValueError, match=message):
-            clearance.search(functions.alone, **({"threshold": 1.0} | change))
+            clearance.search(isolated.alone, **({"threshold": 1.0} | change))
 
     def test_an_isolated_function_must_be_where_another_process_finds_it(self) -> None:
         @clearance.simulator(parameters={"x": (0, 1)})
@@ -151,7 +151,7 @@ class TestDeclaration:
         declared = clearance.simulator(parameters={"mass": (1.0, 2.0)})(one)
         assert declared(3.0) == declared(mass=3.0) == 3.0
         assert (declared.__name__, declared.__doc__) == (one.__name__, one.__doc__)
-        assert pickle.loads(pickle.dumps(functions.alone)) is functions.alone
+        assert pickle.loads(pickle.dumps(isolated.alone)) is isolated.alone
 
 
 class Odd:

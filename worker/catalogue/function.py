@@ -27,9 +27,7 @@ LARGEST = 1e12
 """No quantity of a campaign may be larger than this, in its own unit."""
 
 DESCRIBING = "CLEARANCE_DESCRIBING"
-"""Set in a process that loads a file only for its functions; nothing may be searched there."""
-SLOT = "CLEARANCE_FUNCTION"
-"""Set in the process of a slot that calls a function: which one, and where it is."""
+"""Set while a process loads a file only for its functions; nothing may be searched meanwhile."""
 
 
 @dataclass(frozen=True)
@@ -239,7 +237,7 @@ def in_units(declaration: Declaration) -> Declaration:
 
 def only_loaded() -> bool:
     """Whether this process loads a file only for its functions: to describe them, or in a slot to call one."""
-    return DESCRIBING in os.environ or SLOT in os.environ
+    return DESCRIBING in os.environ
 
 
 def loaded(file: Path, first: bool = True) -> ModuleType:

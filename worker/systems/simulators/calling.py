@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 FUNCTION = "CLEARANCE_FUNCTION"
-"""As `worker.catalogue.function.SLOT`."""
+"""Set in the process of a slot that calls a function: which one, and where it is."""
 LONGEST = 300
 """Of a message are kept so many characters."""
 
@@ -167,9 +167,11 @@ def _named() -> tuple[Callable[..., Any], tuple[str, ...], bool]:
     sys.path[:] = [p for p in sys.path if p != here]  # else `import program` of a function would find ours
     sys.modules.pop(__name__, None)
     sys.path.extend(p for p in given["path"] if p not in sys.path)
-    from worker.catalogue.function import loaded
+    from worker.catalogue.function import DESCRIBING, loaded
 
+    os.environ[DESCRIBING] = "1"
     module = loaded(Path(given["file"])) if "file" in given else importlib.import_module(given["module"])
+    del os.environ[DESCRIBING]
     found: Any = module
     for part in given["name"].split("."):
         found = getattr(found, part)

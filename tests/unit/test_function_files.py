@@ -9,11 +9,14 @@ from types import ModuleType
 
 import pytest
 
+from campaigns.asked.load import load_document
 from tests.simulators import isolated
 from worker.catalogue import files
 from worker.catalogue.descriptor import FOLDERS
 from worker.catalogue.files import BadFile, PythonFunction, digest_of, listed_files, unusable_files
-from worker.catalogue.installed import _simulators_of
+from worker.catalogue.installed import _simulators_of, catalogue
+from worker.opening import opened
+from worker.systems.base import CampaignUnusable
 
 GOOD = """
 import clearance
@@ -102,6 +105,30 @@ def test_an_entry_point_names_a_function_or_a_module_of_them() -> None:
     assert [s.entry.name for s in _simulators_of(module, "")] == ["alone"]
     assert _simulators_of(isolated, "RESULTS") == []
     assert digest_of({"module": "tests.simulators.isolated", "name": "alone"}) == digest_of({"module": "tests"})
+
+
+def test_a_declaration_that_changed_is_refused(folder: Path) -> None:
+    file = folder / "good.py"
+    file.write_text(GOOD)
+    (listed,) = listed_files()
+    assert isinstance(listed, PythonFunction)
+    document = {
+        "name": "Drop",
+        "simulator": {"name": "drop"},
+        "uncertain": {"simulator.mass": {"low": 1.5, "high": 2.5}},
+        "criterion": {"result": "value", "threshold": 0.0},
+        "stages": {"search": [{"method": "direct", "evaluations": 10}]},
+    }
+    campaign, known = load_document(document), catalogue().model_copy(update={"simulators": [listed.entry]})
+    before = opened.simulated(campaign, listed, known)
+    file.write_text(GOOD + "# a remark\n")
+    assert opened.simulated(campaign, listed, known).digest != before.digest
+    file.write_text(GOOD.replace("(1, 3", "(1, 4"))
+    with pytest.raises(CampaignUnusable, match="restart the worker"):
+        opened.simulated(campaign, listed, known)
+    file.unlink()
+    with pytest.raises(CampaignUnusable, match=r"it cannot be used any more: .*No such file"):
+        opened.simulated(campaign, listed, known)
 
 
 def test_nothing_of_a_file_stays_in_this_process(folder: Path) -> None:

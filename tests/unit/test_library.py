@@ -178,6 +178,7 @@ FAILURES: list[tuple[str, Callable[[], Any], str]] = [
     ("raises what cannot be shown", raising(Speechless()), "Speechless: its message cannot be shown"),
     ("runs out of memory", raising(MemoryError()), "MemoryError"),
     ("recurses", lambda: (f := lambda n: f(n + 1))(0), "RecursionError"),
+    ("raises what few catch", raising(BaseException("stop")), "BaseException: stop, at line"),
     ("exits", lambda: sys.exit(3), "it called sys.exit(3)"),
     ("NaN", lambda: float("nan"), "it returned nan, not a finite number"),
     ("infinite", lambda: -np.inf, "it returned -inf, not a finite number"),

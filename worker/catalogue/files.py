@@ -55,14 +55,8 @@ class PythonFunction:
         return entry_of(self.declaration)
 
 
-@dataclass(frozen=True)
 class BadFile(ValueError):
     """A file that cannot be used; the message names it and what is expected."""
-
-    message: str
-
-    def __str__(self) -> str:
-        return self.message
 
 
 def entry_of(declaration: Declaration) -> SimulatorEntry:

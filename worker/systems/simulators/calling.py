@@ -45,7 +45,9 @@ def called(
         return read(_only(value), names)
     except Wrong as error:
         return {"failed": str(error)}
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # whatever a function raises fails its evaluation alone
         return {"failed": failure(error, call)}
 
 

@@ -125,7 +125,9 @@ class InProcess(_OfFunction):
         columns = {name: np.array(column) for name, column in zip(self.names_given, vectors.T, strict=True)}
         try:
             returned, reason = self._column(self.call(**columns), m)
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             returned, reason = None, calling.failure(error, self.call)
             if m > 1:
                 parts = [self._together(row[None]) for row in vectors]

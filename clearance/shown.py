@@ -20,7 +20,7 @@ COLOURS = {"cleared": "#009e73", "violated": "#d55e00", "inconclusive": "#e69f00
 ICONS = {"cleared": "✓", "violated": "✗", "inconclusive": "?"}
 LINES = ("#3f9bdb", "#c66aa5", "#1fae85", "#d98032", "#8f7bd0", "#9a9a9a")
 """Of the methods: each can be read on white and on black."""
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 560, 190, 74, 38, 10, 12
+WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 560, 190, 74, 38, 10, 30
 Line = tuple[str, Any, Any]
 """A method, its evaluations (k,), and its best values so far (k,)."""
 MOST = 200
@@ -100,7 +100,7 @@ def _table(result: Result) -> str:
     body = "".join(f"<tr>{row}</tr>" for row in rows)
     return (
         '<div style="overflow-x:auto"><table style="border-collapse:collapse;font-variant-numeric:tabular-nums;'
-        f'background:none;margin:6px 0">{body}</table></div>'
+        f'color:inherit;font-size:inherit;background:none;margin:6px 0">{body}</table></div>'
     )
 
 

@@ -1,8 +1,9 @@
-"""The contract of all systems, tested on the closed loop and an analytic simulator. Start reading at `TestSystem`."""
+"""The contract of all systems, tested on the closed loop, a simulator and functions. Start reading at `TestSystem`."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from campaigns.asked.load import CampaignError, load_document
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
-from tests.simulators import package, two_basins
+from tests.simulators import functions, isolated, package, two_basins
+from worker.catalogue.files import PythonFunction
 from worker.catalogue.installed import catalogue
 from worker.catalogue.simulator import Opening
 from worker.opening import opened
@@ -23,11 +25,21 @@ from worker.systems.base import System
 BASINS = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 
 
-@pytest.fixture(scope="module", params=["closed loop", "simulator"])
-def problem(request: pytest.FixtureRequest) -> Problem:
+@pytest.fixture(scope="module", params=["closed loop", "simulator", "function", "isolated function"])
+def problem(request: pytest.FixtureRequest) -> Iterator[Problem]:
     if request.param == "closed loop":
-        return opened.problem(load_file(library()["unicycle_static"]))
-    return Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
+        yield opened.problem(load_file(library()["unicycle_static"]))
+    elif request.param == "simulator":
+        yield Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
+    else:
+        function = functions.together if request.param == "function" else isolated.alone
+        place = {"module": function.__module__, "name": function.__name__}
+        declared = PythonFunction(function.declaration, place, function.call)
+        campaign = load_document(package.campaign(simulator={"name": function.declaration.name}))
+        known = catalogue().model_copy(update={"simulators": [declared.entry]})
+        found = Problem(campaign, opened.simulated(campaign, declared, known))
+        yield found
+        found.system.close()
 
 
 @pytest.fixture(scope="module")

@@ -148,13 +148,14 @@ def read(folder: Path) -> Described:
         raise BadDescriptor(f"{file}: {place}: {message}") from None
 
 
-def _folders() -> list[Path]:
+def folders() -> list[Path]:
+    """The folders that the operator lists."""
     return [Path(given) for given in os.environ.get(FOLDERS, "").split(os.pathsep) if given]
 
 
 def listed() -> Iterator[Described | BadDescriptor]:
     """The descriptors in the operator's folders, and what is wrong with those that cannot be used."""
-    for folder in _folders():
+    for folder in folders():
         for inner in sorted(p.parent for p in folder.glob(f"*/{FILE}")):
             try:
                 yield read(inner)
@@ -164,7 +165,7 @@ def listed() -> Iterator[Described | BadDescriptor]:
 
 def unusable() -> list[str]:
     """What is wrong with the operator's folders and the descriptors in them, a sentence each."""
-    found = [f"{FOLDERS} names {folder}, which is not a folder" for folder in _folders() if not folder.is_dir()]
+    found = [f"{FOLDERS} names {folder}, which is not a folder" for folder in folders() if not folder.is_dir()]
     first: dict[str, Path] = {}
     for described in listed():
         if isinstance(described, BadDescriptor):

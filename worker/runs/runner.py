@@ -17,6 +17,7 @@ from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from worker.opening import opened
 from worker.problem.evaluate import InProcess
+from worker.problem.problem import Problem
 from worker.runs.provenance import begin, flown
 from worker.stages.found import stages
 from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
@@ -36,13 +37,16 @@ def execute(
     cancelled: Callable[[], bool] = lambda: False,
     progress: Callable[[int, Tally], None] = lambda position, tally: None,
     threads: int | None = None,
+    problem: Problem | None = None,
 ) -> Verdict:
     """Run or resume a campaign to its verdict.
+
+    problem: the campaign's problem, if its system is not one of this installation; its system is closed at the end.
 
     Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
     `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests other points.
     """
-    problem = opened.problem(campaign)
+    problem = problem or opened.problem(campaign)
     problem.system.warm()
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
     begin(store, problem.system)

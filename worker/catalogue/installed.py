@@ -21,7 +21,8 @@ from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
-from worker.catalogue.descriptor import Described, listed
+from worker.catalogue.described import Described
+from worker.catalogue.descriptor import listed
 from worker.catalogue.simulator import Program, Simulator
 from worker.kernels.component import (
     Avoider,

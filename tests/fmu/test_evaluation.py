@@ -196,15 +196,18 @@ def test_the_example_from_its_sources_to_a_verdict(tmp_path: Path) -> None:
     shutil.copytree(EXAMPLE, tmp_path / "one")
     subprocess.run(["sh", str(tmp_path / "one" / "build.sh")], check=True)
     campaign = yaml.safe_load((EXAMPLE.parent / "campaigns" / "fmu_drop.yaml").read_text())
-    campaign["stages"]["certify"] = {"samples": 10}
-    campaign["stages"]["validate"] = {"neighbours": 2}
+    campaign["stages"]["search"] = [
+        {"method": "direct", "evaluations": 80},
+        {"method": "differential_evolution", "evaluations": 80},
+    ]
+    campaign["stages"] |= {"certify": {"samples": 60}, "validate": {"neighbours": 2}}
     (tmp_path / "campaign.yaml").write_text(yaml.safe_dump(campaign))
     done = subprocess.run(
         [sys.executable, "-m", "worker.cli", "run", str(tmp_path / "campaign.yaml"), "--json"],
         env=os.environ | {"CLEARANCE_SIMULATORS": str(tmp_path)}, capture_output=True, text=True, check=False,
         cwd=REPOSITORY, timeout=200,
     )  # fmt: skip
-    assert done.returncode == 1, done.stderr
+    assert done.returncode in (0, 2), done.stderr
     result = json.loads(done.stdout)
     assert result["verdict"] == "violated"
     assert "FMI 2.0 co-simulation from 0 s to 8 s, communication step 0.01 s, one instance" in json.dumps(result)

@@ -5,6 +5,7 @@ export const GUIDES = [
   { name: 'first-campaign', title: 'A first campaign' },
   { name: 'your-own-component', title: 'Your own component' },
   { name: 'your-own-simulator', title: 'Your own simulator' },
+  { name: 'recipes-px4-nav2', title: 'Recipes: PX4 and Nav2' },
   { name: 'methods', title: 'Methods' },
   { name: 'evidence', title: 'Evidence' },
   { name: 'ci', title: 'Continuous integration' },

@@ -42,7 +42,16 @@ def compiled(fmi: int, leak: int = 0, token: str = TOKEN) -> bytes:
     if compiler is None:
         pytest.skip("no C compiler")
     binary = Path(mkdtemp()) / "thrown.so"
-    options = [f"-DFMI={fmi}", f"-DLEAK={leak}", f'-DTOKEN="{token}"', "-w", "-O2", "-shared", "-fPIC"]
+    options = [
+        f"-DFMI={fmi}",
+        f"-DLEAK={leak}",
+        *(["-DNORESET"] if leak == 3 else []),
+        f'-DTOKEN="{token}"',
+        "-w",
+        "-O2",
+        "-shared",
+        "-fPIC",
+    ]
     subprocess.run([compiler, *options, "-o", binary, SOURCE, "-lm"], check=True)
     content = binary.read_bytes()
     shutil.rmtree(binary.parent)

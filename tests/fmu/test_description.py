@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -117,6 +118,11 @@ def test_what_is_no_fmu_is_refused(tmp_path: Path, content: bytes | None) -> Non
         with zipfile.ZipFile(folder / "model.fmu", "w") as archive:
             archive.writestr("readme", "")
     refused(folder, "fmu: model.fmu is not an FMU: ")
+
+
+def test_without_fmpy_a_sentence_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "fmpy", None)
+    refused(made.folder(tmp_path, 2, binary=b"never loaded"), "fmu: an FMU requires the package FMPy")
 
 
 def test_a_bad_one_is_listed_with_its_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -131,7 +131,12 @@ def test_whatever_goes_wrong_costs_one_evaluation(simulated: FmuSimulator) -> No
 
 @pytest.mark.parametrize(
     ("leak", "how"),
-    [(0, "one instance for all"), (1, "a new instance for each"), (2, "a new process for each")],
+    [
+        (0, "one instance for all"),
+        (1, "a new instance for each"),
+        (2, "a new process for each"),
+        (3, "a new instance for each"),
+    ],
 )
 @pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.nightly)])
 def test_state_that_stays_behind_is_noticed_and_changes_nothing(tmp_path: Path, fmi: int, leak: int, how: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -155,6 +156,16 @@ def test_damage_inside_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.mcap").write_bytes(whole)
     with pytest.raises(Unreadable, match=r"a\.mcap cannot be read to its end"):
         separation_of_mcap(tmp_path / "a.mcap", "/odom", "/person")
+
+
+@pytest.mark.parametrize("package", ["pyulog", "mcap.reader"])
+def test_without_its_package_a_sentence_says_what_to_install(
+    tmp_path: Path, package: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bag, log = recorded(tmp_path), ulog(tmp_path / "a.ulg", {TOPIC: STRAIGHT})
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(Unreadable, match=r"pip install 'clearance\[logs\]'"):
+        separation_of_ulog(log, [BESIDE]) if package == "pyulog" else separation_of_mcap(bag, "/odom", "/person")
 
 
 def test_what_is_asked_wrongly() -> None:

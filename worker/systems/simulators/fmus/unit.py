@@ -5,6 +5,7 @@ Every call that does not succeed ends the evaluation with a sentence. An instanc
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import sys
 from collections.abc import Mapping
@@ -50,7 +51,7 @@ class Unit:
     def __init__(self, job: dict[str, Any], folder: Path, reset: bool) -> None:
         self.job, self.reset = job, reset
         self._time: float | None = None
-        self._instance = False
+        self._instance = self._used = False
         kinds: dict[int, Any] = {2: FMU2Slave, 3: FMU3Slave}
         try:
             self._fmu = kinds[job["fmi"]](
@@ -99,19 +100,21 @@ class Unit:
                 f" {what} is {self.job['token']} ({' '.join(str(error).split())})",
                 retire=True,
             ) from None
-        self._instance = True
+        self._instance, self._used = True, False
         if self.job["categories"]:
-            self._fmu.setDebugLogging(True, self.job["categories"])
+            with contextlib.suppress(FMICallException):  # then it logs what it likes; no result depends on that
+                self._fmu.setDebugLogging(True, self.job["categories"])
 
     def new_instance(self) -> None:
         """The next evaluation makes its own instance."""
         self._drop()
 
     def _ready(self) -> None:
-        if self._instance:
-            self._fmu.reset()
-        else:
+        if not self._instance:
             self.instantiate()
+        elif self._used:
+            self._fmu.reset()
+        self._used = True
 
     def _set(self, values: Mapping[str, float]) -> None:
         integer = "Integer" if self.job["fmi"] == 2 else "Int64"
@@ -159,12 +162,10 @@ class Unit:
 
     def _sentence(self, error: FMICallException) -> str:
         if error.function == "fmi2DoStep" and error.status == DISCARD:
-            try:
+            with contextlib.suppress(FMICallException):  # a model need not answer
                 if self._fmu.getBooleanStatus(fmi2Terminated):
                     reached = self._fmu.getRealStatus(fmi2LastSuccessfulTime)
                     return f"the model ended the simulation at t = {reached:g} s, before {self.job['stop']:g} s"
-            except FMICallException:
-                pass  # a model need not answer; then the step is discarded without a reason
         status = STATUS[error.status] if error.status < len(STATUS) else str(error.status)
         when = "" if self._time is None else f" at t = {self._time:g} s"
         return f"{error.function} returned {status}{when}"

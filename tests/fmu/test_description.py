@@ -70,7 +70,7 @@ def result(**changed: Any) -> dict[str, Any]:
         ({"parameters": {"drag": {}}}, "parameters.drag: drag is one Boolean, causality parameter"),
         ({"parameters": {"mass": {"low": 3}}}, "parameters.mass: nominal 2 must be within [low 3, high 10]"),
         ({"parameters": {"mass": {"unit": "g"}}}, "parameters.mass.unit: the model states kg, not g"),
-        ({"parameters": {"mass": {}, "m": {"variable": "mass"}}}, "parameters.m: mass already sets mass"),
+        ({"parameters": {"mass": {}, "m": {"variable": "mass"}}}, "parameters.m: mass already sets this variable"),
         ({"parameters": {"mass": {"hgih": 3}}}, "parameters.mass.hgih: Extra inputs are not permitted"),
         ({"set": {"mass": 1.0}}, "set.mass: it is a parameter of the simulator"),
         ({"set": {"mast": 1.0}}, "set.mast: model.fmu has no variable of this name"),
@@ -118,6 +118,22 @@ def test_what_is_no_fmu_is_refused(tmp_path: Path, content: bytes | None) -> Non
         with zipfile.ZipFile(folder / "model.fmu", "w") as archive:
             archive.writestr("readme", "")
     refused(folder, "fmu: model.fmu is not an FMU: ")
+
+
+def test_an_alias_is_not_a_second_parameter(tmp_path: Path) -> None:
+    """Setting both would leave the value of one of them without effect."""
+    text = made.description(2)
+    scalar = text[text.index('<ScalarVariable name="mass"') :].partition("</ScalarVariable>")[0] + "</ScalarVariable>"
+    second = scalar.replace('name="mass"', 'name="weight"')
+    changed = {"xml": text.replace("</ModelVariables>", f"{second}</ModelVariables>"), "binary": b"never loaded"}
+    both = {"parameters": {"mass": {}, "weight": {"nominal": 2.0}}}
+    refused(
+        made.folder(tmp_path / "a", 2, described=both, **changed), "parameters.weight: mass already sets this variable"
+    )
+    fixed = {"parameters": {"mass": {}}, "set": {"weight": 3.0}}
+    refused(
+        made.folder(tmp_path / "b", 2, described=fixed, **changed), "set.weight: it is a parameter of the simulator"
+    )
 
 
 def test_without_fmpy_a_sentence_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

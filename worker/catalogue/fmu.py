@@ -133,7 +133,7 @@ def read(folder: Path, document: dict[str, Any]) -> DescribedFmu:
     for name, result in descriptor.results.items():
         _readable(f"results.{name}", result, found, descriptor.fmu)
     inputs = tuple(_named(descriptor, found) if descriptor.parameters else _all(descriptor, found))
-    _fixed(descriptor, found, {given.variable.name for given in inputs})
+    _fixed(descriptor, found, {given.variable.reference for given in inputs})
     stop, step = _times(descriptor, found)
     return DescribedFmu(folder, descriptor, found, sha256, stop, step, inputs)
 
@@ -164,7 +164,8 @@ def _all(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
     """Every parameter and input that is a real number and not fixed."""
     chosen: dict[str, Variable] = {}
     for variable in found.variables.values():
-        if not variable.settable or variable.name in descriptor.fixed:
+        alias = variable.reference in {v.reference for v in chosen.values()}
+        if not variable.settable or variable.name in descriptor.fixed or alias:
             continue
         name = identifier(variable.name)
         if name in chosen:
@@ -185,14 +186,13 @@ def _all(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
 
 def _named(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
     """The parameters that the descriptor lists."""
-    taken: dict[str, str] = {}
+    taken: dict[int, str] = {}
     for name, stated in (descriptor.parameters or {}).items():
         variable = _meant(name, stated, found, descriptor.fmu)
-        if variable.name in taken:
-            raise Unusable(
-                f"parameters.{name}: {taken[variable.name]} already sets {variable.name}; remove one of them"
-            )
-        taken[variable.name] = name
+        if variable.reference in taken:  # also by an alias
+            first = taken[variable.reference]
+            raise Unusable(f"parameters.{name}: {first} already sets this variable; remove one of them")
+        taken[variable.reference] = name
         yield _input(name, stated, variable)
 
 
@@ -252,7 +252,7 @@ def _result(name: str, result: FmuResult, variable: Variable) -> ResultEntry:
     )
 
 
-def _fixed(descriptor: FmuDescriptor, found: Model, varied: set[str]) -> None:
+def _fixed(descriptor: FmuDescriptor, found: Model, varied: set[int]) -> None:
     """Check the values under `set` by the types of their variables."""
     kinds: dict[str, tuple[type, ...]] = {"Boolean": (bool,), "String": (str,)}
     kinds |= dict.fromkeys(("Real", "Float32", "Float64"), (int, float))
@@ -260,7 +260,7 @@ def _fixed(descriptor: FmuDescriptor, found: Model, varied: set[str]) -> None:
         variable = found.variables.get(name)
         if variable is None:
             raise Unusable(f"set.{name}: {descriptor.fmu} has no variable of this name")
-        if name in varied:
+        if variable.type in REALS and variable.reference in varied:
             raise Unusable(f"set.{name}: it is a parameter of the simulator; remove it here or under parameters")
         if variable.causality not in ("parameter", "input") or not variable.scalar:
             raise Unusable(f"set.{name}: it is {variable.causality}; a scalar parameter or input is expected")

@@ -34,7 +34,7 @@ class Evaluate:
         except Failed as error:
             sys.exit(error.sentence)
 
-    def __call__(self, **values: float) -> dict[str, float]:
+    def __call__(self, /, **values: float) -> dict[str, float]:
         assert self._unit is not None
         return self._unit.run(values)
 

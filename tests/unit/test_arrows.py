@@ -64,7 +64,8 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     "worker.systems.simulators": (
         *("worker.systems.base", "worker.systems.threads", "worker.search.base"),
-        *("worker.catalogue.simulator", "worker.catalogue.descriptor", "worker.catalogue.function", "campaigns"),
+        *("worker.catalogue.simulator", "worker.catalogue.described", "worker.catalogue.descriptor"),
+        *("worker.catalogue.function", "worker.catalogue.fmu", "campaigns"),
     ),
     # The slots know programs and JSON, nothing of campaigns.
     "worker.systems.simulators.slots": (),

@@ -1,12 +1,11 @@
-"""Reads the descriptor of a program that is a simulator: `simulator.yaml` in a folder of its own.
+"""Reads the descriptor of a program or an FMU that is a simulator: `simulator.yaml` in a folder of its own.
 
 The operator lists folders of such folders in CLEARANCE_SIMULATORS; a campaign only names a simulator. Start reading at
-`Descriptor`; docs/your-own-simulator.md shows one.
+`Descriptor` and, for FMUs, at `fmu`; docs/your-own-simulator.md shows one.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,15 +13,15 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import yaml
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from worker.catalogue import fmu
+from worker.catalogue.described import FILE, BadDescriptor, Basics, Described, Finite
+from worker.catalogue.fmu_model import Unusable
 
-FILE = "simulator.yaml"
 FOLDERS = "CLEARANCE_SIMULATORS"
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class DescribedParameter(Strict):
@@ -52,43 +51,25 @@ class DescribedResult(Strict):
     text: str = ""
 
 
-class Descriptor(Strict):
-    """What `simulator.yaml` states.
+class Descriptor(Basics):
+    """What `simulator.yaml` states of a program.
 
     command: program and arguments, run in the folder of the slot; `{folder}` is the descriptor's folder, `{slot}` the
     number of the slot, and with protocol "files" `{parameters}` and `{results}` are the two files.
     protocol: "lines" for a process that reads one JSON object a line and writes one for each; "files" for a process for
     each evaluation, which reads parameters from one JSON file and writes results to another.
-    timeout: of an evaluation [s]; start: until the process must have started [s]; memory: address space of each of its
-    processes [bytes]; recycle: evaluations until the process is replaced; slots: processes side by side, 0 for one a
-    core.
     """
 
-    name: Identifier
-    title: str = ""
-    text: str = ""
     command: Annotated[tuple[str, ...], Field(min_length=1)]
     protocol: Literal["lines", "files"] = "lines"
     parameters: Annotated[dict[Identifier, DescribedParameter], Field(min_length=1)]
     results: Annotated[dict[Identifier, DescribedResult], Field(min_length=1)]
-    timeout: Annotated[float, Field(gt=0, le=86_400, allow_inf_nan=False)] = 60.0
-    start: Annotated[float, Field(gt=0, le=3_600, allow_inf_nan=False)] = 60.0
-    memory: Annotated[int, Field(ge=0)] = 0
-    recycle: Annotated[int, Field(ge=0)] = 0
-    slots: Annotated[int, Field(ge=0, le=256)] = 0
-    environment: dict[str, str] = Field(default_factory=dict)
-
-    @field_validator("environment", mode="before")
-    @classmethod
-    def _texts(cls, given: object) -> object:
-        return {str(k): str(v) for k, v in given.items()} if isinstance(given, dict) else given
 
 
 @dataclass(frozen=True)
-class Described:
-    """A descriptor, and the folder that it was read from."""
+class DescribedProgram(Described):
+    """The descriptor of a program."""
 
-    folder: Path
     descriptor: Descriptor
 
     @property
@@ -118,27 +99,15 @@ class Described:
             ],
         )
 
-    @property
-    def digest(self) -> str:
-        """SHA-256 over all files of its folder, by relative path and content."""
-        sink = hashlib.sha256()
-        for path in sorted(p for p in self.folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
-            content = path.read_bytes()
-            sink.update(f"{path.relative_to(self.folder)}\0{len(content)}\0".encode())
-            sink.update(content)
-        return sink.hexdigest()
-
-
-class BadDescriptor(ValueError):
-    """The file cannot be used; the message names it, the field, and what is expected."""
-
 
 def read(folder: Path) -> Described:
     """The descriptor of a folder; raises BadDescriptor."""
     file = folder / FILE
     try:
         document = yaml.safe_load(file.read_text(encoding="utf-8"))
-        return Described(folder.resolve(), Descriptor.model_validate(document))
+        if isinstance(document, dict) and "fmu" in document:
+            return fmu.read(folder.resolve(), document)
+        return DescribedProgram(folder.resolve(), Descriptor.model_validate(document))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise BadDescriptor(f"{file}: {' '.join(str(error).split())}") from None
     except ValidationError as error:
@@ -146,6 +115,8 @@ def read(folder: Path) -> Described:
         place = ".".join(str(part) for part in first["loc"]) or "the file"
         message = first["msg"].removeprefix("Value error, ")
         raise BadDescriptor(f"{file}: {place}: {message}") from None
+    except Unusable as error:
+        raise BadDescriptor(f"{file}: {error}") from None
 
 
 def folders() -> list[Path]:

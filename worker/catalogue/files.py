@@ -23,7 +23,8 @@ from typing import Any
 
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
 from worker.catalogue import describing
-from worker.catalogue.descriptor import Described, folders, listed
+from worker.catalogue.described import Described
+from worker.catalogue.descriptor import folders, listed
 from worker.catalogue.function import (
     DESCRIBING,
     Declaration,

@@ -23,7 +23,8 @@ from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
-from worker.catalogue.descriptor import Described, listed
+from worker.catalogue.described import Described
+from worker.catalogue.descriptor import listed
 from worker.catalogue.files import PythonFunction, listed_files
 from worker.catalogue.function import Function, declared_in
 from worker.catalogue.simulator import Program, Simulator

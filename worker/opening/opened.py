@@ -13,8 +13,10 @@ from campaigns import Campaign, Catalogue
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Simulator
 from campaigns.checked.check import flyable, parameters
-from worker.catalogue.descriptor import BadDescriptor, read
+from worker.catalogue.described import BadDescriptor
+from worker.catalogue.descriptor import read
 from worker.catalogue.files import BadFile, PythonFunction, digest_of, read_file
+from worker.catalogue.fmu import DescribedFmu
 from worker.catalogue.function import declared_in, loaded
 from worker.catalogue.installed import catalogue, simulators
 from worker.catalogue.simulator import Opening, Program
@@ -25,6 +27,7 @@ from worker.systems.base import CampaignUnusable, System
 from worker.systems.closed_loop.assemble import LANES
 from worker.systems.closed_loop.system import ClosedLoop
 from worker.systems.simulators.command import CommandSimulator
+from worker.systems.simulators.fmus import simulator as fmus
 from worker.systems.simulators.functions import InProcess, Isolated
 
 
@@ -99,7 +102,7 @@ def _python(simulator: PythonFunction, opening: Opening) -> System:
 
 
 def _program(simulator: Program, opening: Opening) -> CommandSimulator:
-    """A program, by its descriptor as it is now, which must still be the one that the catalogue shows."""
+    """A program or an FMU, by its descriptor as it is now, which must still be the one that the catalogue shows."""
     described, changed = simulator.described, ""
     try:
         described = read(described.folder)
@@ -111,7 +114,12 @@ def _program(simulator: Program, opening: Opening) -> CommandSimulator:
         changed = f"its descriptor cannot be used any more: {error}"
     if changed:
         raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, changed)])
-    return CommandSimulator(described, opening)
+    if not isinstance(described, DescribedFmu):
+        return CommandSimulator(described, opening)
+    try:
+        return fmus.opened(described, opening)
+    except fmus.FmuUnusable as error:
+        raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, str(error))]) from None
 
 
 def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> str:

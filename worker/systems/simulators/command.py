@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from campaigns.results.base import FAILED, OK, TIMEOUT
-from worker.catalogue.descriptor import Described
+from worker.catalogue.described import Described
+from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
 from worker.systems.base import Evaluated, Floats, Reasons, Seeds
@@ -82,12 +83,17 @@ class CommandSimulator(Simulated):
     def _opened(self) -> SlotPool:
         if self._pool is None:
             d = self.described.descriptor
-            limits = Limits(d.timeout, d.start, d.memory, recycle=1 if self._fresh else d.recycle)
+            limits = Limits(d.timeout, d.start, d.memory, recycle=1 if self._fresh else self._recycle)
             self._work = tempfile.TemporaryDirectory(prefix=f"clearance-{d.name}-", ignore_cleanup_errors=True)
             self._pool = SlotPool(self._program(Path(self._work.name)), self.slots, limits)
         return self._pool
 
+    @property
+    def _recycle(self) -> int:
+        return self.described.descriptor.recycle
+
     def _program(self, work: Path) -> Program:
+        assert isinstance(self.described, DescribedProgram)
         d, folder = self.described.descriptor, str(work / "{slot}")
         command = [word.replace("{folder}", str(self.described.folder)) for word in d.command]
         if d.protocol == "lines":

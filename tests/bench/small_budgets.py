@@ -1,4 +1,4 @@
-"""Every search method at small budgets: part of `make search-bench`; returns a table and its text.
+"""Every search method at small budgets: part of `make search-bench`; `python -m tests.bench.small_budgets` alone.
 
 A score of 1 means that the minimum was found, 0 that the result is the median of as many random points as the smallest
 budget: score = 1 - log(1 + gap / tolerance) / log(1 + gap of random points / tolerance), clipped at 0, with the
@@ -8,7 +8,9 @@ tolerance 1e-3 of the gap of the random points. It is averaged over problems and
 
 from __future__ import annotations
 
+import os
 import time
+from multiprocessing import get_context
 from multiprocessing.pool import Pool
 from typing import Any, NamedTuple
 
@@ -123,7 +125,7 @@ def markdown(found: dict[str, Any]) -> list[str]:
         "",
         f"Mean score at {', '.join(f'{b} n' for b in BUDGETS)} evaluations over {len(JUDGED)} problems and {SEEDS} "
         "seeds on which nothing was tuned: 1 is the minimum, 0 the median of 20 n random points, on a logarithmic "
-        "scale. Failed: fraction of evaluations that fail where 42 % of the box does. Own time per evaluation.",
+        "scale. Failed: fraction of evaluations that fail where about 40 % of the box does. Own time per evaluation.",
         "",
         f"| method | {' | '.join(heads)} | failed | own [ms] |",
         f"|---|{'---|' * (len(heads) + 2)}",
@@ -135,3 +137,14 @@ def markdown(found: dict[str, Any]) -> list[str]:
         more = f"{100 * row['failed of half fails']:.0f} % | {row['own_ms']:.2g}"
         lines.append(f"| {methods()[name].title} | {' | '.join(cells)} | {more} |")
     return lines
+
+
+def main() -> None:
+    """Measure and print the table of small budgets alone."""
+    os.environ["OMP_NUM_THREADS"] = "1"
+    with get_context("spawn").Pool(os.cpu_count()) as pool:
+        print("\n".join(markdown(measured(pool))))
+
+
+if __name__ == "__main__":
+    main()

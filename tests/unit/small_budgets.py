@@ -93,7 +93,7 @@ def zakharov(x: Floats) -> Floats:
 
 
 def half_fails(x: Floats) -> Floats:
-    """A bowl whose evaluations fail beyond a plane 0.3 from its minimum: 42 % of the box."""
+    """A bowl whose evaluations fail beyond a plane 0.3 from its minimum: about 40 % of the box."""
     return np.where(x.sum(axis=1) > 0.3 * np.sqrt(x.shape[1]), np.nan, (np.abs(x) ** 1.5).sum(axis=1))
 
 

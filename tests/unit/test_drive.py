@@ -282,3 +282,18 @@ def test_a_batch_takes_no_longer_than_stored_rows_may_wait(
     assert counting.count == 70_000
     assert system.cost is not None
     assert 0.0 < system.cost < 1.0
+
+
+@pytest.mark.parametrize(("cost", "size"), [(None, 3), (30.0, 3), (0.01, 20)])
+def test_a_slow_system_with_slots_is_given_a_point_for_each(
+    cost: float | None, size: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With one point a call, all slots but one would wait: the cost of a call shows no gain from points it lacks."""
+    counting = Counting()
+    asked = context(counting)
+    monkeypatch.setattr(asked.problem.system, "block", 0)
+    monkeypatch.setattr(asked.problem.system, "cost", cost)
+    monkeypatch.setattr(asked.problem.system, "at_once", 3)
+    drive(asked, 0, in_batches([100]), 100)
+    assert len(counting.points[0]) == size
+    assert counting.count == 100

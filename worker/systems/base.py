@@ -166,6 +166,8 @@ class System(ABC):
     """Whether the same vector and seed give the same bits in every process on the same kind of machine."""
     block: int = 0
     """Preferred number of rows per call; threads get whole blocks. 0: no concurrent calls."""
+    at_once: int = 1
+    """Rows that one call evaluates side by side by itself; a call is given at least as many, where there are."""
     shows: tuple[Condition, ...] = ()
     """The evidence that `encounter` can give; the verdict has only these checks of the encounter."""
     settings: Settings = Settings()

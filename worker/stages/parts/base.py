@@ -242,7 +242,7 @@ class _Driver:
     def _piece(self) -> int:
         """Points per call, so that cancellation is checked and results are stored at the interval for storing."""
         system = self.context.problem.system
-        least = max(FULL_BLOCKS * system.block, 1)
+        least = max(FULL_BLOCKS * system.block, system.at_once, 1)
         return (
             least if system.cost is None else int(np.clip(FLUSH_SECONDS / system.cost, least, FULL_BLOCKS * FLUSH_ROWS))
         )

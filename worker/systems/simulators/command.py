@@ -36,6 +36,7 @@ class CommandSimulator(Simulated):
         self.described = described
         self._fresh = fresh
         self._result = self.results[0]
+        self.at_once = 1 if fresh else described.descriptor.slots or usual_threads()
         self._pool: SlotPool | None = None
         self._work: tempfile.TemporaryDirectory[str] | None = None
 
@@ -78,9 +79,8 @@ class CommandSimulator(Simulated):
         if self._pool is None:
             d = self.described.descriptor
             limits = Limits(d.timeout, d.start, d.memory, recycle=1 if self._fresh else d.recycle)
-            slots = 1 if self._fresh else d.slots or usual_threads()
             self._work = tempfile.TemporaryDirectory(prefix=f"clearance-{d.name}-", ignore_cleanup_errors=True)
-            self._pool = SlotPool(self._program(Path(self._work.name)), slots, limits)
+            self._pool = SlotPool(self._program(Path(self._work.name)), self.at_once, limits)
         return self._pool
 
     def _program(self, work: Path) -> Program:

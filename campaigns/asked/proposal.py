@@ -9,9 +9,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-FEW, SEVERAL, MANY = 10, 100, 500
-"""Evaluations per parameter and method: below the first a method finds little, above the second models of the cost no
-longer pay, and none of these methods is given more than the third."""
+FEW, SEVERAL, MANY = 25, 100, 500
+"""Evaluations per parameter and method: below the first a global method does not count as a search in a verdict, above
+the second models of the cost pay less, and no method is given more than the third, if that is above the usual."""
 CHEAP = 0.02
 """Time of an evaluation [s] below which methods that model the cost, which take milliseconds themselves, do not pay."""
 USUAL = 5000
@@ -57,14 +57,14 @@ def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 360
         text = f"One evaluation takes about {lasting(cost)}, longer than the {lasting(patience)} that are available: "
         return Proposal((), 0.0, text + "allow more time")
     most = max(USUAL, MANY * parameters)
-    if cost < CHEAP:
-        return _proposal(PLAIN, rounds, most, cost, slots)
     needed = 2 * math.ceil(FEW * parameters / slots)
     if rounds < needed:
-        # One method gets them all: two would both find nothing, and a verdict of "cleared" is impossible in any case.
+        # One method gets them all: for two, and so for a verdict of "cleared", there are too few in any case.
         more = lasting(needed * cost)
         note = f"; a second method, without which nothing is cleared, fits if you allow {more}"
-        return _proposal(("turbo",), rounds, most, cost, slots, note)
+        return _proposal(("direct" if cost < CHEAP else "turbo",), rounds, most, cost, slots, note)
+    if cost < CHEAP:
+        return _proposal(PLAIN, rounds, most, cost, slots)
     if rounds // 2 * slots <= SEVERAL * parameters or rounds < 3:
         return _proposal(MODELS, rounds, most, cost, slots)
     return _proposal((MODELS[0], *PLAIN), rounds, most, cost, slots)

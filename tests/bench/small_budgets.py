@@ -1,4 +1,6 @@
-"""Every search method at small budgets: part of `make search-bench`; `python -m tests.bench.small_budgets` alone.
+"""Every search method at small budgets: part of `make search-bench`.
+
+`python -m tests.bench.small_budgets [METHOD ...]` prints this table alone, of all or of the given methods.
 
 A score of 1 means that the minimum was found, 0 that the result is the median of as many random points as the smallest
 budget: score = 1 - log(1 + gap / tolerance) / log(1 + gap of random points / tolerance), clipped at 0, with the
@@ -9,6 +11,7 @@ tolerance 1e-3 of the gap of the random points. It is averaged over problems and
 from __future__ import annotations
 
 import os
+import sys
 import time
 from multiprocessing import get_context
 from multiprocessing.pool import Pool
@@ -43,9 +46,9 @@ class Outcome(NamedTuple):
     own: float
 
 
-def measured(pool: Pool) -> dict[str, Any]:
-    """Scores of every method by group and budget."""
-    names = [m.name for m in methods().values() if m.kind != "multi"]
+def measured(pool: Pool, only: list[str] | None = None) -> dict[str, Any]:
+    """Scores of every method, or only of these, by group and budget."""
+    names = only or [m.name for m in methods().values() if m.kind != "multi"]
     tasks = [Task(m, p, FIRST_SEED + s) for m in names for p in JUDGED for s in range(SEEDS)]
     tasks.sort(key=lambda t: not methods()[t.method].costly)
     outcomes = dict(zip(tasks, pool.map(outcome, tasks, chunksize=1), strict=True))
@@ -140,10 +143,10 @@ def markdown(found: dict[str, Any]) -> list[str]:
 
 
 def main() -> None:
-    """Measure and print the table of small budgets alone."""
+    """Measure and print the table of small budgets alone, of all methods or of those named."""
     os.environ["OMP_NUM_THREADS"] = "1"
     with get_context("spawn").Pool(os.cpu_count()) as pool:
-        print("\n".join(markdown(measured(pool))))
+        print("\n".join(markdown(measured(pool, sys.argv[1:]))))
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
+from tests.contract import searches
 from tests.contract.searches import BUDGET, EACH, FUNCTIONS, Answer, answering, at_most, driven, rough, smooth
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
@@ -157,3 +158,17 @@ def test_the_same_seed_gives_the_same_points_in_every_process() -> None:
     random = [name for name, method in methods().items() if method.kind == "random"]
     assert random
     assert all(here[name][0] != here[name][1] for name in random)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("method", [m for m in methods().values() if m.costly], ids=lambda m: m.name)
+def test_costly_methods_at_full_budgets(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searches, "COSTLY", 10**9)
+    for name in FUNCTIONS:
+        test_points_are_points_of_the_unit_cube(method, name, 3)
+    for budget in (100, 401):
+        test_the_budget_is_never_exceeded(method, budget)
+    for name in ("half of it fails", "what is best fails", "the middle fails"):
+        test_what_failed_is_survived_and_never_the_best(method, name, FAILED)
+    test_when_nothing_succeeds_nothing_is_found(method, TIMEOUT)
+    assert fingerprint(method.name, 3) == fingerprint(method.name, 3)

@@ -9,12 +9,13 @@ import pytest
 import yaml
 
 from campaigns import check
-from campaigns.asked.proposal import TITLES, lasting, proposed
+from campaigns.asked.proposal import FEW, TITLES, lasting, proposed
 from tests.unit.cases import searching
 from worker.catalogue.installed import catalogue, methods
 from worker.cli import WRONG_INPUT, invoke
+from worker.verdicts.agreement import GLOBAL_LEAST
 
-GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [10.0, 1200.0, 1e6]))
+GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [0.5, 10.0, 1200.0, 1e6]))
 
 
 def test_the_sentence_of_a_simulator_of_twelve_seconds() -> None:
@@ -43,6 +44,13 @@ def test_whatever_is_proposed_fits_and_can_be_run(cost: float, parameters: int, 
         assert check(searching(*stages), catalogue()) == []
 
 
+def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
+    assert FEW == GLOBAL_LEAST
+    for cost, parameters, slots, patience in GRID:
+        found = proposed(cost, parameters, slots, patience)
+        assert all(s.evaluations >= FEW * parameters for s in found.searches) or "second method" in found.sentence
+
+
 def test_titles_are_those_of_the_methods() -> None:
     assert {name: methods()[name].title for name in TITLES} == TITLES
 
@@ -50,8 +58,8 @@ def test_titles_are_those_of_the_methods() -> None:
 def test_where_two_methods_do_not_fit_the_sentence_says_what_is_missing() -> None:
     found = proposed(60.0, 5, patience=1800.0)
     assert [(s.method, s.evaluations) for s in found.searches] == [("turbo", 30)]
-    assert found.sentence.endswith("a second method, without which nothing is cleared, fits if you allow 1.7 h")
-    assert len(proposed(60.0, 5, patience=1.7 * 3600).searches) == 2
+    assert found.sentence.endswith("a second method, without which nothing is cleared, fits if you allow 4.2 h")
+    assert len(proposed(60.0, 5, patience=4.2 * 3600).searches) == 2
     none = proposed(7200.0, 5, patience=600.0)
     assert none.sentence.endswith("about 2 h, longer than the 10 min that are available: allow more time")
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.unit.searching import Function, run, space
-from worker.search.base import Floats
-from worker.search.methods import turbo
+from worker.search.base import Floats, Method
+from worker.search.methods import lq_cma_es, turbo
 from worker.search.methods.turbo import Region, candidates, hypercube, lowest_of, method
 from worker.search.parts import gaussian_process
 from worker.search.parts.gaussian_process import fitted
@@ -77,7 +77,7 @@ def test_a_parameter_without_effect_gets_a_long_length_scale() -> None:
 
 
 @pytest.mark.parametrize(
-    "values", [np.zeros(9), np.full(9, 1e300), 1e-300 * np.arange(9.0), np.array([1e11] + [0.0] * 8), np.full(9, -3.7)]
+    "values", [np.zeros(9), np.full(9, 1e100), 1e-100 * np.arange(9.0), np.array([1e11] + [0.0] * 8), np.full(9, -3.7)]
 )
 def test_any_finite_values_give_a_process(values: Floats) -> None:
     points = np.random.default_rng(5).random((9, 2))
@@ -170,6 +170,25 @@ def test_a_cost_in_other_units_gives_the_same_search() -> None:
     """Scaled by a power of two, the standardised values have the same bits."""
     one, two = run(method, bowl, 2, 30), run(method, lambda x: 1024 * bowl(x), 2, 30)
     assert np.array_equal(one.points, two.points)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda x: 1e300 * np.sign(x[:, 0] - 0.5),
+        lambda x: np.where(x[:, 0] > 0.5, 1.7e308, x[:, 0]),
+        lambda x: np.full(len(x), -1.7e308),
+        lambda x: 5e-324 * np.floor(9 * x[:, 0]),
+        lambda x: 1e9 + 1e-8 * x[:, 0],
+        lambda x: np.where(np.abs(x - 0.5).max(axis=1) < 0.1, 1e200 * np.tan(1e6 * x[:, 0]), np.nan),
+    ],
+    ids=["signs", "cliff", "constant", "tiny", "rounding", "spikes"],
+)
+@pytest.mark.parametrize("searched", [method, lq_cma_es.method], ids=lambda m: m.name)
+def test_costs_of_any_size_are_survived_without_a_warning(searched: Method, function: Function) -> None:
+    found = run(searched, function, 2, 40)
+    assert np.isfinite(found.points).all()
+    assert len(found.points) >= 40
 
 
 def test_its_process_has_a_limited_number_of_points(monkeypatch: pytest.MonkeyPatch) -> None:

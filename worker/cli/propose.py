@@ -26,6 +26,7 @@ def propose(
     if not found.searches:
         raise WrongInputError(f"{found.sentence}.")
     typer.echo(f"# {found.sentence}.")
+    typer.echo("# The other stages take evaluations in addition; `clearance validate FILE` lists them.")
     search = [
         {"method": s.method, "evaluations": s.evaluations} | ({"options": s.options} if s.options else {})
         for s in found.searches

@@ -41,6 +41,9 @@ class Options:
     population: Annotated[int, Field(ge=0, le=10_000, description="First population; 0: 4 + 3 ln(n)")] = 0
     deviation: Annotated[float, Field(gt=0, le=1, description="Deviation of the first generation")] = 0.3
     growth: Annotated[float, Field(ge=1, le=10, description="Growth factor of the population at a restart")] = 2.0
+    step: Annotated[
+        float, Field(ge=1e-12, le=0.1, description="A descent ends when its deviations are below this fraction")
+    ] = 1e-5
     at_once: Annotated[
         int, Field(ge=1, le=1000, description="Requests are multiples of this: the evaluations that run side by side")
     ] = 1
@@ -63,7 +66,7 @@ def _descend(space: Space, population: int, options: Options) -> Generator[Float
     tested = Tested(LQModel(max_absolute_size=population), space.dimension)
     text = "the search ended"
     try:
-        running = strategy(start, options.deviation, population, space.random)
+        running = strategy(start, options.deviation, population, space.random, options.step)
         while True:
             with _quiet():
                 asked = running.ask()

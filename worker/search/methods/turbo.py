@@ -122,7 +122,7 @@ def _chosen(
     own = Evaluated(tested.points[first:], tested.costs[first:])
     known = np.isfinite(own.costs)
     near = _nearest(own.points[known], centre)
-    cost = fitted(own.points[known][near], own.costs[known][near], before[0])
+    cost = fitted(own.points[known][near], _moderate(own.costs[known][near]), before[0])
     label = None
     if not np.isfinite(tested.costs).all():  # where evaluations fail stays known after a restart
         near = _nearest(tested.points, centre)
@@ -169,6 +169,12 @@ def hypercube(count: int, space: Space) -> Floats:
     """A Latin hypercube of `count` points."""
     strata = space.random.permuted(np.tile(np.arange(count), (space.dimension, 1)), axis=1).T
     return (strata + space.random.random((count, space.dimension))) / count
+
+
+def _moderate(costs: Floats) -> Floats:
+    """Costs over a power of two, so that their squares are finite numbers; their order and digits stay."""
+    _, exponent = np.frexp(np.abs(costs).max())
+    return np.asarray(np.ldexp(costs, -exponent))
 
 
 def _nearest(points: Floats, centre: Floats) -> NDArray[np.intp]:

@@ -26,8 +26,8 @@ STOPS = {
 }
 
 
-def strategy(start: Floats, deviation: float, population: int, random: np.random.Generator) -> Any:
-    """pycma's strategy from a start point; it draws from `random` alone."""
+def strategy(start: Floats, deviation: float, population: int, random: np.random.Generator, step: float = STEP) -> Any:
+    """pycma's strategy from a start point; it draws from `random` alone and stops below a step."""
     import cma  # imported late: it takes most of a second to load
 
     options = {
@@ -35,7 +35,7 @@ def strategy(start: Floats, deviation: float, population: int, random: np.random
         "popsize": population,
         "randn": lambda *shape: random.standard_normal(shape),  # by default it would use numpy's global stream
         "seed": np.nan,
-        "tolx": STEP,
+        "tolx": step,
         "verbose": -9,
         "verb_log": 0,
     }

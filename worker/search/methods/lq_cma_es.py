@@ -111,10 +111,10 @@ class Tested:
 
     def lowest(self) -> Floats | None:
         """The minimum of the model, None where it has none or it is near to what failed."""
-        if self.model.size == 0 or not np.isfinite(self.model.xopt).all():
+        if self.model.size == 0 or not np.isfinite(self.model.coefficients).all():
             return None
         lowest = np.asarray(self.model.xopt)
-        return None if self.doubtful(np.clip(lowest, 0.0, 1.0)[None, :])[0] else lowest
+        return None if not np.isfinite(lowest).all() or self.doubtful(np.clip(lowest, 0, 1)[None])[0] else lowest
 
 
 def _generation(points: Floats, tested: Tested, at_once: int, best: Lowest) -> Generator[Floats, Batch, Floats]:

@@ -49,7 +49,7 @@ def _page(engine: sa.Engine, held: Held) -> str:
     planned = sum(record.plan.planned for record in store.stages)
     asked: JsonObject = {"name": campaign.name, "tags": campaign.tags, "owner": "clearance.search", "planned": planned}
     run = write(engine, lambda c: queue.submit(c, campaign, **asked, catalogue=held.known), PATIENCE)
-    claim = queue.Queue(engine).claim("clearance.search")
+    claim = queue.Queue(engine).claim("clearance.search", [s.version for s in held.known.simulators])
     assert claim is not None
     stored = RunStore(engine, claim)
     stored.plan([record.plan for record in store.stages])

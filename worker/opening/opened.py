@@ -19,6 +19,7 @@ from worker.reference import Reference
 from worker.systems.base import CampaignUnusable, System
 from worker.systems.closed_loop.assemble import LANES
 from worker.systems.closed_loop.system import ClosedLoop
+from worker.systems.simulators.called import Called
 from worker.systems.simulators.command import CommandSimulator
 
 
@@ -50,7 +51,7 @@ def _simulator(campaign: Campaign, asked: Simulator) -> System:
     if wrong:
         raise CampaignUnusable([Wrong("simulator.name", asked.name, wrong)])
     found: System = opened
-    return found
+    return Called(found, asked) if asked.calls > 1 or asked.retries else found
 
 
 def _program(simulator: Program, opening: Opening) -> CommandSimulator:
@@ -77,6 +78,4 @@ def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> st
         return "its parameters differ from those that its package declares, or from the requested nominal values"
     if opened.results[0].name != result or opened.results[0].worse != "low":
         return f"its first result must be {result}, worse when low, not {opened.results[0].name}"
-    if not opened.repeatable:
-        return "its results are not repeatable to the bit, which searches and replays require"
     return ""

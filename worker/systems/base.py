@@ -163,7 +163,8 @@ class System(ABC):
     """The results in the order of a batch's columns; the first one decides and is worse when low. Names are unique."""
     realisations: Realised = Realised()
     repeatable: bool = True
-    """Whether the same vector and seed give the same bits in every process on the same kind of machine."""
+    """Whether, as declared, the same vector and seed give the same bits in every process on the same kind of machine.
+    Of a simulator this is also measured."""
     block: int = 0
     """Preferred number of rows per call; threads get whole blocks. 0: no concurrent calls."""
     shows: tuple[Condition, ...] = ()
@@ -198,7 +199,8 @@ class System(ABC):
         """Evaluate vectors (m, size): costs (m, k) for k results, NaN unless ok, status (m,), and the reasons.
 
         By default under the realisations that the campaign states; with seeds (m,), each vector under its own seed. A
-        failed evaluation is a status with a reason; an exception ends the run.
+        failed evaluation is a status with a reason; an exception ends the run. An evaluation that is ok has a reason only
+        if a call of it failed before it succeeded (`campaigns.results.base.FLAKY`).
         """
 
     @abstractmethod
@@ -218,6 +220,14 @@ class System(ABC):
 
         When cancelled, it returns the results until then: fewer than m.
         """
+
+    def fresh(self) -> System:
+        """The same system without any state of earlier evaluations, which the caller closes; itself if it has none."""
+        return self
+
+    def single(self) -> System:
+        """The same system with one call for each evaluation; itself if that is what it does."""
+        return self
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         """Time histories of one case; None for a system without traces.

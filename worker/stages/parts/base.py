@@ -22,7 +22,7 @@ from worker.problem.problem import Problem
 from worker.search.base import Batch, Ended, Search
 from worker.stages.parts.ended import stop
 from worker.stages.parts.store import Columns, StagePlan, Store, join
-from worker.systems.base import Floats, Seeds
+from worker.systems.base import Floats, Seeds, System
 
 Result = TypeVar("Result")
 
@@ -39,7 +39,14 @@ class Seeded(NamedTuple):
     seeds: Seeds
 
 
-Request = Floats | Seeded
+class Through(NamedTuple):
+    """A request of a stage: points (m, n), evaluated through another form of the system, such as a fresh one."""
+
+    points: Floats
+    system: System
+
+
+Request = Floats | Seeded | Through
 Asking = Generator[Request, Batch, Result]
 """Yields requests, receives batches; a `Search` is one that returns a sentence and draws no seeds."""
 
@@ -146,6 +153,7 @@ class _Driver:
         self.context, self.position, self.budget = context, position, budget
         self.tally = Tally()
         self.known: dict[bytes, tuple[Floats, int]] | None = {} if repeats else None
+        self.through: System | None = None
         self.held: list[Columns] = []
         self.unsaved: list[Columns] = []
         self.stored = context.store.evaluations(position)
@@ -155,6 +163,12 @@ class _Driver:
 
     def answer(self, request: Request) -> tuple[Batch, bool]:
         """The batch for these points, and whether the budget ended before all were evaluated."""
+        if isinstance(request, Through):
+            self.through = request.system
+            try:
+                return self._fresh(request.points)
+            finally:
+                self.through = None
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         if self.known is None:
             return self._fresh(points, seeds)
@@ -227,7 +241,10 @@ class _Driver:
     def _flown(self, points: Floats, seeds: Seeds | None) -> Columns:
         began = time.perf_counter()
         evaluate = self.context.evaluate
-        batch, reasons = evaluate(points) if seeds is None else evaluate(points, seeds)
+        if self.through is not None:
+            batch, reasons = self.through.evaluate(self.context.problem.vectors(points))
+        else:
+            batch, reasons = evaluate(points) if seeds is None else evaluate(points, seeds)
         self.context.problem.system.cost = max(time.perf_counter() - began, 1e-6) / len(points)
         first = self.tally.evaluations
         seconds = np.full(len(points), self._seconds())

@@ -87,9 +87,9 @@ class Validate(Strict):
     neighbours: Annotated[int, Field(ge=0, le=100_000), AS_WHOLE] = 300
     reach: Annotated[float, Field(gt=0, le=0.5), AS_NUMBER] = 1e-3
     """Fraction of each range that contains the neighbours."""
-    repeats: Annotated[int, Field(ge=REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=_no_default), AS_WHOLE] = (
-        REPEATS
-    )
+    repeats: Annotated[
+        int, Field(ge=REPEATS, le=10_000, exclude_if=_usual, json_schema_extra=_no_default), AS_WHOLE
+    ] = REPEATS
     """Independent calls of a simulator that does not repeat, for every finding and the best of every search; omitted
     from the canonical form if usual, so campaigns without it keep their digests."""
 

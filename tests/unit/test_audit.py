@@ -25,8 +25,8 @@ from campaigns.claims.spans import words
 from tests.audited import audited, recorded
 from tests.unit.cases import searching
 from worker.audit import judge
+from worker.audit.binomial import cumulative, upper_bound
 from worker.audit.judge import SAID, Item, audit, closing
-from worker.audit.recompute import cumulative, upper_bound
 from worker.audit.record import MISSING, UnreadableError, of_folder
 from worker.catalogue.installed import catalogue
 from worker.cli import VIOLATED, WRONG_INPUT, invoke

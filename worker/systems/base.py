@@ -199,8 +199,8 @@ class System(ABC):
         """Evaluate vectors (m, size): costs (m, k) for k results, NaN unless ok, status (m,), and the reasons.
 
         By default under the realisations that the campaign states; with seeds (m,), each vector under its own seed. A
-        failed evaluation is a status with a reason; an exception ends the run. An evaluation that is ok has a reason only
-        if a call of it failed before it succeeded (`campaigns.results.base.FLAKY`).
+        failed evaluation is a status with a reason; an exception ends the run. One that is ok has a reason only if a
+        call of it failed before it succeeded (`campaigns.results.base.FLAKY`).
         """
 
     @abstractmethod

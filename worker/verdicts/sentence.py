@@ -24,7 +24,7 @@ from campaigns.results import Finding, SearchResult
 from campaigns.results.finding import Validation
 from campaigns.results.verdict import Check, Statistics, VerdictWord
 from worker.problem.problem import Problem
-from worker.verdicts import encounter
+from worker.verdicts import calls, encounter
 from worker.verdicts.evidence import Evidence
 
 
@@ -37,19 +37,21 @@ def sentence(
     if found is None:
         return say(f"No {problem.words.one} could be evaluated: ", checks[0].said, ".")
     worst = _worst(problem, found)
-    how = say(count(evidence.evaluations, "evaluations"), " evaluations, searched by ", _searched(evidence))
+    each = calls.each(problem)
+    how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
     lost = _without_value(evidence)
     if evidence.violation is not None:
         shown = _shown(problem, found, evidence.violation)
-        rest = say(lost, _apart(evidence.violation.validation, problem.unit), _counts(evidence), _chance(statistics))
+        apart = say(calls.repeated(problem, evidence.violation), _apart(evidence.violation.validation, problem.unit))
+        rest = say(lost, apart, _counts(evidence), _chance(statistics))
         return say(quantity, " falls to or below ", limit, ". ", worst, " ", shown, " in ", how, ".", rest)
     if verdict == "cleared":
         succeeded = count(evidence.succeeded, "evaluations")
         excluded = say(" ", count(evidence.excluded, "excluded"), " more were excluded.") if evidence.excluded else ()
         caveat = f" {problem.system.caveat}" if problem.system.caveat else ""
-        stated = [say(" ", unnamed(said)) for said in encounter.stated(problem, checks)]
+        stated = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
         return say(
-            *(quantity, " stayed above ", limit, " in all ", succeeded, " evaluations, searched by "),
+            *(quantity, " stayed above ", limit, " in all ", succeeded, f" evaluations{each}, searched by "),
             *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics)),
             *stated,
             f"{caveat} A search can miss a worse case.",
@@ -110,13 +112,15 @@ def _counts(evidence: Evidence) -> Said:
 
 
 def _without_value(evidence: Evidence) -> Said:
-    """How many evaluations failed or were excluded; empty if all have a value."""
+    """How many evaluations failed, were excluded or were tried again; empty if there are none."""
     parts: list[Part] = []
     if evidence.failed:
         parts.append(say(count(evidence.failed, "without_value.failed"), " failed"))
     if evidence.excluded:
         verb = " was excluded" if evidence.excluded == 1 else " were excluded"
         parts.append(say(count(evidence.excluded, "without_value.excluded"), verb))
+    if evidence.flaky:
+        parts.append(say(count(evidence.flaky, "flaky"), " succeeded only when tried again"))
     return say(" Of these, ", joined(" and ", parts), ".") if parts else ()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from campaigns.claims.say import count, number, say
 from campaigns.claims.spans import Said
 from campaigns.results import NominalResult
-from campaigns.results.base import EXCLUDED, OK
+from campaigns.results.base import EXCLUDED, FLAKY, OK
 from campaigns.results.nominal import Measured
 from campaigns.stages.nominal import POINTS, TIMES
 from worker.problem.problem import Problem
@@ -65,7 +65,8 @@ def measured(columns: Columns, chosen: int, unit: str, declared: bool) -> Measur
     spread = deviation = None
     if several.any():
         some = values[:, several]
-        spread = float((np.nanmax(some, axis=0) - np.nanmin(some, axis=0)).max())
+        some = some - np.nanmin(some, axis=0)  # so that equal values have no deviation by rounding
+        spread = float(np.nanmax(some))
         deviation = float(np.sqrt(np.nanvar(some, axis=0, ddof=1).mean()))
     failed = int(np.count_nonzero((status != OK) & (status != EXCLUDED)))
     last = len(columns.seconds) - chosen - 1
@@ -93,9 +94,16 @@ def _said(
         return say("repeats bit by bit: ", of, lost, but)
     if not spread:
         return say("does not repeat: of evaluations of the same point some fail and some do not: ", of, lost)
-    return say("differs by up to ", number(spread, unit, "spread"), " between evaluations of the same point: ", of, lost)
+    return say(
+        "differs by up to ", number(spread, unit, "spread"), " between evaluations of the same point: ", of, lost
+    )
 
 
 def reasons(columns: Columns) -> list[str]:
     """The distinct reasons of evaluations that failed."""
     return list(dict.fromkeys(why for row, why in sorted(columns.reasons.items()) if columns.status[row] != OK))
+
+
+def flaky(columns: Columns) -> int:
+    """How many of these evaluations are ok only because a failed call was tried again."""
+    return sum(columns.status[row] == OK and why.startswith(FLAKY) for row, why in columns.reasons.items())

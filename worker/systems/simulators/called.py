@@ -27,7 +27,8 @@ class Called(Simulated):
         self.repeatable, self.block, self.settings = inner.repeatable, inner.block, inner.settings
 
     def fresh(self) -> System:
-        return Called(self.inner.fresh(), self.asked)
+        """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
+        return Called(self.inner.fresh(), self.asked.model_copy(update={"retries": 0}))
 
     def single(self) -> System:
         """With one call for each evaluation; failed ones are still tried again."""

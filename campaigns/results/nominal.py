@@ -21,6 +21,9 @@ class Measured(Told):
     """All evaluations of the same point have the same status and, bit by bit, the same value."""
     declared: bool = True
     """Whether the simulator declares that it repeats."""
+    by_process: bool = False
+    """Evaluations in used processes are identical, those in fresh ones differ: calls in one process share their
+    noise."""
     spread: float | None
     """The largest difference between evaluations of the same point, in the criterion's unit; null if no point has two
     values."""

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 
 from campaigns import Campaign
 from campaigns.asked.load import load_document
-from campaigns.results import NominalResult, ValidateResult, Verdict
-from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
+from campaigns.results import NominalResult, Verdict
 from campaigns.results.nominal import Measured
 from tests.audited import audited
-from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
-from worker.runs.runner import CampaignUnusable, execute
+from tests.simulators.adversaries import ADVERSARIES, adversary
+from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 
 REPEATS = {"repeats": {"count": 5}}

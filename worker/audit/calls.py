@@ -16,9 +16,6 @@ from campaigns.results.base import EXCLUDED, OK
 from worker.audit.binomial import interval
 from worker.audit.record import MISSING
 
-POINTS = 5
-"""How many points a run evaluates several times in its first stage."""
-
 
 class Calls:
     """The calls of a run's simulator, from the evaluations of its first stage and the recorded independent calls.
@@ -73,7 +70,8 @@ class Calls:
         asked = self.campaign.simulator
         cases = [(case["cost"], self.case(case)) for case in self._cases()]
         clear = all(recomputed["agrees"] and recomputed["ok"] for _, recomputed in cases)
-        return clear and noise == "drawn" and asked is not None and asked.combine == "worst"
+        own = noise == "drawn" and not self.measured["by_process"]
+        return clear and own and asked is not None and asked.combine == "worst"
 
     def _later(self) -> bool:
         spot = self.claims["results"][-1]["spot_checks"]
@@ -81,15 +79,21 @@ class Calls:
         return same and spot["compared"] == spot["checked"] and not spot["largest"]
 
 
+def _same(costs: Any, status: Any) -> bool:
+    return len(set(status.tolist())) == 1 and len(set(costs[status == OK].tolist())) <= 1
+
+
 def _measured(points: Any, costs: Any, status: Any) -> JsonObject:
     """Evaluations of the same points in rounds: do they have the same bits?"""
     groups: dict[bytes, list[int]] = {}
+    used = True
     for row, point in enumerate(points):
         groups.setdefault(point.tobytes(), []).append(row)
     identical, several, squares = True, [], []
     for rows in groups.values():
         held = costs[rows][status[rows] == OK]
-        identical &= len(set(status[rows].tolist())) == 1 and len(set(held.tolist())) <= 1
+        identical &= _same(costs[rows], status[rows])
+        used &= _same(costs[rows[:-1]], status[rows[:-1]])  # the last of each was in a fresh process
         if len(held) > 1:
             several.append(float(held.max() - held.min()))
             squares.append(float(np.var(held - held.min(), ddof=1)))
@@ -99,6 +103,7 @@ def _measured(points: Any, costs: Any, status: Any) -> JsonObject:
         "evaluations": len(status),
         "failed": failed,
         "identical": identical,
+        "by_process": used and not identical,
         "spread": max(several, default=None),
         "deviation": math.sqrt(sum(squares) / len(squares)) if squares else None,
     }

@@ -33,7 +33,10 @@ def calls(problem: Problem, evidence: Evidence) -> list[Check]:
     if asked.calls > 1:
         ok, said = _several(asked, measured, problem, evidence)
     elif not measured.repeats:
-        ok, said = False, say(measured.said, "; ", _advice(measured.deviation, evidence.nominal.margin))
+        ok, said = (
+            False,
+            say("the simulator ", measured.said, "; ", _advice(measured.deviation, evidence.nominal.margin)),
+        )
     else:
         ok, said = _later(measured, problem, evidence)
     return [*_retried(asked, evidence), Check(code=CheckCode.CALLS, ok=ok, said=said)]
@@ -97,10 +100,15 @@ def _retried(asked: Simulator, evidence: Evidence) -> list[Check]:
 
 def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bool, Said]:
     """Of evaluations by several calls."""
-    is_ = say(f"each evaluation is {_combined(asked)}, and ", measured.said)
+    cases = [*_cases(evidence)]
+    apart = max((_range(v) for _, v in cases), default=0.0)
+    is_ = say(
+        *(f"each evaluation is {_combined(asked)}; calls of the same case differ by up to ",),
+        *(number(apart, problem.unit, "apart"), ", evaluations by up to "),
+        number(measured.spread or 0.0, problem.unit, "spread"),
+    )
     if asked.combine != "worst":
         return False, say(is_, f"; a {asked.combine} can hide a violation by one of the calls; set combine to worst")
-    cases = [*_cases(evidence)]
     without = [name for name, v in cases if v.repeats is None]
     if without:
         return False, say(is_, "; no independent calls of ", listed(without))
@@ -113,6 +121,11 @@ def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: E
     ]
     if bad or lucky:
         return False, say(is_, "; in independent calls, ", joined("; ", [*bad, *lucky]))
+    if measured.by_process:
+        return False, say(
+            *(is_, "; evaluations in one process repeat, but differ in another: calls in one process are not "),
+            "independent; let each call have a process of its own (recycle: 1 in its descriptor)",
+        )
     if evidence.sample is None or evidence.sample.noise != "drawn":
         return False, say(is_, "; add a certify stage, in which every sample is one call")
     many = sum(len(r.values) for _, _, r in held)
@@ -120,6 +133,12 @@ def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: E
         *(is_, "; none of ", count(many, "calls"), " independent calls of ", listed([name for name, _, _ in held])),
         " violates",
     )
+
+
+def _range(case: Validation) -> float:
+    """The largest difference between the independent calls of a case."""
+    values = [] if case.repeats is None else [v for v in case.repeats.values if v is not None]
+    return max(values) - min(values) if values else 0.0
 
 
 def _cases(evidence: Evidence) -> Iterator[tuple[Said, Validation]]:
@@ -153,3 +172,11 @@ def _later(measured: Measured, problem: Problem, evidence: Evidence) -> tuple[bo
         return False, say(differ, "; ", _advice(apart, evidence.nominal.margin))
     later = say("; so do ", count(compared + spot.compared, "again"), " later comparisons")
     return True, say(measured.said, later)
+
+
+def condition(problem: Problem, evidence: Evidence, checks: list[Check]) -> str:
+    """What a statement on P(violation) needs if only later comparisons showed that the simulator does not repeat."""
+    differs = any(c.code == CheckCode.CALLS and not c.ok for c in checks)
+    if not differs or evidence.sample is None or evidence.sample.noise != "none":
+        return ""
+    return " The simulator does not repeat, so this is over parameters and noise, if the noise of calls is independent."

@@ -41,9 +41,10 @@ def sentence(
     how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
     lost = _without_value(evidence)
     if evidence.violation is not None:
+        chance = say(_chance(statistics), calls.condition(problem, evidence, checks) if statistics else "")
         shown = _shown(problem, found, evidence.violation)
         apart = say(calls.repeated(problem, evidence.violation), _apart(evidence.violation.validation, problem.unit))
-        rest = say(lost, apart, _counts(evidence), _chance(statistics))
+        rest = say(lost, apart, _counts(evidence), chance)
         return say(quantity, " falls to or below ", limit, ". ", worst, " ", shown, " in ", how, ".", rest)
     if verdict == "cleared":
         succeeded = count(evidence.succeeded, "evaluations")
@@ -83,6 +84,9 @@ def _worst(problem: Problem, found: Finding) -> Said:
 
 def _shown(problem: Problem, found: Finding, violation: Finding) -> Said:
     """Which violation was validated."""
+    if violation.margin > 0:
+        none = "No stored evaluation violates the criterion, but calls of " if violation is found else "Calls of "
+        return say(none, finding(violation.label), " independent of the search do; it was found")
     if violation is found:
         return say("It was confirmed by validation and found")
     cost = number(violation.cost, problem.unit, "validated")

@@ -60,7 +60,8 @@ def measured(columns: Columns, chosen: int, unit: str, declared: bool) -> Measur
     costs, status = (of.reshape(-1, chosen) for of in (columns.costs[:, 0], columns.status))
     values = np.where(status == OK, costs, np.nan)
     bits = np.where(status == OK, costs + 0.0, 0.0).view(np.int64)  # -0.0 is 0.0
-    identical = bool((status == status[0]).all() and (bits == bits[0]).all())
+    same = ((status == status[0]) & (bits == bits[0])).all(axis=1)
+    identical = bool(same.all())
     several = (status == OK).sum(axis=0) > 1
     spread = deviation = None
     if several.any():
@@ -77,6 +78,7 @@ def measured(columns: Columns, chosen: int, unit: str, declared: bool) -> Measur
         failed=failed,
         identical=identical,
         declared=declared,
+        by_process=bool(same[:-1].all()) and not identical,
         spread=spread,
         deviation=deviation,
         seconds=seconds,

@@ -107,6 +107,8 @@ def _stored(run: Run) -> Tree:
         "findings": run.findings,
         "verdict": "violated" if run.confirmed else MISSING,
     }
+    if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
+        expected["evaluations"]["flaky"] = run.flaky
     if "run" in run.claims:  # the columns of the database's table of runs
         expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.lowest}
         expected["run"] |= {"evaluations": len(run.status), "failed_evaluations": run.total["failed"]}

@@ -114,6 +114,7 @@ def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: E
         return False, say(is_, "; no independent calls of ", listed(without))
     held = [(name, v, v.repeats) for name, v in cases if v.repeats is not None]
     bad = [say(name, " ", r.said) for name, _, r in held if r.violating or r.failed]
+    bad += [say(name, " has no value to compare") for name, v, _ in held if v.cost is None]
     lucky = [
         say(name, " violates with ", number(v.cost, problem.unit), " in the search, and in none of its calls")
         for name, v, r in held

@@ -39,6 +39,7 @@ def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
             excluded=evidence.excluded,
             violating=evidence.violating,
             lowest=evidence.lowest,
+            flaky=evidence.flaky,
         ),
         quantity=problem.quantity,
         unit=problem.unit,

@@ -145,6 +145,8 @@ class SimulatorEntry(Entry):
     text: str
     parameters: list[ParameterEntry]
     results: list[ResultEntry]
+    step: Annotated[str | None, _LEFT_OUT] = None
+    """The name of its step, which is halved when cases are confirmed; omitted if it declares none."""
 
     def result(self, name: str | None) -> ResultEntry | None:
         """The result of that name, or None."""

@@ -369,12 +369,12 @@ def test_a_corrupted_record_does_not_follow(
     assert item in sentence
 
 
-LAST = "evidence/results/5"
+LAST, MEASURED = "evidence/results/5", "evidence/results/0/measured"
 REPEATS, BEST = f"{LAST}/incumbents/0/validation/repeats", "results.5.incumbents"
 CALLS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
     ("differs", "one more digit", lambda f: f.arrays["costs_0"].__setitem__((7, 0), 9.0), "results.0.measured.spread"),
-    ("differs", "called identical", edit("evidence/results/0/measured/identical", True), "results.0.measured.identical"),
-    ("differs", "a smaller spread", edit("evidence/results/0/measured/spread", 1e-9), "results.0.measured.spread"),
+    ("differs", "called identical", edit(f"{MEASURED}/identical", True), "results.0.measured.identical"),
+    ("differs", "a smaller spread", edit(f"{MEASURED}/spread", 1e-9), "results.0.measured.spread"),
     ("differs", "changed to cleared", edit("result/verdict", "cleared"), "verdict"),
     (
         "differs",

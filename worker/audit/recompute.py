@@ -60,11 +60,19 @@ class Run:
         self.calls = Calls(self.campaign, self.claims, *self.rows(0))
         self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
         self.varies = self.highest - self.lowest > FLOOR * max(abs(self.highest), abs(self.lowest))
-        self.others = ("half_step", "integrator") if self.campaign.simulator is None else ("again",)
+        self.others = self.means()
         self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
         violating = [f for f in self.findings if f["validation"]["violates"]]
         self.confirmed = any(f["margin"] <= 0.0 or "repeats" in f["validation"] for f in violating)
         self.bound: Any = MISSING
+
+    def means(self) -> tuple[str, ...]:
+        """The independent means by which a case is confirmed."""
+        asked, known = self.campaign.simulator, self.claims.get("components")
+        if asked is None:
+            return ("half_step", "integrator")
+        entry = known.simulator(asked.name) if known else None
+        return ("again",) if entry is None or entry.step is None else ("half_step", "again")
 
     def finding(self, number: int, given: Tree) -> Tree:
         """A finding by the stored evaluation at its point."""

@@ -62,6 +62,8 @@ class Descriptor(Strict):
     timeout: of an evaluation [s]; start: until the process must have started [s]; memory: address space of each of its
     processes [bytes]; recycle: evaluations until the process is replaced; slots: processes side by side, 0 for one a
     core.
+    step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when
+    cases are confirmed.
     """
 
     name: Identifier
@@ -77,6 +79,22 @@ class Descriptor(Strict):
     recycle: Annotated[int, Field(ge=0)] = 0
     slots: Annotated[int, Field(ge=0, le=256)] = 0
     environment: dict[str, str] = Field(default_factory=dict)
+    step: Identifier | None = None
+
+    @model_validator(mode="after")
+    def _step_can_be_halved(self) -> Self:
+        if self.step is None:
+            return self
+        step = self.parameters.get(self.step)
+        if step is None:
+            raise ValueError(f"step: {self.step} is not one of its parameters ({', '.join(self.parameters)})")
+        half = step.nominal / 2
+        if not 0.0 < half or half < step.low:
+            limit = f"must be positive and within its limits, from {step.low:g}"
+            raise ValueError(f"step: half of {self.step}, {half:g}, {limit}")
+        if len(self.parameters) == 1:
+            raise ValueError(f"step: {self.step} is the only parameter; a campaign needs another one")
+        return self
 
     @field_validator("environment", mode="before")
     @classmethod
@@ -104,6 +122,7 @@ class Described:
                     name=name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.nominal, text=p.text
                 )
                 for name, p in d.parameters.items()
+                if name != d.step
             ],
             results=[
                 ResultEntry(
@@ -116,6 +135,7 @@ class Described:
                 )
                 for name, r in d.results.items()
             ],
+            step=d.step,
         )
 
     @property

@@ -135,6 +135,9 @@ def _apart(case: Validation | None, unit: str) -> Said:
     others = [other for other in (case.half_step, case.integrator, case.again) if other is not None]
     values = (case.cost, *(other.cost for other in others))
     step, *rest = (f"no value {unit}" if value is None else number(value, unit) for value in values)
+    if case.again is not None and case.half_step is not None:
+        said = say(" Its evaluations violate the criterion but differ beyond tolerance: ", step, ", ", rest[-1])
+        return say(said, f" in {case.again.name}, ", rest[0], " at half the step.")
     if case.again is not None:
         apart = say(
             " Both its evaluations violate the criterion but differ beyond tolerance: ", step, ", and ", rest[-1]

@@ -25,10 +25,15 @@ class Called(Simulated):
         self.inner, self.asked = inner, asked
         self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
         self.repeatable, self.block, self.settings = inner.repeatable, inner.block, inner.settings
+        self.step = inner.step if isinstance(inner, Simulated) else None
 
     def fresh(self) -> System:
         """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
         return Called(self.inner.fresh(), self.asked.model_copy(update={"retries": 0}))
+
+    def halved(self) -> Simulated | None:
+        halved = self.inner.halved() if isinstance(self.inner, Simulated) else None
+        return None if halved is None else Called(halved, self.asked.model_copy(update={"retries": 0}))
 
     def single(self) -> System:
         """With one call for each evaluation; failed ones are still tried again."""

@@ -29,10 +29,15 @@ from worker.systems.threads import usual_threads
 
 
 class CommandSimulator(Simulated):
-    """Evaluates a described program; `fresh`: every evaluation in a process of its own."""
+    """Evaluates a described program; `fresh`: every evaluation in a process of its own; halvings of its step, if it
+    declares one."""
 
-    def __init__(self, described: Described, opening: Opening, fresh: bool = False) -> None:
+    def __init__(self, described: Described, opening: Opening, fresh: bool = False, halvings: int = 0) -> None:
         super().__init__(described.entry, opening)
+        declared = described.descriptor
+        if declared.step is not None:
+            self.step = declared.parameters[declared.step].nominal / 2**halvings
+        self._halvings = halvings
         self.described = described
         self._fresh = fresh
         self._result = self.results[0]
@@ -40,7 +45,12 @@ class CommandSimulator(Simulated):
         self._work: tempfile.TemporaryDirectory[str] | None = None
 
     def fresh(self) -> CommandSimulator:
-        return CommandSimulator(self.described, self.opening, fresh=True)
+        return CommandSimulator(self.described, self.opening, True, self._halvings)
+
+    def halved(self) -> CommandSimulator | None:
+        if self.step is None:
+            return None
+        return CommandSimulator(self.described, self.opening, True, self._halvings + 1)
 
     @cached_property
     def digest(self) -> str:
@@ -50,7 +60,8 @@ class CommandSimulator(Simulated):
     def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
         names = [p.path.removeprefix("simulator.") for p in self.parameters]
         pool = self._opened()
-        requests = [{"parameters": dict(zip(names, v[: len(names)].tolist(), strict=True))} for v in vectors]
+        step = {} if self.step is None else {str(self.described.descriptor.step): self.step}
+        requests = [{"parameters": dict(zip(names, v[: len(names)].tolist(), strict=True)) | step} for v in vectors]
         outcomes = pool.evaluate(requests)
         if outcomes:
             self.cost = sum(o.duration for o in outcomes) / len(outcomes) / pool.size

@@ -25,6 +25,9 @@ class Simulated(System):
     `fresh` returns: this shows whether results repeat, not that the model is correct.
     """
 
+    step: float | None = None
+    """Its step, if it declares one."""
+
     def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
         self.entry = entry
         self.opening = opening
@@ -42,6 +45,10 @@ class Simulated(System):
         """The same simulator, without any state of earlier evaluations."""
         return type(self)(self.entry, self.opening)
 
+    def halved(self) -> Simulated | None:
+        """The same simulator at half its step, which the caller closes; None without a step."""
+        return None
+
     @property
     def scope(self) -> Scope:
         return Scope(
@@ -52,20 +59,23 @@ class Simulated(System):
 
     @property
     def words(self) -> Words:
+        halved = self.step is not None
         return Words(
             one="case",
-            agree=f"{FRESH} agrees",
-            disagrees=f"{FRESH} disagrees",
-            every="both evaluations",
-            again=f"evaluated again, each in {FRESH}",
+            agree=f"{FRESH} and one at half the step agree" if halved else f"{FRESH} agrees",
+            disagrees=f"{FRESH} or one at half the step disagrees" if halved else f"{FRESH} disagrees",
+            every="all evaluations" if halved else "both evaluations",
+            again=f"evaluated again, each in {FRESH}{' and at half the step' if halved else ''}",
             reference=FRESH,
             check="repetition",
         )
 
     @property
     def caveat(self) -> str:
+        halved = "" if self.step is None else ", also at half its step"
         return (
-            "Cases were evaluated again by the same simulator only. Whether an encounter takes place was not checked."
+            f"Cases were evaluated again by the same simulator only{halved}. "
+            "Whether an encounter takes place was not checked."
         )
 
     def confirm(
@@ -74,7 +84,15 @@ class Simulated(System):
         batch, _ = self.evaluate(vectors)
         first = [float(c) if s == OK else None for c, s in zip(batch.costs[:, 0], batch.status, strict=True)]
         again = self.compare(vectors, seeds, cancelled)
-        return [Confirmed(cost, (other,)) for cost, other in zip(first, again, strict=False)]
+        halved = self.halved()
+        if halved is None:
+            return [Confirmed(cost, (other,)) for cost, other in zip(first, again, strict=False)]
+        try:
+            halves = [_at_half(halved, vector) for vector in vectors[: len(again)] if not cancelled()]
+        finally:
+            halved.close()
+        found = zip(first, halves, again, strict=False)
+        return [Confirmed(cost, (half, other), self.step) for cost, half, other in found]
 
     def compare(
         self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
@@ -97,6 +115,12 @@ def _again(fresh: System, vector: Floats) -> Comparison:
     if batch.status[0] != OK:
         return Comparison("again", FRESH, None, _reason(reasons))
     return Comparison("again", FRESH, float(batch.costs[0, 0]))
+
+
+def _at_half(halved: Simulated, vector: Floats) -> Comparison:
+    """Evaluate one vector (n,) at half the step."""
+    other = _again(halved, vector)
+    return Comparison("half_step", "half the step", other.cost, other.reason, halved.step)
 
 
 def _reason(reasons: Reasons) -> str:

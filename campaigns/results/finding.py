@@ -41,7 +41,7 @@ class Repeated(Result):
     """Why it has no cost."""
 
 
-class Repeats(Told):
+class Calls(Told):
     """Independent calls of a simulator that does not repeat, each in a fresh process; none of them chose the case."""
 
     values: list[float | None]
@@ -80,7 +80,7 @@ class Validation(Result):
     """Null for a system that has no reference integrator."""
     again: Annotated[Repeated | None, Field(exclude_if=lambda given: given is None)] = None
     """The same evaluation repeated; omitted if it is compared with other means instead."""
-    repeats: Annotated[Repeats | None, Field(exclude_if=lambda given: given is None)] = None
+    repeats: Annotated[Calls | None, Field(exclude_if=lambda given: given is None)] = None
     """Of a simulator that does not repeat, in place of the other comparisons; omitted for any other system."""
     allowed: float | None
     """The tolerance, in the criterion's unit; null where values are not compared."""

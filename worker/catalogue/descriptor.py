@@ -89,7 +89,7 @@ class Descriptor(Strict):
         if step is None:
             raise ValueError(f"step: {self.step} is not one of its parameters ({', '.join(self.parameters)})")
         half = step.nominal / 2
-        if not 0.0 < half or half < step.low:
+        if not half > 0.0 or half < step.low:
             limit = f"must be positive and within its limits, from {step.low:g}"
             raise ValueError(f"step: half of {self.step}, {half:g}, {limit}")
         if len(self.parameters) == 1:

@@ -13,7 +13,7 @@ import numpy as np
 from campaigns.claims.say import case, count, joined, listed, number, say, unnamed
 from campaigns.claims.spans import Said
 from campaigns.results.base import OK
-from campaigns.results.finding import Repeats, Validation
+from campaigns.results.finding import Calls, Validation
 from worker.stages.parts import claims
 from worker.stages.parts.base import Cancelled, Context
 from worker.systems.base import Floats
@@ -28,12 +28,12 @@ def cases(context: Context, asked: Sequence[Asked], calls: int | None = None) ->
     return [_case(context, *each, _called(context, each[1], many)) for each in asked]
 
 
-def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Repeats:
+def of_values(values: Sequence[float | None], reasons: Sequence[str], threshold: float, confidence: float) -> Calls:
     """What these independent calls show."""
     violating = sum(v is not None and v <= threshold for v in values)
     failed = sum(v is None for v in values)
     low, high = claims.interval(violating, len(values), confidence, failed)
-    return Repeats(
+    return Calls(
         values=list(values),
         reasons=list(dict.fromkeys(reasons))[:5],
         violating=violating,

@@ -79,7 +79,7 @@ def test_a_descriptor_that_is_gone_is_refused_with_a_sentence(folder: Path, tmp_
 @pytest.mark.parametrize(
     ("how", "reason"),
     [
-        ("noise", "a fresh evaluation disagrees by more than the tolerance"),
+        ("noise", "set simulator.repeats to {count: "),
         ("now and then", "validation did not confirm it"),
     ],
 )

@@ -21,15 +21,16 @@ class Called(Simulated):
     """Evaluates by `calls` calls of a simulator, each tried again up to `retries` times, combined as the campaign
     states. One failed call makes the evaluation fail."""
 
-    def __init__(self, inner: System, asked: Simulator) -> None:
-        self.inner, self.asked = inner, asked
+    def __init__(self, inner: System, asked: Simulator, borrowed: bool = False) -> None:
+        self.inner, self.asked, self._borrowed = inner, asked, borrowed
         self.parameters, self.nominal, self.results = inner.parameters, inner.nominal, inner.results
         self.repeatable, self.block, self.settings = inner.repeatable, inner.block, inner.settings
         self.step = inner.step if isinstance(inner, Simulated) else None
 
     def fresh(self) -> System:
         """Without any state of earlier calls; what is compared in fresh processes is not tried again."""
-        return Called(self.inner.fresh(), self.asked.model_copy(update={"retries": 0}))
+        fresh = self.inner.fresh()
+        return Called(fresh, self.asked.model_copy(update={"retries": 0}), borrowed=fresh is self.inner)
 
     def halved(self) -> Simulated | None:
         halved = self.inner.halved() if isinstance(self.inner, Simulated) else None
@@ -81,7 +82,8 @@ class Called(Simulated):
         return self.inner.bars()
 
     def close(self) -> None:
-        self.inner.close()
+        if not self._borrowed:
+            self.inner.close()
 
     def _tried(self, vectors: Floats) -> tuple[Batch, Reasons]:
         """Each vector by one call; those that failed or timed out again, up to the number of retries."""

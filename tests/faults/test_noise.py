@@ -7,44 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.results import NominalResult, ValidateResult, Verdict
 from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
 from campaigns.results.nominal import Measured
-from tests.audited import audited
 from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
+from tests.simulators.noisy import REPEATS, campaign, ran
 from worker.runs.runner import CampaignUnusable, Cancelled, execute
 from worker.runs.store import MemoryStore
-
-REPEATS = {"repeats": {"count": 5}}
-
-
-def campaign(threshold: float = 1.0, certify: int = 120, **simulator: Any) -> Campaign:
-    methods = [{"method": name, "evaluations": 150} for name in ("direct", "differential_evolution")]
-    return load_document(
-        {
-            "name": "Adversary",
-            "simulator": {"name": "adversary"} | simulator,
-            "uncertain": {f"simulator.{name}": {"low": 0, "high": 1} for name in "ab"},
-            "criterion": {"result": "d", "threshold": threshold},
-            "agreement": 0.2,
-            "stages": {
-                "sensitivity": {"points": 5},
-                "search": methods,
-                "certify": {"samples": certify},
-                "findings": {"evaluations": 300, "at_most": 2},
-                "validate": {"neighbours": 20},
-            },
-        }
-    )
-
-
-def ran(asked: Campaign) -> tuple[Verdict, MemoryStore]:
-    store = MemoryStore()
-    verdict = execute(asked, store, threads=1)
-    audited(store, asked)
-    return verdict, store
 
 
 def measured(store: MemoryStore) -> Measured:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import yaml
 
-from tests.faults.test_noise import campaign, ran
 from tests.simulators.adversaries import adversary
+from tests.simulators.noisy import campaign, ran
 from worker.catalogue import installed
 from worker.catalogue.descriptor import BadDescriptor, read
 from worker.catalogue.simulator import Opening

@@ -24,7 +24,7 @@ from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
 from tests.audited import audited, recorded
-from tests.faults import test_noise
+from tests.simulators import noisy
 from tests.simulators.adversaries import adversary
 from tests.unit.cases import searching
 from worker.audit import judge
@@ -411,8 +411,8 @@ def called(name: str) -> tuple[Campaign, MemoryStore]:
     """A run of a simulator that does not repeat."""
     how = {"violated": "rarely a violation", "retried": "none"}.get(name, "a coin")
     lost = (lambda call: FAILED if call.total % 7 == 0 else OK) if name == "retried" else None
-    asked = {"differs": {}, "retried": {"retries": 2}}.get(name, test_noise.REPEATS)
-    campaign, store = test_noise.campaign(**asked), MemoryStore()
+    asked = {"differs": {}, "retried": {"retries": 2}}.get(name, noisy.REPEATS)
+    campaign, store = noisy.campaign(**asked), MemoryStore()
     with adversary(how, lost):
         execute(campaign, store, threads=1)
     return campaign, store

@@ -33,10 +33,8 @@ def calls(problem: Problem, evidence: Evidence) -> list[Check]:
     if asked.calls > 1:
         ok, said = _several(asked, measured, problem, evidence)
     elif not measured.repeats:
-        ok, said = (
-            False,
-            say("the simulator ", measured.said, "; ", _advice(measured.deviation, evidence.nominal.margin)),
-        )
+        advice = _advice(measured.deviation, evidence.nominal.margin)
+        ok, said = False, say("the simulator ", measured.said, "; ", advice)
     else:
         ok, said = _later(measured, problem, evidence)
     return [*_retried(asked, evidence), Check(code=CheckCode.CALLS, ok=ok, said=said)]
@@ -103,7 +101,7 @@ def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: E
     cases = [*_cases(evidence)]
     apart = max((_range(v) for _, v in cases), default=0.0)
     is_ = say(
-        *(f"each evaluation is {_combined(asked)}; calls of the same case differ by up to ",),
+        f"each evaluation is {_combined(asked)}; calls of the same case differ by up to ",
         *(number(apart, problem.unit, "apart"), ", evaluations by up to "),
         number(measured.spread or 0.0, problem.unit, "spread"),
     )

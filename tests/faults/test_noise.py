@@ -190,3 +190,15 @@ def test_a_resumed_run_measures_what_is_missing() -> None:
         assert 0 < len(held.status) < 15
         execute(campaign(), store, threads=1)
     assert measured(store).identical
+
+
+def test_a_random_evaluation_that_fails_only_when_made_again_bars_cleared() -> None:
+    """Its first processes never fail; of the fresh ones, those that evaluate far from the findings do."""
+
+    def fresh_and_low(call: Call) -> int:
+        return FAILED if call.process > 2 and call.a < 0.3 else OK
+
+    with adversary("none", fresh_and_low):
+        verdict, _ = ran(campaign(**REPEATS))
+    assert verdict.verdict == "inconclusive"
+    assert not check(verdict, "noise of calls").ok

@@ -70,6 +70,8 @@ class Calls:
         asked = self.campaign.simulator
         cases = [(case["cost"], self.case(case)) for case in self._cases()]
         clear = all(recomputed["agrees"] and recomputed["ok"] for _, recomputed in cases)
+        spot = self.claims["results"][-1]["spot_checks"]
+        clear = clear and spot["compared"] == spot["checked"]
         own = noise == "drawn" and not self.measured["by_process"]
         return clear and own and asked is not None and asked.combine == "worst"
 

@@ -120,6 +120,10 @@ def _several(asked: Simulator, measured: Measured, problem: Problem, evidence: E
     ]
     if bad or lucky:
         return False, say(is_, "; in independent calls, ", joined("; ", [*bad, *lucky]))
+    spot = evidence.spot_checks
+    if spot.compared < spot.checked:
+        lost = count(spot.checked - spot.compared, "lost")
+        return False, say(is_, "; ", lost, " random evaluations have no value when evaluated again")
     if measured.by_process:
         return False, say(
             *(is_, "; evaluations in one process repeat, but differ in another: calls in one process are not "),

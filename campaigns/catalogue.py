@@ -146,6 +146,8 @@ class SimulatorEntry(Entry):
     text: str
     parameters: list[ParameterEntry]
     results: list[ResultEntry]
+    step: Annotated[str | None, _LEFT_OUT] = None
+    """The name of its step, which is halved when cases are confirmed; omitted if it declares none."""
 
     @property
     def version(self) -> str:

@@ -23,6 +23,7 @@ from worker.problem.problem import Problem
 from worker.runs.runner import execute
 from worker.runs.store import MemoryStore
 from worker.stages.parts.base import Tally
+from worker.systems.base import CampaignUnusable
 
 Show = Callable[[int, Tally], None]
 
@@ -38,6 +39,8 @@ def run(asked: Asked, document: dict[str, Any], progress: bool) -> Result:
     try:
         with _interruptible() as stopped, _shown(campaign, progress) as show:
             verdict = execute(campaign, store, stopped, progress=show, problem=problem)
+    except CampaignUnusable as error:
+        raise ValueError("; ".join(problem.message for problem in error.problems)) from None
     except KeyboardInterrupt:
         partial = interrupted(held)
         raise Interrupted(partial) from None

@@ -333,15 +333,18 @@ class TestResult:
         assert table["cost"].tolist() == taken.points[:, 0].tolist()
         assert {len(column) for column in table.values()} == {len(taken.costs)}
 
-    def test_a_function_that_never_returns_a_number_has_no_worst_case(self) -> None:
-        result = clearance.search(lambda x: None, {"x": (0.0, 1.0)}, 0.0, **SMALL)
+    def test_a_function_that_never_returns_a_number_ends_the_search_early(self) -> None:
+        with pytest.raises(
+            ValueError, match="none of its first 15 evaluations.*it returned None; is a return"
+        ) as error:
+            clearance.search(lambda x: None, {"x": (0.0, 1.0)}, 0.0, **SMALL)
+        assert "simulator.name" not in str(error.value)
+
+    def test_a_function_without_a_nominal_value_is_inconclusive(self) -> None:
+        result = clearance.search(lambda x: None if 0.4 < x < 0.6 else x, {"x": (0.0, 1.0)}, -1.0, **SMALL)
         assert result.verdict == "inconclusive"
-        assert result.worst is None
         assert result.nominal.cost is None
         assert "None" in result.nominal.reason
-        assert (result.status == "failed").all()
-        assert "no value" in repr(result)
-        assert "Inconclusive" in result._repr_html_()
 
 
 def test_ctrl_c_keeps_what_was_evaluated() -> None:

@@ -58,12 +58,30 @@ class Descriptor(Basics):
     number of the slot, and with protocol "files" `{parameters}` and `{results}` are the two files.
     protocol: "lines" for a process that reads one JSON object a line and writes one for each; "files" for a process for
     each evaluation, which reads parameters from one JSON file and writes results to another.
+    step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when
+    cases are confirmed.
     """
 
     command: Annotated[tuple[str, ...], Field(min_length=1)]
     protocol: Literal["lines", "files"] = "lines"
     parameters: Annotated[dict[Identifier, DescribedParameter], Field(min_length=1)]
     results: Annotated[dict[Identifier, DescribedResult], Field(min_length=1)]
+    step: Identifier | None = None
+
+    @model_validator(mode="after")
+    def _step_can_be_halved(self) -> Self:
+        if self.step is None:
+            return self
+        step = self.parameters.get(self.step)
+        if step is None:
+            raise ValueError(f"step: {self.step} is not one of its parameters ({', '.join(self.parameters)})")
+        half = step.nominal / 2
+        if not half > 0.0 or half < step.low:
+            limit = f"must be positive and within its limits, from {step.low:g}"
+            raise ValueError(f"step: half of {self.step}, {half:g}, {limit}")
+        if len(self.parameters) == 1:
+            raise ValueError(f"step: {self.step} is the only parameter; a campaign needs another one")
+        return self
 
 
 @dataclass(frozen=True)
@@ -85,6 +103,7 @@ class DescribedProgram(Described):
                     name=name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.nominal, text=p.text
                 )
                 for name, p in d.parameters.items()
+                if name != d.step
             ],
             results=[
                 ResultEntry(
@@ -97,6 +116,7 @@ class DescribedProgram(Described):
                 )
                 for name, r in d.results.items()
             ],
+            step=d.step,
         )
 
 

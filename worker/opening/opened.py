@@ -26,6 +26,7 @@ from worker.reference import Reference
 from worker.systems.base import CampaignUnusable, System
 from worker.systems.closed_loop.assemble import LANES
 from worker.systems.closed_loop.system import ClosedLoop
+from worker.systems.simulators.called import Called
 from worker.systems.simulators.command import CommandSimulator
 from worker.systems.simulators.fmus import simulator as fmus
 from worker.systems.simulators.functions import InProcess, Isolated
@@ -71,7 +72,8 @@ def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction
     if wrong:
         raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, wrong)])
     found: System = opened
-    return found
+    asked = campaign.simulator
+    return found if asked is None or (asked.calls == 1 and not asked.retries) else Called(found, asked)
 
 
 def _python(simulator: PythonFunction, opening: Opening) -> System:
@@ -130,6 +132,4 @@ def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> st
         return "its parameters differ from those that its package declares, or from the requested nominal values"
     if opened.results[0].name != result or opened.results[0].worse != "low":
         return f"its first result must be {result}, worse when low, not {opened.results[0].name}"
-    if not opened.repeatable:
-        return "its results are not repeatable to the bit, which searches and replays require"
     return ""

@@ -21,6 +21,7 @@ from worker.problem.problem import Problem
 from worker.runs.provenance import begin, flown
 from worker.stages.found import stages
 from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
+from worker.stages.parts.noise import flaky
 from worker.stages.parts.store import StagePlan, StageRecord, Store
 from worker.systems.base import CampaignUnusable
 from worker.verdicts.conclude import conclude
@@ -93,6 +94,7 @@ def _evidence(context: Context) -> Evidence:
         excluded=int(np.count_nonzero(status == EXCLUDED)),
         lowest=float(costs.min()) if len(costs) else None,
         violating=int(np.count_nonzero(costs <= context.problem.threshold)),
+        flaky=sum(flaky(c) for _, c in all_columns(context, list(range(len(context.plan))))),
     )
 
 

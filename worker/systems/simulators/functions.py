@@ -6,9 +6,8 @@ Whatever an evaluation does is a status with a reason; only an interrupt ends th
 from __future__ import annotations
 
 import sys
-import tempfile
 import uuid
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from campaigns.catalogue import SimulatorEntry
 from campaigns.claims.say import say
-from campaigns.results.base import FAILED, OK, TIMEOUT
+from campaigns.results.base import FAILED, OK
 from worker.catalogue.function import Settings
 from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
@@ -27,8 +26,8 @@ from worker.systems.simulators.identity import identified
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
-from worker.systems.simulators.slots.pool import SlotPool
 from worker.systems.simulators.slots.program import Program
+from worker.systems.simulators.slotted import Slotted
 from worker.systems.threads import usual_threads
 
 
@@ -54,13 +53,13 @@ class _OfFunction(Simulated):
             version=f"function digest {self.digest[:12]}",
         )
 
-    def _batch(self, values: ArrayLike, failed: Reasons, late: Collection[int] = ()) -> tuple[Batch, Reasons]:
-        """Values (m,) as a batch; `late` are those of the failed rows that timed out."""
+    def _batch(self, values: ArrayLike, failed: Reasons) -> tuple[Batch, Reasons]:
+        """Values (m,) as a batch."""
         costs = np.array(values, dtype=np.float64)[:, None]
         status = np.full(len(costs), OK, dtype=np.uint8)
         if failed:
             rows = list(failed)
-            status[rows] = [TIMEOUT if k in late else FAILED for k in rows]
+            status[rows] = FAILED
             costs[rows] = np.nan
         return Batch(costs if self.results[0].worse == "low" else -costs, status), failed
 
@@ -162,7 +161,7 @@ class InProcess(_OfFunction):
         return found.astype(np.float64), begun
 
 
-class Isolated(_OfFunction):
+class Isolated(_OfFunction, Slotted):
     """Calls the function in slots: limits of time and memory, and no crash reaches this process.
 
     place: where a slot finds it, its `name` and its `file` or `module`.
@@ -176,45 +175,22 @@ class Isolated(_OfFunction):
         super().__init__(entry, opening, settings, digest)
         self.place = place
         self._alone = alone
-        self._pool: SlotPool | None = None
-        self._work: tempfile.TemporaryDirectory[str] | None = None
 
     def fresh(self) -> Isolated:
         return Isolated(self.place, self.entry, self.opening, self.of, self.files_digest, alone=True)
 
-    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
-        pool = self._opened()
-        requests = [{"parameters": dict(zip(self.names_given, v, strict=True))} for v in vectors.tolist()]
-        outcomes = pool.evaluate(requests)
-        if outcomes:
-            self.cost = sum(o.duration for o in outcomes) / len(outcomes) / pool.size
-        values, failed, late = [np.nan] * len(vectors), Reasons(), set[int]()
-        for k, outcome in enumerate(outcomes):
-            values[k], reason = self._read(outcome)
-            if reason:
-                failed[k] = reason
-                late |= {k} if outcome.kind == "timeout" else set()
-        return self._batch(values, failed, late)
+    @property
+    def slots(self) -> int:
+        return self.of.slots or usual_threads()
 
-    def close(self) -> None:
-        """Kill its processes; they start again with the next evaluation."""
-        if self._pool is not None:
-            self._pool.close()
-            self._pool = None
-        if self._work is not None:
-            self._work.cleanup()
-            self._work = None
+    @property
+    def _limits(self) -> Limits:
+        return Limits(self.of.timeout, memory=self.of.memory, recycle=1 if self._alone else self.of.recycle)
 
-    def _opened(self) -> SlotPool:
-        if self._pool is None:
-            limits = Limits(self.of.timeout, memory=self.of.memory, recycle=1 if self._alone else self.of.recycle)
-            slots = 1 if self._alone else self.of.slots or usual_threads()
-            self._work = tempfile.TemporaryDirectory(prefix=f"clearance-{self.entry.name}-", ignore_cleanup_errors=True)
-            named = {calling.FUNCTION: calling.packed(self.place, self.every, self.of.vectorized)}
-            child = [sys.executable, str(files.CHILD), f"{calling.__file__}:evaluate"]
-            program = Program(child, "framed", named, str(Path(self._work.name) / "{slot}"))
-            self._pool = SlotPool(program, slots, limits)
-        return self._pool
+    def _program(self, work: Path) -> Program:
+        named = {calling.FUNCTION: calling.packed(self.place, self.every, self.of.vectorized)}
+        child = [sys.executable, str(files.CHILD), f"{calling.__file__}:evaluate"]
+        return Program(child, "framed", named, str(work / "{slot}"))
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
         """The result that decides, or why there is none."""

@@ -62,6 +62,7 @@ GUIDES = (
     "first-campaign",
     "your-own-component",
     "your-own-simulator",
+    "python",
     "recipes-px4-nav2",
     "methods",
     "evidence",

@@ -32,16 +32,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("simulators")
     shutil.copytree(EXAMPLES, made, dirs_exist_ok=True)
     subprocess.run([compiler, "-O2", "-o", made / "drop/drop", made / "drop/drop.c", "-lm"], check=True)
-    described = made / "mass_spring" / "simulator.yaml"
-    described.write_text(described.read_text().replace("python3", sys.executable))
     return made
 
 
-def run(folder: Path, campaign: Path) -> tuple[int, Any, str]:
+def run(folder: Path, campaign: Path, timeout: float = 250) -> tuple[int, Any, str]:
     done = subprocess.run(
         [sys.executable, "-m", "worker.cli", "run", str(campaign), "--json"],
         env=os.environ | {"CLEARANCE_SIMULATORS": str(folder)}, capture_output=True, text=True, check=False,
-        cwd=REPOSITORY, timeout=250,
+        cwd=REPOSITORY, timeout=timeout,
     )  # fmt: skip
     return done.returncode, json.loads(done.stdout) if done.stdout.startswith("{") else None, done.stderr
 
@@ -68,6 +66,25 @@ def test_a_process_for_each_evaluation(folder: Path) -> None:
         simulator.close()
     assert reasons == {}
     assert batch.costs[:, 0] == pytest.approx(0.5 - abs(vectors[:, 2]) * np.sqrt(vectors[:, 0] / 100.0), abs=1e-12)
+
+
+def test_python_in_a_command_is_the_interpreter_of_the_worker(tmp_path: Path) -> None:
+    program = "import json, sys\nfor _ in sys.stdin: print(json.dumps({'results': {'d': float(same())}}), flush=True)"
+    program = f"def same(): return __import__('sys').executable == {sys.executable!r}\n{program}"
+    described = {
+        "name": "interpreter",
+        "command": ["{python}", "-c", program],
+        "parameters": {"a": {"nominal": 0.5, "low": 0, "high": 1}},
+        "results": {"d": {"unit": ""}},
+    }
+    (tmp_path / "simulator.yaml").write_text(yaml.safe_dump(described), encoding="utf-8")
+    simulator = CommandSimulator(read(tmp_path), Opening({"simulator.a": 0.5}, "d"))
+    try:
+        batch, reasons = simulator.evaluate(simulator.nominal[None, :])
+    finally:
+        simulator.close()
+    assert reasons == {}
+    assert batch.costs.tolist() == [[1.0]]
 
 
 def test_a_descriptor_that_is_gone_is_refused_with_a_sentence(folder: Path, tmp_path: Path) -> None:

@@ -54,8 +54,9 @@ class DescribedResult(Strict):
 class Descriptor(Basics):
     """What `simulator.yaml` states of a program.
 
-    command: program and arguments, run in the folder of the slot; `{folder}` is the descriptor's folder, `{slot}` the
-    number of the slot, and with protocol "files" `{parameters}` and `{results}` are the two files.
+    command: program and arguments, run in the folder of the slot; `{folder}` is the descriptor's folder, `{python}` the
+    interpreter that runs the worker, `{slot}` the number of the slot, and with protocol "files" `{parameters}` and
+    `{results}` are the two files.
     protocol: "lines" for a process that reads one JSON object a line and writes one for each; "files" for a process for
     each evaluation, which reads parameters from one JSON file and writes results to another.
     step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when

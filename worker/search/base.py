@@ -60,7 +60,8 @@ class Space:
     passes on a local minimum as soon as it is found, so that none is lost when the budget ends; attribute states, just
     before a request and in its order, which member of a method requests how many of its points. A cost at or below the
     threshold is a violation; confidence is that of statements on its probability. slots: number of evaluations that run
-    side by side and end in any order; 0: a batch is evaluated as a whole, and a request must not be `Several`.
+    side by side and end in any order; 0: a batch is evaluated as a whole, and a request must not be `Several`. What a
+    method requests must not depend on their number, which may be another one when the run is resumed.
     """
 
     dimension: int

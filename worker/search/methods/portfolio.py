@@ -66,6 +66,9 @@ EPOCH = 1000
 AHEAD = 100
 """Total evaluations by which a member may be ahead of its share, to allow large requests."""
 
+PENDING = 64
+"""Requested points below which another member gets a turn in slots; not their number, which may change on resumption."""
+
 
 @dataclass(frozen=True)
 class Options:
@@ -109,7 +112,7 @@ def _in_slots(space: Space, members: list[Member], record: Record, fair: int) ->
     pending: dict[int, Member] = {}
     while True:
         request = Several([])
-        while sum(len(m.requested) for m in pending.values()) < 2 * space.slots:
+        while sum(len(m.requested) for m in pending.values()) < PENDING:
             turn = _turn(members, record, fair, pending.values())
             if not turn:
                 break

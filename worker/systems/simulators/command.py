@@ -70,7 +70,8 @@ class CommandSimulator(Slotted):
     def _program(self, work: Path) -> Program:
         assert isinstance(self.described, DescribedProgram)
         d, folder = self.described.descriptor, str(work / "{slot}")
-        command = [word.replace("{folder}", str(self.described.folder)) for word in d.command]
+        words = [word.replace("{python}", sys.executable) for word in d.command]
+        command = [word.replace("{folder}", str(self.described.folder)) for word in words]
         if d.protocol == "lines":
             return Program(command, "lines", d.environment, folder)
         child = [sys.executable, str(files.CHILD), f"{files.__file__}:evaluate"]

@@ -6,7 +6,6 @@ The operator lists folders of such folders in CLEARANCE_SIMULATORS; a campaign o
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from worker.catalogue.folder import digest_of
 
 FILE = "simulator.yaml"
 FOLDERS = "CLEARANCE_SIMULATORS"
@@ -121,12 +121,7 @@ class Described:
     @property
     def digest(self) -> str:
         """SHA-256 over all files of its folder, by relative path and content."""
-        sink = hashlib.sha256()
-        for path in sorted(p for p in self.folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
-            content = path.read_bytes()
-            sink.update(f"{path.relative_to(self.folder)}\0{len(content)}\0".encode())
-            sink.update(content)
-        return sink.hexdigest()
+        return digest_of(self.folder)
 
 
 class BadDescriptor(ValueError):

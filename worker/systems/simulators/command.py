@@ -13,7 +13,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from worker.catalogue.descriptor import Described
 from worker.catalogue.simulator import Opening
 from worker.search.base import Batch
 from worker.systems.base import Evaluated, Floats, Reasons, Seeds
+from worker.systems.simulators.cluster.address import chosen
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
@@ -29,16 +30,22 @@ from worker.systems.simulators.slots.pool import SlotPool
 from worker.systems.simulators.slots.program import Program
 from worker.systems.threads import usual_threads
 
+if TYPE_CHECKING:
+    from worker.systems.simulators.cluster.pool import DaskPool
+
 
 class CommandSimulator(Simulated):
-    """Evaluates a described program; `fresh`: every evaluation in a process of its own."""
+    """Evaluates a described program, here or on the evaluator of this process; `fresh`: every evaluation in a process
+    of its own.
+    """
 
     def __init__(self, described: Described, opening: Opening, fresh: bool = False) -> None:
         super().__init__(described.entry, opening)
         self.described = described
         self._fresh = fresh
         self._result = self.results[0]
-        self._pool: SlotPool | None = None
+        self.evaluator = chosen()
+        self._pool: SlotPool | DaskPool | None = None
         self._work: tempfile.TemporaryDirectory[str] | None = None
 
     def fresh(self) -> CommandSimulator:
@@ -51,7 +58,9 @@ class CommandSimulator(Simulated):
 
     @property
     def slots(self) -> int:  # type: ignore[override]
-        return 1 if self._fresh else self.described.descriptor.slots or usual_threads()
+        if self._fresh:
+            return 1
+        return self.described.descriptor.slots or usual_threads() if self.evaluator is None else self._opened().size
 
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
         names = [p.path.removeprefix("simulator.") for p in self.parameters]
@@ -79,10 +88,16 @@ class CommandSimulator(Simulated):
             self._work.cleanup()
             self._work = None
 
-    def _opened(self) -> SlotPool:
+    def _opened(self) -> SlotPool | DaskPool:
         if self._pool is None:
             d = self.described.descriptor
             limits = Limits(d.timeout, d.start, d.memory, recycle=1 if self._fresh else d.recycle)
+            if self.evaluator is not None:
+                from worker.systems.simulators.cluster.pool import WORK, DaskPool
+
+                program, folder = self._program(Path(WORK)), self.described.folder
+                self._pool = DaskPool(self.evaluator, program, limits, folder, self.digest)
+                return self._pool
             self._work = tempfile.TemporaryDirectory(prefix=f"clearance-{d.name}-", ignore_cleanup_errors=True)
             self._pool = SlotPool(self._program(Path(self._work.name)), self.slots, limits)
         return self._pool

@@ -79,6 +79,11 @@ class CommandSimulator(Simulated):
             return Evaluated(np.array([np.nan]), TIMEOUT if outcome.kind == "timeout" else FAILED, reason)
         return Evaluated(np.array([value if self._result.worse == "low" else -value]), OK, "")
 
+    def warm(self) -> None:
+        """Connect to the evaluator."""
+        if self.evaluator is not None:
+            self._opened()
+
     def close(self) -> None:
         """Kill its processes; they start again with the next evaluation."""
         if self._pool is not None:

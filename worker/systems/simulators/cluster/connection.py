@@ -23,6 +23,8 @@ from worker.systems.simulators.cluster.address import Evaluator, EvaluatorLost
 
 T = TypeVar("T")
 
+log = logging.getLogger("clearance.cluster")
+
 LOOK = 0.5
 """Interval at which the connection and the number of threads are looked at [s]."""
 RETRY = 0.2
@@ -59,6 +61,8 @@ class Connection:
         self._connecting = asyncio.Lock()
         self._failure: EvaluatorLost | None = None
         self._saturation = float("inf")
+        for name in ("client", "comm", "nanny"):  # what matters is reported here
+            logging.getLogger(f"distributed.{name}").setLevel(logging.CRITICAL)
         self.loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._run, name="cluster", daemon=True)
         self._thread.start()
@@ -74,6 +78,8 @@ class Connection:
                 raise self._failure
             if self.connected is not None:
                 return self.connected
+            if self._client is not None:
+                log.warning("%s: the connection to the scheduler was lost; connecting again", self.evaluator.given)
             try:
                 await self._forget()
                 client = await self._connected(time.monotonic() + self.evaluator.patience)
@@ -171,7 +177,7 @@ class Connection:
                 self._give_up(error)
                 return
             except Exception as error:
-                logging.getLogger("clearance.cluster").warning("%s: %s", self.evaluator.given, _short(error))
+                log.warning("%s: %s", self.evaluator.given, _short(error))
             if time.monotonic() - since > self.evaluator.patience:
                 self._failure = self._lost("it had no worker", "all that it had have left; start some")
                 self._give_up(self._failure)
@@ -183,7 +189,6 @@ class Connection:
 
     async def _local(self) -> LocalCluster:
         if self._cluster is None:
-            logging.getLogger("distributed.nanny").setLevel(logging.ERROR)
             with dask.config.set(CONFIGURED):
                 self._cluster = await LocalCluster(
                     n_workers=self.evaluator.processes, threads_per_worker=1, processes=True, asynchronous=True,

@@ -45,7 +45,7 @@ class NodeUnusable(Exception):
 
 
 class NodeClosing(Exception):
-    """The node is shutting down: what it evaluated has no result."""
+    """The node is shutting down, or the pool was closed: what it evaluated has no result."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,7 @@ def release(key: str) -> None:
     with _lock:
         found = _idle.pop(key, []) + _busy.pop(key, [])
         _checked.discard(key)
+        _released.append(key)
     for slot in found:
         slot.close()
 
@@ -157,11 +158,15 @@ _lock = threading.Lock()
 _idle: dict[str, list[NodeSlot]] = {}
 _busy: dict[str, list[NodeSlot]] = {}
 _checked: set[str] = set()
+_released: deque[str] = deque(maxlen=1000)
+"""Their tasks may still arrive."""
 _reaper: threading.Timer | None = None
 
 
 def _take(work: Work) -> NodeSlot:
     with _lock:
+        if work.key in _released:
+            raise NodeClosing(_name())
         idle = _idle.get(work.key)
         slot = idle.pop() if idle else None
         if slot is not None:
@@ -172,8 +177,13 @@ def _take(work: Work) -> NodeSlot:
     except OSError as error:
         raise NodeUnusable(f"{_name()} cannot start a slot: {error}") from None
     with _lock:
-        _busy.setdefault(work.key, []).append(made)
-        _reap_later()
+        released = work.key in _released
+        if not released:
+            _busy.setdefault(work.key, []).append(made)
+            _reap_later()
+    if released:
+        made.close()
+        raise NodeClosing(_name())
     return made
 
 

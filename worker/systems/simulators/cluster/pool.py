@@ -75,7 +75,6 @@ class DaskPool:
         except BaseException:
             connections.release(self._connection)
             raise
-        self.size = evaluator.slots or self._connection.threads
         self._connection.changed.append(self._hand_out)
         self._connection.lost.append(self._fail)
 
@@ -84,6 +83,11 @@ class DaskPool:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    @property
+    def size(self) -> int:
+        """Evaluations side by side: as stated with the address, or threads of the cluster now."""
+        return self._connection.evaluator.slots or max(1, self._connection.threads)
 
     def submit(self, request: Request) -> Future[Outcome]:
         """Queue one evaluation; raises RuntimeError once closed, `EvaluatorLost` once the cluster was given up."""

@@ -38,16 +38,18 @@ def problem_of(folder: Path) -> Problem:
     return Problem(load_document(package.campaign()), CommandSimulator(read(folder), OPENING))
 
 
-def main() -> None:
-    database, claim, folder, count = sys.argv[1:]
-    store = RunStore(connect(database), Claim(**json.loads(claim)))
-    problem = problem_of(Path(folder))
+def carry_out(database: str, claim: Claim, folder: Path, count: int) -> None:
+    """The stage, from its beginning or from where another process left it."""
+    problem, engine = problem_of(folder), connect(database)
+    store = RunStore(engine, claim)
     store.plan([StagePlan("search", "direct", 1000)])
     store.begin(0)
-    driven = drive(Context(problem.campaign, problem, InProcess(problem), store), 0, once(points(int(count)), ""), 1000)
-    assert driven.columns is not None
-    problem.system.close()
+    try:
+        drive(Context(problem.campaign, problem, InProcess(problem), store), 0, once(points(count), ""), 1000)
+    finally:
+        problem.system.close()
+        engine.dispose()
 
 
 if __name__ == "__main__":
-    main()
+    carry_out(sys.argv[1], Claim(**json.loads(sys.argv[2])), Path(sys.argv[3]), int(sys.argv[4]))

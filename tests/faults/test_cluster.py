@@ -176,7 +176,9 @@ def test_a_killed_node_loses_nothing_and_repeats_only_what_was_running(
     assert 0 < running <= 30
 
 
-def test_a_killed_process_repeats_only_what_was_running(nodes: Cluster, tmp_path: Path) -> None:
+def test_a_killed_process_repeats_only_what_was_running(
+    nodes: Cluster, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """What ended is stored as it arrives; another process goes on with the rest."""
     gate = Gate(tmp_path, 20)
     problem = stage.problem_of(gate.described.folder)
@@ -197,8 +199,8 @@ def test_a_killed_process_repeats_only_what_was_running(nodes: Cluster, tmp_path
         first.process.wait()
     before = stored(store)
     gate.open()
-    with started([*command, "60"], tmp_path, "second", **{SETTING: nodes.address}) as second:
-        assert second.process.wait() == 0, second.text()
+    monkeypatch.setenv(SETTING, nodes.address)
+    stage.carry_out(url, claim, gate.described.folder, 60)
     columns = store.evaluations(0)
     engine.dispose()
     assert columns is not None

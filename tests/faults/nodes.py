@@ -47,7 +47,8 @@ class Cluster:
             self.workers.append(self._start("worker", *to, "--local-directory", str(self.folder)))
 
     def _start(self, what: str, *options: str) -> Started:
-        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", "--host", "127.0.0.1", "--no-dashboard"]
+        here = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0", "--no-dashboard"]
+        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *here]
         name = f"{what}-{len(list(self.folder.glob('*.log')))}"
         return self._stack.enter_context(started([*command, *options], self.folder, name, **SETTINGS))
 

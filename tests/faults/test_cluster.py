@@ -23,6 +23,7 @@ from tests.simulators import gated, misbehaving
 from worker.catalogue.descriptor import Described, read
 from worker.catalogue.simulator import Opening
 from worker.systems.base import Floats
+from worker.systems.simulators.cluster import pool as pool_module
 from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
 from worker.systems.simulators.cluster.pool import DaskPool
 from worker.systems.simulators.command import CommandSimulator
@@ -255,3 +256,29 @@ def test_a_scheduler_that_is_not_there_ends_with_a_sentence(tmp_path: Path) -> N
     gate = Gate(tmp_path, 0)
     with pytest.raises(EvaluatorLost, match="its scheduler could not be reached for 1 s: Timed out"):
         pool_of(gate, "dask://127.0.0.1:1?patience=1")
+
+
+KILLER = """
+import json, os, sys
+for line in sys.stdin:
+    given = json.loads(line)["parameters"]
+    if given["x"] == float(sys.argv[1]):
+        os.kill(os.getppid(), 9)
+    print(json.dumps({"results": {"separation": given["x"]}}), flush=True)
+"""
+
+
+def test_an_evaluation_that_kills_its_node_fails_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a cluster of this machine, which starts its workers again."""
+    monkeypatch.setattr(pool_module, "DEATHS", 2)  # each takes a second
+    asked = requests(30)
+    guilty = asked[11]["parameters"]["x"]
+    killer = described(tmp_path, [sys.executable, "-S", "-E", "-c", KILLER, repr(guilty)])
+    simulator = CommandSimulator(killer, OPENING)
+    simulator.evaluator = evaluator("local:1")
+    assert simulator.slots == 1
+    batch, reasons = simulator.evaluate(vectors(30))
+    simulator.close()
+    assert [k for k, status in enumerate(batch.status) if status != OK] == [11]
+    assert np.delete(batch.costs[:, 0], 11).tolist() == np.delete(vectors(30)[:, 0], 11).tolist()
+    assert reasons[11].startswith("a node died while evaluating this, 2 times; the last one was tcp://127.0.0.1:")

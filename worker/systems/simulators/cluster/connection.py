@@ -38,7 +38,10 @@ CONFIGURED = {
     "distributed.scheduler.worker-saturation": 1.0,
     # `pool` counts the deaths: the scheduler cannot tell the evaluation at fault from others of its task.
     "distributed.scheduler.allowed-failures": 0,
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
 }
+"""Of `local:N`."""
 
 
 class Connection:
@@ -188,13 +191,19 @@ class Connection:
             lost(error)
 
     async def _local(self) -> LocalCluster:
+        """The cluster on this machine, on ports of the loopback interface that the system chooses."""
         if self._cluster is None:
-            with dask.config.set(CONFIGURED):
-                self._cluster = await LocalCluster(
-                    n_workers=self.evaluator.processes, threads_per_worker=1, processes=True, asynchronous=True,
-                    host="127.0.0.1", dashboard_address=None, worker_dashboard_address=None, memory_limit=None,
-                    security=True if importlib.util.find_spec("cryptography") else None,
-                )  # fmt: skip
+            try:
+                with dask.config.set(CONFIGURED):
+                    self._cluster = await LocalCluster(
+                        n_workers=self.evaluator.processes, threads_per_worker=1, processes=True, asynchronous=True,
+                        host="127.0.0.1", memory_limit=None, preload=node.__name__,
+                        scheduler_kwargs={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
+                        security=True if importlib.util.find_spec("cryptography") else None,
+                    )  # fmt: skip
+            except Exception as error:
+                why = f"its processes could not be started: {_short(error)}"
+                raise EvaluatorLost(f"evaluator {self.evaluator.given}: {why}") from error
         return self._cluster
 
     async def _forget(self) -> None:

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import logging
 import os
 import shutil
+import signal
 import socket
 import sys
 import tempfile
@@ -101,6 +103,12 @@ def release(key: str) -> None:
 def saturation(dask_scheduler: Any) -> float:
     """How many tasks per thread the scheduler sends to a worker; runs there."""
     return float(dask_scheduler.WORKER_SATURATION)
+
+
+def dask_setup(worker: object) -> None:
+    """Dask calls it when a worker of `local:N` starts: Ctrl-C is for the process that closes the cluster."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
 
 
 @cache

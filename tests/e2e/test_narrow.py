@@ -62,6 +62,7 @@ GUIDES = (
     "first-campaign",
     "your-own-component",
     "your-own-simulator",
+    "cluster",
     "methods",
     "evidence",
     "ci",

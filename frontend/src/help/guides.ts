@@ -5,6 +5,7 @@ export const GUIDES = [
   { name: 'first-campaign', title: 'A first campaign' },
   { name: 'your-own-component', title: 'Your own component' },
   { name: 'your-own-simulator', title: 'Your own simulator' },
+  { name: 'cluster', title: 'Cluster' },
   { name: 'methods', title: 'Methods' },
   { name: 'evidence', title: 'Evidence' },
   { name: 'ci', title: 'Continuous integration' },

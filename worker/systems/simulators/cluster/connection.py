@@ -136,6 +136,8 @@ class Connection:
                     why = f"{_short(error)}; check that it runs"
                     raise self._lost("its scheduler could not be reached", why) from None
                 await asyncio.sleep(RETRY)
+            except Exception as error:  # such as TLS without certificates
+                raise EvaluatorLost(f"evaluator {self.evaluator.given}: it cannot be used: {_short(error)}") from None
         self._client = client
         await self._look_around(client, deadline)
         return client

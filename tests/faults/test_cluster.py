@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+import dask
 import numpy as np
 import pytest
 import yaml
@@ -22,6 +23,7 @@ from tests.faults.processes import command_of, kill, started, until
 from tests.simulators import gated, misbehaving
 from worker.catalogue.descriptor import Described, read
 from worker.catalogue.simulator import Opening
+from worker.runs.provenance import flown
 from worker.systems.base import Floats
 from worker.systems.simulators.cluster import pool as pool_module
 from worker.systems.simulators.cluster.address import SETTING, EvaluatorLost, evaluator
@@ -93,6 +95,7 @@ def test_results_are_those_of_local_slots_to_the_bit(
         asked = vectors(300)
         until(lambda: there.slots == 2, "both nodes")
         assert there.digest == here.digest
+        assert (flown(here).evaluator, flown(there).evaluator) == (None, "dask.distributed")
         assert here.evaluate(asked)[0].costs.tobytes() == there.evaluate(asked)[0].costs.tobytes()
         assert [c.cost for c in there.compare(asked[:2], [None, None])] == [right(v) for v in asked[:2]]
     finally:
@@ -282,3 +285,14 @@ def test_an_evaluation_that_kills_its_node_fails_alone(tmp_path: Path, monkeypat
     assert [k for k, status in enumerate(batch.status) if status != OK] == [11]
     assert np.delete(batch.costs[:, 0], 11).tolist() == np.delete(vectors(30)[:, 0], 11).tolist()
     assert reasons[11].startswith("a node died while evaluating this, 2 times; the last one was tcp://127.0.0.1:")
+
+
+@pytest.mark.parametrize(("files", "why"), [("", "none are configured"), ("/no/such/file", "No such file")])
+def test_tls_without_certificates_is_refused_at_once(tmp_path: Path, files: str, why: str) -> None:
+    gate = Gate(tmp_path, 0)
+    names = {"ca-file": files, "client.cert": files, "client.key": files}
+    with (
+        dask.config.set({f"distributed.comm.tls.{name}": file or None for name, file in names.items()}),
+        pytest.raises(EvaluatorLost, match=f"TLS needs certificates of the client: .*{why}"),
+    ):
+        pool_of(gate, "dask+tls://127.0.0.1:1")

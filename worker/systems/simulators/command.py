@@ -45,6 +45,7 @@ class CommandSimulator(Simulated):
         self._fresh = fresh
         self._result = self.results[0]
         self.evaluator = chosen()
+        self.elsewhere = "dask.distributed" if self.evaluator and self.evaluator.scheduler else ""
         self._pool: SlotPool | DaskPool | None = None
         self._work: tempfile.TemporaryDirectory[str] | None = None
 

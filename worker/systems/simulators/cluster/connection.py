@@ -16,7 +16,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 import dask
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, Security
 
 from worker.systems.simulators.cluster import node
 from worker.systems.simulators.cluster.address import Evaluator, EvaluatorLost
@@ -122,6 +122,7 @@ class Connection:
             self.loop.close()
 
     async def _connected(self, deadline: float) -> Client:
+        self._check_certificates()
         address: Any = self.evaluator.scheduler or await self._local()
         while True:
             left = deadline - time.monotonic()
@@ -136,11 +137,24 @@ class Connection:
                     why = f"{_short(error)}; check that it runs"
                     raise self._lost("its scheduler could not be reached", why) from None
                 await asyncio.sleep(RETRY)
-            except Exception as error:  # such as TLS without certificates
-                raise EvaluatorLost(f"evaluator {self.evaluator.given}: it cannot be used: {_short(error)}") from None
         self._client = client
         await self._look_around(client, deadline)
         return client
+
+    def _check_certificates(self) -> None:
+        """TLS needs those of a client, from the configuration of Dask."""
+        if not self.evaluator.scheduler.startswith("tls:"):
+            return
+        try:
+            if Security().get_connection_args("client")["ssl_context"] is not None:
+                return
+            why = "none are configured"
+        except OSError as error:  # no such file, or it contains something else
+            why = _short(error)
+        raise EvaluatorLost(
+            f"evaluator {self.evaluator.given}: TLS needs certificates of the client: {why}; set "
+            "DASK_DISTRIBUTED__COMM__TLS__CA_FILE, and CLIENT__CERT and CLIENT__KEY in place of CA_FILE"
+        )
 
     async def _look_around(self, client: Client, deadline: float) -> None:
         """What the scheduler does, and its first worker."""

@@ -64,7 +64,7 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     "worker.systems.simulators": (
         *("worker.systems.base", "worker.systems.threads", "worker.search.base"),
-        *("worker.catalogue.simulator", "worker.catalogue.descriptor", "campaigns"),
+        *("worker.catalogue.simulator", "worker.catalogue.descriptor", "worker.catalogue.folder", "campaigns"),
     ),
     # The slots know programs and JSON, nothing of campaigns.
     "worker.systems.simulators.slots": (),

@@ -34,7 +34,7 @@ class Fake:
         self.evaluator = Evaluator("dask://fake:1")
         self.changed: list[Any] = []
         self.lost: list[Any] = []
-        self.connected = None
+        self.connected: Fake | None = self
         self.task: Task = evaluated
         self.batches: list[list[int]] = []
         self.running = self.most = 0
@@ -52,6 +52,9 @@ class Fake:
 
     async def client(self) -> Fake:
         return self
+
+    async def run(self, function: object, *given: object, **options: Any) -> None:
+        pass
 
     async def submit(self, function: object, work: node.Work, requests: Sequence[Any], **options: Any) -> node.Done:
         batch = [r["k"] for r in requests]
@@ -182,6 +185,19 @@ def test_any_other_error_ends_everything_with_a_sentence(cluster: Fake, pool: Da
     assert errors == {"evaluator dask://fake:1: ModuleNotFoundError: No module named 'worker'"}
     with pytest.raises(EvaluatorLost):
         pool.submit({"k": 1})
+
+
+def test_an_error_of_a_connection_that_was_lost_is_not_one_of_the_evaluation(cluster: Fake, pool: DaskPool) -> None:
+    left = [AttributeError("'NoneType' object has no attribute 'submit'")] * 3
+
+    def task(batch: list[int]) -> node.Done:
+        if left:
+            cluster.connected = None
+            raise left.pop()
+        return evaluated(batch)
+
+    cluster.task = task
+    assert answers(pool.evaluate(requests(30))) == list(range(30))
 
 
 def test_losing_the_cluster_ends_what_runs_and_what_waits(cluster: Fake, pool: DaskPool) -> None:

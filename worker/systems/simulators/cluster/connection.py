@@ -45,7 +45,7 @@ CONFIGURED = {
 
 
 class Connection:
-    """A client of a cluster in an event loop of its own; `shared` returns it.
+    """A client of a cluster in an event loop of its own; `acquire` returns it.
 
     changed: called in the loop whenever the number of threads has changed; lost: when the cluster is given up.
     """
@@ -58,7 +58,6 @@ class Connection:
         self.users = 0
         self.changed: list[Callable[[], None]] = []
         self.lost: list[Callable[[EvaluatorLost], None]] = []
-        self.connects = 0
         self._client: Client | None = None
         self._cluster: LocalCluster | None = None
         self._connecting = asyncio.Lock()
@@ -85,12 +84,10 @@ class Connection:
                 log.warning("%s: the connection to the scheduler was lost; connecting again", self.evaluator.given)
             try:
                 await self._forget()
-                client = await self._connected(time.monotonic() + self.evaluator.patience)
+                return await self._connected(time.monotonic() + self.evaluator.patience)
             except EvaluatorLost as error:
                 self._failure = error
                 raise
-            self.connects += 1
-            return client
 
     async def open(self) -> None:
         """Connect for the first time."""
@@ -125,19 +122,24 @@ class Connection:
         self._check_certificates()
         address: Any = self.evaluator.scheduler or await self._local()
         while True:
-            left = deadline - time.monotonic()
             try:
-                client = await Client(
-                    address, asynchronous=True, timeout=max(0.1, min(ATTEMPT, left)), set_as_default=False,
-                    direct_to_workers=bool(self.evaluator.processes),
-                )  # fmt: skip
-                break
-            except (OSError, TimeoutError) as error:
+                return await self._attempt(address, deadline)
+            except EvaluatorLost:
+                raise
+            except Exception as error:  # it may die at any moment, in whatever this process was doing with it
+                await self._forget()
                 if time.monotonic() > deadline:
                     why = f"{_short(error)}; check that it runs"
                     raise self._lost("its scheduler could not be reached", why) from None
-                await asyncio.sleep(RETRY)
-        self._client = client
+            await asyncio.sleep(RETRY)
+
+    async def _attempt(self, address: Any, deadline: float) -> Client:
+        """Connect once, then wait for a worker."""
+        timeout = max(0.1, min(ATTEMPT, deadline - time.monotonic()))
+        direct = bool(self.evaluator.processes)
+        client = self._client = await Client(
+            address, asynchronous=True, timeout=timeout, set_as_default=False, direct_to_workers=direct
+        )
         await self._look_around(client, deadline)
         return client
 
@@ -159,7 +161,7 @@ class Connection:
     async def _look_around(self, client: Client, deadline: float) -> None:
         """What the scheduler does, and its first worker."""
         try:
-            self._saturation = await client.run_on_scheduler(node.saturation)
+            self._saturation = await asyncio.wait_for(client.run_on_scheduler(node.saturation), ATTEMPT)
         except (ImportError, AttributeError) as error:
             raise EvaluatorLost(
                 f"evaluator {self.evaluator.given}: its scheduler cannot load this version of Clearance ({error}): "
@@ -172,7 +174,7 @@ class Connection:
 
     async def _count(self, client: Client) -> int:
         """The number of threads now."""
-        threads: int = sum((await client.nthreads()).values())
+        threads: int = sum((await asyncio.wait_for(client.nthreads(), ATTEMPT)).values())
         if threads != self.threads:
             self.threads = threads
             self.ahead = threads if self._saturation <= 1.0 else 0

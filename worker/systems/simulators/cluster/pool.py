@@ -152,7 +152,7 @@ class DaskPool:
 
     async def _send(self, batch: list[_Job]) -> None:
         """Carry out one task."""
-        requests = [job.request for job in batch]
+        requests, client = [job.request for job in batch], None
         try:
             client = await self._connection.client()
             done = await client.submit(node.evaluate, self._work, requests, pure=False, retries=0)
@@ -165,6 +165,8 @@ class DaskPool:
             self._fail(error)
         except Exception as error:
             self._again(batch)
+            if client is not None and self._connection.connected is not client:
+                return  # whatever it says, the connection was lost
             self._fail(EvaluatorLost(f"evaluator {self._connection.evaluator.given}: {_said(error)}"))
         else:
             self._deliver(batch, done)

@@ -200,7 +200,8 @@ class Connection:
             except Exception as error:
                 log.warning("%s: %s", self.evaluator.given, _short(error))
             if time.monotonic() - since > self.evaluator.patience:
-                self._failure = self._lost("it had no worker", "all that it had have left; start some")
+                why = "all that it had have ended; see their logs (one without this version of Clearance ends at once)"
+                self._failure = self._lost("it had no worker", why)
                 self._give_up(self._failure)
                 return
 

@@ -14,6 +14,7 @@ COPY requirements.lock ./
 RUN tools/image.sh packages
 COPY pyproject.toml README.md ./
 COPY campaigns campaigns
+COPY clearance clearance
 COPY backend backend
 COPY worker worker
 RUN tools/image.sh app

@@ -6,6 +6,7 @@ Start reading at `Catalogue`.
 
 from __future__ import annotations
 
+import hashlib
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -145,6 +146,13 @@ class SimulatorEntry(Entry):
     text: str
     parameters: list[ParameterEntry]
     results: list[ResultEntry]
+    step: Annotated[str | None, _LEFT_OUT] = None
+    """The name of its step, which is halved when cases are confirmed; omitted if it declares none."""
+
+    @property
+    def version(self) -> str:
+        """Its name with a digest of this declaration: a run is claimed only by a worker with the same."""
+        return f"{self.name}@{hashlib.sha256(self.model_dump_json().encode()).hexdigest()[:16]}"
 
     def result(self, name: str | None) -> ResultEntry | None:
         """The result of that name, or None."""

@@ -12,13 +12,13 @@ from pydantic import BaseModel, ConfigDict
 
 Colour = Literal[
     "direct", "hybrid", "sqp", "ga", "global", "mc", "racing", "portfolio", "cma", "de", "mlsl", "nlopt", "direct-l",
-    "nsga2", "extra-1", "extra-2", "extra-3",
+    "nsga2", "lq", "turbo", "extra-1", "extra-2", "extra-3",
 ]  # fmt: skip
 """The token `--m-...` of the pages' theme. The extra ones are for methods of other packages."""
 
 Marker = Literal[
     "square", "box", "diamond", "triangle", "down", "right", "circle", "hexagon", "pentagon", "star", "plus", "bow",
-    "asterisk", "cross", "ring",
+    "asterisk", "cross", "left", "hourglass", "ring",
 ]  # fmt: skip
 
 Way = Literal["still", "goal", "waypoints", "orbit", "heading", "velocity"]

@@ -14,7 +14,7 @@ from campaigns import Campaign
 from campaigns.checked.snapshot import snapshot
 from campaigns.results import Verdict
 from worker.audit.judge import Item, audit, closing
-from worker.audit.record import Record, of_database, of_folder
+from worker.audit.record import Record, flaky, of_database, of_folder
 from worker.catalogue.installed import catalogue
 from worker.cli._results import evidence
 from worker.cli.run import summary
@@ -51,5 +51,6 @@ def recorded(run: MemoryStore | Path | sa.Engine, campaign: Campaign | None = No
     claims = plain(summary(campaign, run, run.verdict) | evidence(campaign, run))
     claims |= {"components": snapshot(campaign, catalogue())}
     stage = np.repeat(list(held), [len(c.status) for c in held.values()])
+    again = sum(flaky(c.status, c.reasons) for c in held.values())
     columns = (np.concatenate([getattr(c, name) for c in held.values()]) for name in ("points", "costs", "status"))
-    return Record(campaign, claims, {"digests.result": (claims["digest"], campaign.digest)}, stage, *columns)
+    return Record(campaign, claims, {"digests.result": (claims["digest"], campaign.digest)}, stage, *columns, again)

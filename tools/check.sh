@@ -26,7 +26,10 @@ SLOW=(
     tests/unit/test_field.py
     tests/unit/test_findings.py
     tests/unit/test_front.py
+    tests/unit/test_function_files.py
+    tests/unit/test_library.py
     tests/unit/test_live.py
+    tests/unit/test_notebook.py
     tests/unit/test_nsga2.py
     tests/unit/test_portfolio.py
     tests/unit/test_problem.py

@@ -24,7 +24,7 @@ pages() {
 
 app() {
     .venv/bin/python -m pip install --no-cache-dir --quiet --no-deps --no-build-isolation -e .
-    .venv/bin/python -m compileall -q backend campaigns worker
+    .venv/bin/python -m compileall -q backend campaigns clearance worker
     .venv/bin/clearance --help >/dev/null
 }
 
@@ -32,7 +32,7 @@ check() {
     local folder="$1"
     [ ! -e "$folder" ] || fail "$folder exists already"
     mkdir -p "$folder"
-    git archive HEAD backend campaigns worker tools frontend docs pyproject.toml requirements.lock README.md |
+    git archive HEAD backend campaigns clearance worker tools frontend docs pyproject.toml requirements.lock README.md |
         tar -x -C "$folder"
     for step in packages pages app; do
         say "== $step"

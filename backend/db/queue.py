@@ -85,6 +85,7 @@ def submit(
         "planned": planned,
         "threshold": campaign.criterion.threshold,
         "snapshot": None if catalogue is None else snapshots.store(connection, campaign, catalogue),
+        "needs": _needed(campaign, catalogue),
     }
     return int(connection.execute(sa.insert(Run).values(**values).returning(Run.id)).scalar_one())
 
@@ -116,16 +117,16 @@ class Queue:
     def __init__(self, engine: sa.Engine, lease: float = LEASE) -> None:
         self.engine, self.lease = engine, lease
 
-    def claim(self, worker: str) -> Claim | None:
-        """Claim the next run under a new fence; None if the queue is empty.
+    def claim(self, worker: str, simulators: Sequence[str] = ()) -> Claim | None:
+        """Claim the next run under a new fence; None if there is none for a worker with these simulators.
 
         Order: priority, then the owner with the fewest active runs, then age. Runs that cannot be retried (cancelled
         while their worker was gone, or out of attempts) are ended on the way.
         """
-        while self._any_ready():
+        while self._any_ready(simulators):
             with self.engine.begin() as connection:
                 at = now(connection)
-                row = connection.execute(self._next(at)).first()
+                row = connection.execute(self._next(at, simulators)).first()
                 if row is None:
                     return None
                 if not self._ended(connection, row, at):
@@ -185,19 +186,23 @@ class Queue:
         error = error and error[:LONGEST_ERROR]
         fenced(connection, claim, state=state, finished=now(connection), lease_until=0.0, error=error)
 
-    def _any_ready(self) -> bool:
+    def _any_ready(self, simulators: Sequence[str]) -> bool:
         """Checked before claiming, so that an idle worker never writes."""
         with read(self.engine) as connection:
-            found = sa.select(Run.id).where(_ready(now(connection))).limit(1)
+            found = sa.select(Run.id).where(_ready(now(connection)), _able(simulators)).limit(1)
             return connection.scalar(found) is not None
 
-    def _next(self, at: float) -> sa.Executable:
+    def _next(self, at: float, simulators: Sequence[str]) -> sa.Executable:
         held = sa.select(Run.owner, sa.func.count().label("held")).where(Run.state.in_(HELD), Run.lease_until >= at)
         share = held.group_by(Run.owner).subquery()
         fewest = sa.func.coalesce(sa.select(share.c.held).where(share.c.owner == Run.owner).scalar_subquery(), 0)
         order = (Run.priority.desc(), fewest, Run.created, Run.id)
         return (
-            sa.select(*_CLAIMED).where(_ready(at)).order_by(*order).limit(1).with_for_update(skip_locked=True, of=Run)
+            sa.select(*_CLAIMED)
+            .where(_ready(at), _able(simulators))
+            .order_by(*order)
+            .limit(1)
+            .with_for_update(skip_locked=True, of=Run)
         )
 
     def _ended(self, connection: sa.Connection, row: Any, at: float) -> bool:
@@ -236,6 +241,16 @@ def _ready(at: float) -> sa.ColumnElement[bool]:
         sa.and_(Run.state == "queued", Run.not_before <= at),
         sa.and_(Run.state.in_(HELD), Run.lease_until < at),
     )
+
+
+def _able(simulators: Sequence[str]) -> sa.ColumnElement[bool]:
+    """Whether a worker with these simulators may claim a run; any worker may end one that is being cancelled."""
+    return sa.or_(Run.needs.is_(None), Run.needs.in_(simulators), Run.state == "cancelling")
+
+
+def _needed(campaign: Campaign, catalogue: Catalogue | None) -> str | None:
+    entry = None if campaign.simulator is None or catalogue is None else catalogue.simulator(campaign.simulator.name)
+    return None if entry is None else entry.version
 
 
 def _failed_after(connection: sa.Connection, run_id: int, attempts: int, how: str) -> str:

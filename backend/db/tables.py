@@ -70,6 +70,8 @@ class Run(Base):
     not_before: orm.Mapped[float] = orm.mapped_column(default=0.0)
     lease_until: orm.Mapped[float] = orm.mapped_column(default=0.0)
     worker: orm.Mapped[str | None] = orm.mapped_column(sa.String(80))
+    needs: orm.Mapped[str | None] = orm.mapped_column(sa.String(160))
+    """The simulator that its worker must have, see `SimulatorEntry.version`; None: any worker can execute it."""
     fence: orm.Mapped[int] = orm.mapped_column(default=0)
     cancel: orm.Mapped[bool] = orm.mapped_column(default=False)
     error: orm.Mapped[str | None] = orm.mapped_column(sa.Text)
@@ -234,6 +236,8 @@ class Worker(Base):
     started: orm.Mapped[float]
     beat: orm.Mapped[float]
     run_id: orm.Mapped[int | None]
+    simulators: orm.Mapped[list[Any]] = orm.mapped_column(default=list, server_default="[]")
+    """The simulators that it has, see `SimulatorEntry.version`."""
 
 
 class RunText(Base):

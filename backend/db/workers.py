@@ -4,21 +4,31 @@ from __future__ import annotations
 
 import os
 import socket
+from collections.abc import Sequence
 
 import sqlalchemy as sa
 
 from backend.db import codes
 from backend.db.engine import insert, now
 from backend.db.tables import CatalogueDocument, Worker
-from campaigns.catalogue import Catalogue
+from campaigns.catalogue import Catalogue, SimulatorEntry
 from campaigns.flown import Code
 
 FORGOTTEN = 24 * 3600.0
 """A worker without a heartbeat for longer than this is no longer listed [s]."""
 
+LIVE = 60.0
+"""A worker is live if it sent a heartbeat within this time [s]."""
+
 
 def publish(connection: sa.Connection, catalogue: Catalogue, code: Code | None = None) -> None:
-    """Publish the catalogue against which campaigns are checked, and the installed code."""
+    """Publish the catalogue against which campaigns are checked, and the installed code.
+
+    Simulators that only other live workers have stay in it.
+    """
+    own = {entry.name for entry in catalogue.simulators}
+    elsewhere = [entry for entry in simulators(connection) if entry.name not in own]
+    catalogue = catalogue.model_copy(update={"simulators": [*catalogue.simulators, *elsewhere]})
     values = {"document": catalogue.model_dump(mode="json"), "published": now(connection)}
     values["code"] = None if code is None else code.digest
     if code is not None:
@@ -41,9 +51,19 @@ def arrive(connection: sa.Connection, name: str) -> None:
     connection.execute(sa.insert(Worker).values(**values))
 
 
-def beat(connection: sa.Connection, name: str, run_id: int | None) -> None:
-    """Record a heartbeat of the worker, and the run that it executes."""
-    connection.execute(sa.update(Worker).where(Worker.name == name).values(beat=now(connection), run_id=run_id))
+def simulators(connection: sa.Connection, within: float = LIVE) -> list[SimulatorEntry]:
+    """The published simulators that a live worker has."""
+    known = connection.execute(sa.select(Worker.simulators).where(Worker.beat > now(connection) - within)).scalars()
+    had = {version for versions in known for version in versions}
+    document = connection.scalar(sa.select(CatalogueDocument.document))
+    listed = [] if document is None else Catalogue.model_validate(document).simulators
+    return [entry for entry in listed if entry.version in had]
+
+
+def beat(connection: sa.Connection, name: str, run_id: int | None, simulators: Sequence[str] = ()) -> None:
+    """Record a heartbeat of the worker, the run that it executes, and the simulators that it has."""
+    values = {"beat": now(connection), "run_id": run_id, "simulators": list(simulators)}
+    connection.execute(sa.update(Worker).where(Worker.name == name).values(**values))
 
 
 def leave(connection: sa.Connection, name: str) -> None:
@@ -51,7 +71,7 @@ def leave(connection: sa.Connection, name: str) -> None:
     connection.execute(sa.delete(Worker).where(Worker.name == name))
 
 
-def alive(connection: sa.Connection, host: str, within: float = 60.0) -> bool:
+def alive(connection: sa.Connection, host: str, within: float = LIVE) -> bool:
     """Whether a worker on that machine sent a heartbeat within the last `within` [s]."""
     found = sa.select(Worker.name).where(Worker.host == host[:120], Worker.beat > now(connection) - within)
     return connection.scalar(found.limit(1)) is not None

@@ -15,7 +15,7 @@ from campaigns.claims import numbers
 from campaigns.claims.numbers import NONE
 from campaigns.claims.say import count, joined, number, say, symbol
 from campaigns.claims.spans import Said
-from campaigns.results import ValidateResult, verdicts
+from campaigns.results import NominalResult, ValidateResult, verdicts
 from campaigns.results.finding import ClosestApproach, Validation
 from campaigns.results.validate import Encounter, Unseen
 
@@ -61,7 +61,9 @@ def again(held: Held) -> list[Said]:
     result = held.result(ValidateResult)
     if result is None:
         return []
-    found = [part.said for part in (result.violations, result.spot_checks) if part is not None and part.said]
+    first = held.result(NominalResult)
+    measured = [] if first is None or first.measured is None else [say("the simulator ", first.measured.said)]
+    found = measured + [part.said for part in (result.violations, result.spot_checks) if part is not None and part.said]
     at = None if result.spot_checks is None else result.spot_checks.at
     if at is not None:
         seed = "" if at.realisation is None else f", noise seed {at.realisation}"

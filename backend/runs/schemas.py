@@ -216,6 +216,8 @@ class RunDetail(RunSummary):
     """Evaluations per second of the running stage."""
     remaining: float | None
     """Estimated time left [s]; None while it cannot be estimated."""
+    waits: str | None
+    """Why a queued run has not started; None for any other."""
 
 
 class RunComponents(Schema):

@@ -42,6 +42,7 @@ __all__ = [
     "Criterion",
     "Part",
     "Realisations",
+    "Repeats",
     "Scenario",
     "Search",
     "Simulator",
@@ -142,11 +143,47 @@ _LEFT_OUT = Field(exclude_if=_absent, json_schema_extra=_no_default)
 """Omitted from the canonical form if not given, so campaigns without it keep their digests."""
 
 
+class Repeats(Strict):
+    """How many calls of the simulator make one evaluation, and how they are combined.
+
+    `worst` is the lowest value of the criterion among them, `mean` their average, `quantile` the lowest value that at
+    least this fraction of them does not exceed.
+    """
+
+    count: Annotated[int, Field(ge=1, le=1000), AS_WHOLE] = 5
+    combine: Literal["worst", "mean", "quantile"] = "worst"
+    quantile: Annotated[float | None, Field(gt=0, lt=1), AS_NUMBER, _LEFT_OUT] = None
+
+    @model_validator(mode="after")
+    def _quantile_belongs(self) -> Repeats:
+        if (self.quantile is None) == (self.combine == "quantile"):
+            raise ValueError(
+                "combine: quantile needs quantile, such as 0.1"
+                if self.quantile is None
+                else f"quantile {self.quantile:g} needs combine: quantile, not {self.combine}; remove one of them"
+            )
+        return self
+
+
 class Simulator(Strict):
     """A simulator of the installation, by name, and values of its parameters; omitted ones are nominal."""
 
     name: Identifier
     parameters: Values = {}
+    repeats: Annotated[Repeats | None, _LEFT_OUT] = None
+    """If omitted, an evaluation is one call."""
+    retries: Annotated[int, Field(ge=0, le=10, exclude_if=operator.not_, json_schema_extra=_no_default), AS_WHOLE] = 0
+    """How often a call that failed or timed out is tried again."""
+
+    @property
+    def calls(self) -> int:
+        """Calls per evaluation, without those tried again."""
+        return 1 if self.repeats is None else self.repeats.count
+
+    @property
+    def combine(self) -> Literal["worst", "mean", "quantile"]:
+        """How the calls of an evaluation are combined."""
+        return "worst" if self.repeats is None else self.repeats.combine
 
 
 class Criterion(Strict):

@@ -19,6 +19,8 @@ class CheckCode(StrEnum):
     VALIDATION = "validation"
     REPETITION = "repetition"
     EVALUATIONS = "evaluations"
+    RETRIES = "retries"
+    CALLS = "noise of calls"
     CLOSEST_APPROACH = "closest approach"
     MOTION = "motion"
     AVOIDANCE = "avoidance"

@@ -32,6 +32,8 @@ class Status(StrEnum):
 STATUS = tuple(Status)
 """Evaluations store a status as its index here."""
 OK, FAILED, TIMEOUT, EXCLUDED = range(4)
+FLAKY = "succeeded when tried again; at first: "
+"""How the reason of an evaluation begins that is ok, but only after a call of it failed."""
 MethodKind = Literal["global", "local", "random", "multi"]
 """How a search method searches."""
 Worse = Literal["low", "high"]

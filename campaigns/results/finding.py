@@ -41,6 +41,22 @@ class Repeated(Result):
     """Why it has no cost."""
 
 
+class Calls(Told):
+    """Independent calls of a simulator that does not repeat, each in a fresh process; none of them chose the case."""
+
+    values: list[float | None]
+    """Of each call; null for one that failed."""
+    reasons: list[str] = []
+    """The distinct reasons of those that failed."""
+    violating: int
+    failed: int
+    confidence: float
+    low: float
+    """The Clopper-Pearson interval of the probability that a call violates; a failed call counts as unknown: as clear
+    below, as a violation above."""
+    high: float
+
+
 class Neighbours(Result):
     """Evaluations around a finding."""
 
@@ -64,8 +80,10 @@ class Validation(Result):
     """Null for a system that has no reference integrator."""
     again: Annotated[Repeated | None, Field(exclude_if=lambda given: given is None)] = None
     """The same evaluation repeated; omitted if it is compared with other means instead."""
+    repeats: Annotated[Calls | None, Field(exclude_if=lambda given: given is None)] = None
+    """Of a simulator that does not repeat, in place of the other comparisons; omitted for any other system."""
     allowed: float | None
-    """The tolerance, in the criterion's unit."""
+    """The tolerance, in the criterion's unit; null where values are not compared."""
     ok: bool
     """Validated: it agrees or it violates."""
     agrees: bool | None = None
@@ -154,8 +172,10 @@ class Finding(Result):
 
     @property
     def violates(self) -> bool:
-        """Whether it violates and every integration of it confirms that."""
-        return self.margin <= 0 and self.validation is not None and bool(self.validation.violates)
+        """Whether it violates and every integration of it confirms that; of a simulator that does not repeat, whether
+        an independent call of it violates."""
+        case = self.validation
+        return case is not None and bool(case.violates) and (self.margin <= 0 or case.repeats is not None)
 
     @property
     def realisation(self) -> int | None:

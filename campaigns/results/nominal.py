@@ -2,9 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from campaigns.results.base import StageResult, Status, Values
+from pydantic import Field
+
+from campaigns.results.base import StageResult, Status, Told, Values
+
+
+class Measured(Told):
+    """Whether evaluations of a simulator repeat, measured before anything is searched."""
+
+    points: int
+    """The nominal point, and others spread over the bounds."""
+    evaluations: int
+    """Of each point the same number; the last of each was in a fresh process."""
+    failed: int
+    identical: bool
+    """All evaluations of the same point have the same status and, bit by bit, the same value."""
+    declared: bool = True
+    """Whether the simulator declares that it repeats."""
+    by_process: bool = False
+    """Evaluations in used processes are identical, those in fresh ones differ: calls in one process share their
+    noise."""
+    spread: float | None
+    """The largest difference between evaluations of the same point, in the criterion's unit; null if no point has two
+    values."""
+    deviation: float | None
+    """The standard deviation between evaluations of the same point, pooled over the points; null likewise."""
+    seconds: float | None
+    """Time per evaluation in used processes [s]."""
+
+    @property
+    def repeats(self) -> bool:
+        """Whether evaluations repeat as measured and as declared."""
+        return self.identical and self.declared
 
 
 class NominalResult(StageResult):
@@ -18,3 +49,5 @@ class NominalResult(StageResult):
     reason: str = ""
     """Why it has no cost."""
     parameters: Values = {}
+    measured: Annotated[Measured | None, Field(exclude_if=lambda given: given is None)] = None
+    """Of a simulator; omitted for a closed loop, which repeats by construction."""

@@ -5,7 +5,9 @@ Start reading at `ValidateResult`.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from campaigns.results.base import MethodKind, Result, StageResult, Status, Stop, Told, Values
 from campaigns.results.finding import ClosestApproach, Validation
@@ -120,6 +122,18 @@ class Encounter(Result):
     """By path: the largest change along any slice."""
 
 
+class Incumbent(Result):
+    """The best evaluation of a search by a simulator that does not repeat, and what independent calls of it show."""
+
+    position: int
+    method: str
+    title: str
+    cost: float
+    """As the search stored it."""
+    parameters: Values
+    validation: Validation
+
+
 class ValidateResult(StageResult, Told):
     """The validation of the run. The findings contain their own evidence."""
 
@@ -133,3 +147,5 @@ class ValidateResult(StageResult, Told):
     violations: Violations | None = None
     spot_checks: SpotChecks | None = None
     encounter: Encounter | None = None
+    incumbents: Annotated[list[Incumbent], Field(exclude_if=lambda given: not given)] = []
+    """The best of every search, called again if the simulator does not repeat; omitted otherwise."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, computed_field, model_validator
 
@@ -93,6 +93,8 @@ class Counts(Result):
     excluded: int
     violating: int = 0
     lowest: float | None = None
+    flaky: Annotated[int, Field(exclude_if=lambda given: not given)] = 0
+    """Succeeded only when a call of a simulator that had failed was tried again; omitted if there are none."""
 
 
 class Provenance(Flown):

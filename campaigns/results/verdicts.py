@@ -28,6 +28,8 @@ TITLES: dict[str, str] = {
     CheckCode.VALIDATION: "Integration",
     CheckCode.REPETITION: "Repeated evaluation",
     CheckCode.EVALUATIONS: "Failed evaluations",
+    CheckCode.RETRIES: "Calls tried again",
+    CheckCode.CALLS: "Noise of the simulator",
     CheckCode.CLOSEST_APPROACH: "Closest approach",
     CheckCode.MOTION: "Vehicle motion",
     CheckCode.AVOIDANCE: "Effect of the avoidance",
@@ -78,6 +80,8 @@ def validated(case: Validation | None) -> str:
     """The outcome of validating a nominal case or finding; `agrees` and `violates` are newer than `ok`."""
     if case is None:
         return "not validated"
+    if case.repeats is not None:
+        return case.repeats.text
     if case.agrees is None or case.violates is None:
         return "confirmed" if case.ok else "not confirmed"
     if case.again is not None:

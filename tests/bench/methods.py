@@ -27,11 +27,16 @@ from worker.systems.closed_loop.assemble import Loop
 EVALUATIONS = 10_000
 DIMENSION = 8
 REPEATS = 3
+COSTLY = 800
+"""Evaluations of a costly method, once: 100 per parameter."""
 
 
 def measure() -> dict[str, float]:
     """Every figure by its name in `build/bench.json`."""
-    return direct_vs_nlopt() | {f"overhead_us_{name}": overhead(method) for name, method in methods().items()}
+    return direct_vs_nlopt() | {
+        f"overhead_us_{name}": overhead(method, *((COSTLY, 1) if method.costly else (EVALUATIONS, REPEATS)))
+        for name, method in methods().items()
+    }
 
 
 def direct_vs_nlopt() -> dict[str, float]:
@@ -89,7 +94,7 @@ def overhead(method: Method, evaluations: int = EVALUATIONS, repeats: int = REPE
     On a function of `DIMENSION` parameters; a method that ends earlier restarts with another seed.
     """
     f = on_unit_cube(f"Levy {DIMENSION}", 1)
-    _own(method, f, 500)
+    _own(method, f, min(500, evaluations // 4))
     return 1e6 * min(_own(method, f, evaluations) / evaluations for _ in range(repeats))
 
 

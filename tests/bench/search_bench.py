@@ -1,5 +1,6 @@
-"""`make search-bench`: every method on every test function; prints a table, writes build/search.json and search.md.
+"""`make search-bench`: every method on every test function; prints tables, writes build/search.json and search.md.
 
+Costly methods, which take milliseconds of their own per evaluation, are only in the table of small budgets.
 Success: a value within 1 % of the minimum, within 0.01 where that is 0, in 5,000 evaluations. Expected running time
 (Auger and Hansen, CEC 2005): all evaluations of all seeds, each counted to its success or end, over the successes.
 Points that a method may ask for twice count once, as in a run. Start reading at `main`.
@@ -17,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from campaigns.results.base import EXCLUDED
+from tests.bench import small_budgets
 from tests.unit.functions import FUNCTIONS, on_unit_cube
 from tests.unit.searching import batch, space
 from worker.catalogue.installed import methods
@@ -39,11 +41,12 @@ def main() -> None:
     """Run, print, write."""
     BUILD.mkdir(exist_ok=True)
     began = time.perf_counter()
-    names = [m.name for m in methods().values() if m.kind != "multi"]
+    names = [m.name for m in methods().values() if m.kind != "multi" and not m.costly]
     tasks = [Task(m, f, s) for m in names for f in FUNCTIONS for s in range(SEEDS)]
     os.environ["OMP_NUM_THREADS"] = "1"
     with get_context("spawn").Pool(os.cpu_count()) as pool:
         spent = pool.map(evaluations, tasks, chunksize=10)
+        small = small_budgets.measured(pool)
     found: dict[str, Any] = {
         "budget": BUDGET,
         "seeds": SEEDS,
@@ -52,6 +55,7 @@ def main() -> None:
         "methods": summary(tasks, spent),
     }
     found["portfolio"] = compared(found["methods"])
+    found["small_budgets"] = small
     found["seconds"] = time.perf_counter() - began
     (BUILD / "search.json").write_text(json.dumps(found, indent=2) + "\n")
     text = markdown(found)
@@ -133,7 +137,7 @@ def markdown(found: dict[str, Any]) -> str:
         "",
         f"Seeds of {SEEDS} that came within {100 * WITHIN:g} % of the minimum ({WITHIN:g} where it is 0) in "
         f"{BUDGET:,} evaluations, and the expected evaluations to get there (all evaluations over successes). Minima "
-        "shifted by the seed. Methods of several criteria take no part.",
+        "shifted by the seed. Methods of several criteria and costly ones take no part.",
         "",
         f"| function | n | {' | '.join(titles)} |",
         f"|---|---|{'---|' * len(names)}",
@@ -150,6 +154,7 @@ def markdown(found: dict[str, Any]) -> str:
             f"| {function} | {best_title} | {_number(row['expected'])} | {_number(row['allowed'])} | "
             f"{'yes' if row['within'] else 'no'} |"
         )
+    lines += ["", *small_budgets.markdown(found["small_budgets"])]
     return "\n".join([*lines, "", f"Took {found['seconds']:.0f} s.", ""])
 
 

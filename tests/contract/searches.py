@@ -20,7 +20,13 @@ from worker.stages.parts.base import Context, Driven, drive
 from worker.stages.parts.store import StagePlan
 
 EACH = pytest.mark.parametrize("method", methods().values(), ids=lambda m: m.name)
-BUDGET = 400
+BUDGET, COSTLY = 400, 24
+"""Evaluations of a search; a costly method has at most the second number, and the full one in `make nightly`."""
+
+
+def at_most(method: Method, budget: int) -> int:
+    """The budget, or less for a method whose own time is milliseconds per evaluation."""
+    return min(budget, COSTLY) if method.costly else budget
 
 
 def smooth(x: Floats) -> Floats:

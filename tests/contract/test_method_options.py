@@ -9,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from campaigns import check
-from tests.contract.searches import EACH, rough
+from tests.contract.searches import EACH, at_most, rough
 from tests.unit.cases import searching
 from tests.unit.searching import run
 from worker.catalogue.installed import catalogue, source_of
@@ -80,5 +80,5 @@ def test_any_option_that_passes_searches(method: Method) -> None:
         for value in [v for v in limits if v is not None] + rule.get("enum", []):
             if isinstance(value, int | float) and value > 5000:
                 continue
-            found = run(method, rough, 2, 100, options={name: value})
+            found = run(method, rough, 2, at_most(method, 100), options={name: value})
             assert len(found.batches) > 0, f"{name} = {value}"

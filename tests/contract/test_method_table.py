@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from campaigns.results.base import EXCLUDED, FAILED, OK
-from tests.contract.searches import BUDGET, EACH, Answer, answering, driven, rough
+from tests.contract.searches import BUDGET, EACH, Answer, answering, at_most, driven, rough
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch
@@ -19,7 +19,7 @@ from worker.search.base import Batch, Floats, Method, Minimum
 @pytest.mark.parametrize("name", TABLE)
 def test_every_function_of_the_table(method: Method, name: str) -> None:
     """Optima off the centre; a third of the box fails in thin slices, and what the function excludes is excluded."""
-    f, budget = on_unit_cube(name, 5), 250
+    f, budget = on_unit_cube(name, 5), at_most(method, 250)
     asked: list[Floats] = []
 
     def statuses(points: Floats) -> NDArray[np.uint8]:
@@ -64,7 +64,7 @@ def test_further_criteria_are_left_to_methods_for_several(method: Method) -> Non
             more = [points[:, k : k + 1] for k in range(criteria - 1)]
             return Batch(np.hstack([one.costs, *more]), one.status), {}
 
-        columns = driven(method, evaluate, BUDGET).columns
+        columns = driven(method, evaluate, at_most(method, BUDGET)).columns
         assert columns is not None
         assert columns.costs.shape == (len(columns.points), criteria)
         return columns.points
@@ -77,7 +77,8 @@ def test_further_criteria_are_left_to_methods_for_several(method: Method) -> Non
 @pytest.mark.parametrize("name", ["Branin", "Hartman 6", "excluded region"])
 @pytest.mark.parametrize("budget", [150, 1000])
 def test_one_that_can_go_on_begins_with_the_same_points(method: Method, name: str, budget: int) -> None:
-    f, more = on_unit_cube(name, 5), 700
+    f, more = on_unit_cube(name, 5), at_most(method, 700)
+    budget = at_most(method, budget)
     assert method.extend is not None
     answer = answering(f, EXCLUDED)
     before = driven(method, answer, budget, f.dimension).columns

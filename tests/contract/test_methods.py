@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import EXCLUDED, FAILED, OK, TIMEOUT
-from tests.contract.searches import BUDGET, EACH, FUNCTIONS, Answer, answering, driven, rough, smooth
+from tests.contract import searches
+from tests.contract.searches import BUDGET, EACH, FUNCTIONS, Answer, answering, at_most, driven, rough, smooth
 from tests.unit.functions import FUNCTIONS as TABLE
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
@@ -33,7 +34,7 @@ def no_thread_stays() -> Iterator[None]:
 @pytest.mark.parametrize("dimension", [1, 2, 8])
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_points_are_points_of_the_unit_cube(method: Method, name: str, dimension: int) -> None:
-    found = run(method, FUNCTIONS[name], dimension, BUDGET)
+    found = run(method, FUNCTIONS[name], dimension, at_most(method, BUDGET))
     for points in found.batches:
         assert points.dtype == np.float64
         assert points.ndim == 2
@@ -60,6 +61,7 @@ def test_the_budget_is_never_exceeded(method: Method, budget: int) -> None:
         asked.append(len(points))
         return batch(rough(points)), {}
 
+    budget = at_most(method, budget)
     found = driven(method, evaluate, budget)
     assert sum(asked) == found.tally.evaluations <= budget
     assert found.stop == "rule" or found.tally.evaluations == budget
@@ -69,7 +71,7 @@ def test_the_budget_is_never_exceeded(method: Method, budget: int) -> None:
 @pytest.mark.parametrize("status", [FAILED, TIMEOUT, EXCLUDED])
 @pytest.mark.parametrize("name", ["half of it fails", "what is best fails", "the middle fails"])
 def test_what_failed_is_survived_and_never_the_best(method: Method, name: str, status: int) -> None:
-    found = driven(method, answering(FUNCTIONS[name], status), 600)
+    found = driven(method, answering(FUNCTIONS[name], status), at_most(method, 600))
     tally = found.tally
     assert tally.best_point is not None
     assert tally.best is not None
@@ -83,7 +85,7 @@ def test_what_failed_is_survived_and_never_the_best(method: Method, name: str, s
 @EACH
 @pytest.mark.parametrize("status", [FAILED, TIMEOUT, EXCLUDED])
 def test_when_nothing_succeeds_nothing_is_found(method: Method, status: int) -> None:
-    found = driven(method, answering(FUNCTIONS["everything fails"], status), 200)
+    found = driven(method, answering(FUNCTIONS["everything fails"], status), at_most(method, 200))
     assert (found.tally.best, found.tally.best_point) == (None, None)
     assert found.tally.evaluations <= 200
 
@@ -117,7 +119,7 @@ def test_answers_may_be_changed_after_they_were_given(method: Method) -> None:
         search, asked = method.search(space(2, BUDGET), method.options()), []
         try:
             points = next(search)
-            while sum(map(len, asked)) < BUDGET:
+            while sum(map(len, asked)) < at_most(method, BUDGET):
                 asked.append(points.copy())
                 answer = batch(rough(points))
                 points, before = search.send(answer), points
@@ -133,11 +135,14 @@ def test_answers_may_be_changed_after_they_were_given(method: Method) -> None:
 
 
 def fingerprint(name: str, seed: int) -> str:
-    """The bits of all points that a method requests: on a rough function and on every one of the table."""
-    digest = hashlib.sha256(run(methods()[name], rough, 3, 600, seed=seed).points.tobytes())
-    for function in TABLE:
+    """The bits of all points that a method requests: on a rough function and on the table, of which a costly one gets
+    three functions."""
+    method, full = methods()[name], at_most(methods()[name], 600)
+    digest = hashlib.sha256(run(method, rough, 3, full, seed=seed).points.tobytes())
+    for function in ("Ackley 10", "Levy 8", "excluded region") if method.costly else TABLE:
         f = on_unit_cube(function, seed)
-        digest.update(run(methods()[name], f, f.dimension, 150, seed=seed, status=f.status).points.tobytes())
+        found = run(method, f, f.dimension, at_most(method, 150), seed=seed, status=f.status)
+        digest.update(found.points.tobytes())
     return digest.hexdigest()
 
 
@@ -154,3 +159,17 @@ def test_the_same_seed_gives_the_same_points_in_every_process() -> None:
     random = [name for name, method in methods().items() if method.kind == "random"]
     assert random
     assert all(here[name][0] != here[name][1] for name in random)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("method", [m for m in methods().values() if m.costly], ids=lambda m: m.name)
+def test_costly_methods_at_full_budgets(method: Method, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searches, "COSTLY", 10**9)
+    for name in FUNCTIONS:
+        test_points_are_points_of_the_unit_cube(method, name, 3)
+    for budget in (100, 401):
+        test_the_budget_is_never_exceeded(method, budget)
+    for name in ("half of it fails", "what is best fails", "the middle fails"):
+        test_what_failed_is_survived_and_never_the_best(method, name, FAILED)
+    test_when_nothing_succeeds_nothing_is_found(method, TIMEOUT)
+    assert fingerprint(method.name, 3) == fingerprint(method.name, 3)

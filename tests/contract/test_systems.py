@@ -1,8 +1,9 @@
-"""The contract of all systems, tested on the closed loop and an analytic simulator. Start reading at `TestSystem`."""
+"""The contract of all systems, tested on the closed loop, a simulator and functions. Start reading at `TestSystem`."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,24 +11,38 @@ import pytest
 
 from campaigns import Catalogue, check, library, load_file
 from campaigns.asked.load import CampaignError, load_document
+from campaigns.asked.spec import Repeats, Simulator
 from campaigns.checked.snapshot import changes, snapshot
 from campaigns.claims.spans import words
 from campaigns.results.base import FAILED, OK
-from tests.simulators import package, two_basins
+from tests.simulators import functions, isolated, package, two_basins
+from worker.catalogue.files import PythonFunction
 from worker.catalogue.installed import catalogue
 from worker.catalogue.simulator import Opening
 from worker.opening import opened
 from worker.problem.problem import Problem
+from worker.search.base import Batch
 from worker.systems.base import System
+from worker.systems.simulators.called import Called
 
 BASINS = Opening({"simulator.x": 0.5, "simulator.y": 0.45}, "separation")
 
 
-@pytest.fixture(scope="module", params=["closed loop", "simulator"])
-def problem(request: pytest.FixtureRequest) -> Problem:
+@pytest.fixture(scope="module", params=["closed loop", "simulator", "function", "isolated function"])
+def problem(request: pytest.FixtureRequest) -> Iterator[Problem]:
     if request.param == "closed loop":
-        return opened.problem(load_file(library()["unicycle_static"]))
-    return Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
+        yield opened.problem(load_file(library()["unicycle_static"]))
+    elif request.param == "simulator":
+        yield Problem(load_document(package.campaign()), two_basins.TwoBasins(two_basins.ENTRY, BASINS))
+    else:
+        function = functions.together if request.param == "function" else isolated.alone
+        place = {"module": function.__module__, "name": function.__name__}
+        declared = PythonFunction(function.declaration, place, function.call)
+        campaign = load_document(package.campaign(simulator={"name": function.declaration.name}))
+        known = catalogue().model_copy(update={"simulators": [declared.entry]})
+        found = Problem(campaign, opened.simulated(campaign, declared, known))
+        yield found
+        found.system.close()
 
 
 @pytest.fixture(scope="module")
@@ -151,3 +166,42 @@ class TestCampaign:
         assert changes(kept, known()) == []
         assert changes(kept, catalogue()) == ["the simulator two_basins is no longer in this installation"]
         assert "simulators" not in snapshot(load_file(library()["unicycle_static"]), known()).model_dump()
+
+
+def test_a_fresh_form_of_a_system_without_one_does_not_close_it() -> None:
+    closed: list[str] = []
+
+    class Plain(two_basins.TwoBasins):
+        def fresh(self) -> System:
+            return self
+
+        def close(self) -> None:
+            closed.append("closed")
+
+    called = Called(Plain(two_basins.ENTRY, BASINS), Simulator(name="two_basins", repeats=Repeats(count=3), retries=1))
+    called.fresh().close()
+    called.single().fresh().close()
+    assert closed == []
+    called.close()
+    assert closed == ["closed"]
+
+
+@pytest.mark.parametrize(
+    ("repeats", "expected"),
+    [
+        (Repeats(count=3), [0.5, 3.5]),
+        (Repeats(count=3, combine="mean"), [2.0, 5.0]),
+        (Repeats(count=3, combine="quantile", quantile=0.5), [1.5, 4.5]),
+    ],
+)
+def test_an_evaluation_combines_its_own_calls(repeats: Repeats, expected: list[float]) -> None:
+    class Counting(two_basins.TwoBasins):
+        def evaluate(self, vectors: Any, seeds: Any = None) -> Any:
+            numbers = np.array([1.5, 0.5, 4.0, 4.5, 3.5, 7.0])[: len(vectors), None]
+            return Batch(numbers, np.zeros(len(vectors), dtype=np.uint8)), {}
+
+    called = Called(Counting(two_basins.ENTRY, BASINS), Simulator(name="two_basins", repeats=repeats))
+    batch, reasons = called.evaluate(np.array([[0.1, 0.2], [0.3, 0.4]]))
+    assert batch.costs[:, 0].tolist() == expected
+    assert reasons == {}
+    assert called.single() is called.inner

@@ -62,6 +62,8 @@ GUIDES = (
     "first-campaign",
     "your-own-component",
     "your-own-simulator",
+    "python",
+    "recipes-px4-nav2",
     "cluster",
     "methods",
     "evidence",

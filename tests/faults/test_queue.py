@@ -8,12 +8,17 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
+from backend.db import workers
 from backend.db.engine import now
 from backend.db.queue import Claim, LostLease, Queue, request_cancel, submit
 from backend.db.store import RunStore
-from backend.db.tables import Campaign, Run
+from backend.db.tables import Campaign, Run, Worker
+from backend.runs import waiting
+from campaigns import Catalogue
+from campaigns.asked.load import load_document
 from tests import results
 from tests.faults.cases import PLAN, campaign
+from tests.simulators import package, two_basins
 
 
 def put(engine: sa.Engine, **given: Any) -> int:
@@ -233,3 +238,65 @@ def test_many_workers_at_once_never_hold_the_same_run(database: sa.Engine) -> No
         thread.join()
     assert not errors
     assert sorted(held) == sorted(runs)
+
+
+ENTRY = two_basins.ENTRY
+HAS = Catalogue(version="1", components=[], methods=[], simulators=[ENTRY])
+
+
+def test_a_run_is_claimed_only_by_a_worker_with_its_simulator(database: sa.Engine) -> None:
+    asked, queue = load_document(package.campaign()), Queue(database)
+    with database.begin() as connection:
+        run_id = submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=HAS)
+    changed = ENTRY.model_copy(update={"results": ENTRY.results[:1]})
+    assert queue.claim("without") is None
+    assert queue.claim("other version", [changed.version, "another@0"]) is None
+    other = put(database)
+    assert claimed(queue, "without").run_id == other
+    claim = queue.claim("with", ["another@0", ENTRY.version])
+    assert claim is not None
+    assert claim.run_id == run_id
+    with database.begin() as connection:
+        assert request_cancel(connection, run_id) == "cancelling"
+    expire(database, run_id)
+    assert queue.claim("without") is None
+    assert row(database, run_id).state == "cancelled"
+
+
+def test_the_catalogue_keeps_the_simulators_of_other_live_workers(database: sa.Engine) -> None:
+    with database.begin() as connection:
+        workers.arrive(connection, "with")
+        workers.beat(connection, "with", None, [ENTRY.version])
+        workers.publish(connection, HAS)
+        workers.publish(connection, HAS.model_copy(update={"simulators": []}))
+        assert [entry.name for entry in workers.simulators(connection)] == [ENTRY.name]
+        workers.leave(connection, "with")
+        workers.publish(connection, HAS.model_copy(update={"simulators": []}))
+        assert workers.simulators(connection) == []
+
+
+def test_a_queued_run_says_what_it_waits_for(database: sa.Engine) -> None:
+    with database.begin() as connection:
+        asked = load_document(package.campaign())
+        run_id = submit(connection, asked, name="a", tags=[], owner="ada", planned=1, catalogue=HAS)
+
+        def why() -> str:
+            return waiting.reason(connection, run_id) or ""
+
+        assert why() == "No worker is running. Start one with `clearance worker`."
+        workers.arrive(connection, "one")
+        connection.execute(sa.update(Worker).values(beat=now(connection) - 400))
+        assert "the last one was seen 6 min ago" in why()
+        workers.beat(connection, "one", None)
+        assert "needs the simulator two_basins" in why()
+        assert "The running worker does not have it" in why()
+        workers.arrive(connection, "two")
+        assert "None of the 2 running workers has it" in why()
+        workers.beat(connection, "two", 7, [ENTRY.version])
+        assert why().startswith("The only worker that can execute it is busy")
+        workers.beat(connection, "two", None, [ENTRY.version])
+        assert why() == "It starts automatically within a few seconds."
+        connection.execute(sa.update(Run).where(Run.id == run_id).values(not_before=now(connection) + 30))
+        assert why() == "It is tried again in 30 s."
+        connection.execute(sa.update(Run).where(Run.id == run_id).values(state="running"))
+        assert waiting.reason(connection, run_id) is None

@@ -187,6 +187,16 @@ def test_a_process_is_replaced_after_its_share_of_evaluations(tmp_path: Path) ->
     assert [pids.count(p) for p in dict.fromkeys(pids)] == [3, 3, 3]
 
 
+def test_a_process_of_json_lines_that_replaced_another_gets_what_waits(tmp_path: Path) -> None:
+    """It is ready at once, so no event wakes the pool."""
+    text = "import json, os, sys\nfor line in sys.stdin: print(json.dumps({'results': os.getpid()}), flush=True)"
+    program = Program([sys.executable, "-c", text], "lines", folder=str(tmp_path / "work"))
+    with SlotPool(program, 1, Limits(timeout=20, recycle=1)) as pool:
+        futures = [pool.submit({"parameters": {}}) for _ in range(4)]
+        pids = [f.result(timeout=60).answer["results"] for f in futures]
+    assert len(set(pids)) == 4
+
+
 def test_every_slot_has_its_own_folder_and_number(tmp_path: Path) -> None:
     text = (
         "import json, os, sys\n"

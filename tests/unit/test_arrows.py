@@ -1,6 +1,6 @@
 """The dependency rules between packages, checked on the imports of all modules; every module has a docstring.
 
-worker -> backend.db -> campaigns; backend -> backend.db, campaigns. Start reading at `test_the_arrows`.
+clearance -> worker -> backend.db -> campaigns; backend -> backend.db, campaigns. Start reading at `test_the_arrows`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).parents[2]
-OURS = ("backend", "campaigns", "worker")
+OURS = ("backend", "campaigns", "clearance", "worker")
 
 SHARED = ("backend.db", "backend.http", "backend.access", "campaigns")
 """What every feature of the service may import; other features only by name."""
@@ -64,7 +64,8 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     "worker.systems.simulators": (
         *("worker.systems.base", "worker.systems.threads", "worker.search.base"),
-        *("worker.catalogue.simulator", "worker.catalogue.descriptor", "worker.catalogue.folder", "campaigns"),
+        *("worker.catalogue.simulator", "worker.catalogue.described", "worker.catalogue.descriptor"),
+        *("worker.catalogue.function", "worker.catalogue.fmu", "worker.catalogue.folder", "campaigns"),
     ),
     # The slots know programs and JSON, nothing of campaigns.
     "worker.systems.simulators.slots": (),
@@ -92,6 +93,9 @@ MAY: dict[str, tuple[str, ...]] = {
     ),
     # The command line is on top: it may import every room, and no room may import it.
     "worker.cli": ("worker", "backend.db", "campaigns"),
+    # The same for programs in Python; it alone writes a report without a service.
+    "clearance": ("worker", "campaigns"),
+    "clearance.saving": ("clearance.result", "worker", "backend.db", "backend.reports", "campaigns"),
 }
 KINDS = sorted(
     path.name for path in (REPOSITORY / "worker" / "components").iterdir() if (path / "__init__.py").exists()
@@ -257,6 +261,8 @@ def test_the_arrows_are_held() -> None:
         ("backend.scenes.drawing.world", "backend.scenes.panel.tables"),
         ("backend.dbase", "numba"),
         ("campaigns.units", "backend.db.engine"),
+        ("worker.runs.runner", "clearance.result"),
+        ("clearance.result", "backend.reports.service"),
     ):
         assert refused(name, [other]), f"{name} may import {other}"
     assert refused("worker.processes.child", ["backend.db.queue", "worker.runs.runner", "numba", "campaigns"]) == []
@@ -284,6 +290,7 @@ def test_every_module_says_what_it_is() -> None:
             {"numba", "scipy", "fastapi"},
         ),
         ("import worker.processes.supervisor", {"numba", "scipy", "fastapi"}),
+        ("import clearance", {"numpy", "numba", "scipy", "pydantic", "sqlalchemy", "fastapi"}),
         (
             "import worker.audit.judge",
             {"numba", "scipy", "fastapi", "backend", "worker.runs.runner", "worker.catalogue.installed"},

@@ -22,11 +22,14 @@ from backend.db.tables import CatalogueSnapshot, EvaluationChunk, Run
 from campaigns import Campaign
 from campaigns.asked.load import load_document
 from campaigns.claims.spans import words
+from campaigns.results.base import FAILED, OK
 from tests.audited import audited, recorded
+from tests.simulators import noisy
+from tests.simulators.adversaries import adversary
 from tests.unit.cases import searching
 from worker.audit import judge
+from worker.audit.binomial import cumulative, upper_bound
 from worker.audit.judge import SAID, Item, audit, closing
-from worker.audit.recompute import cumulative, upper_bound
 from worker.audit.record import MISSING, UnreadableError, of_folder
 from worker.catalogue.installed import catalogue
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
@@ -166,6 +169,11 @@ class Folder:
     @property
     def worst(self) -> float:
         return float(self.result["worst"]["cost"])
+
+    @property
+    def best(self) -> Any:
+        """The best of every search of a simulator that does not repeat."""
+        return self.evidence["results"][-1]["incumbents"]
 
     def items(self) -> list[Item]:
         for name, value in zip(self.FILES, (self.result, self.evidence, self.campaign), strict=True):
@@ -359,6 +367,73 @@ def test_a_corrupted_record_does_not_follow(
     assert not follows
     assert item in [i.name for i in items if i.agrees is False], sentence
     assert item in sentence
+
+
+LAST, MEASURED = "evidence/results/5", "evidence/results/0/measured"
+REPEATS, BEST = f"{LAST}/incumbents/0/validation/repeats", "results.5.incumbents"
+CALLS: list[tuple[str, str, Callable[[Folder], Any], str]] = [
+    ("differs", "one more digit", lambda f: f.arrays["costs_0"].__setitem__((7, 0), 9.0), "results.0.measured.spread"),
+    ("differs", "called identical", edit(f"{MEASURED}/identical", True), "results.0.measured.identical"),
+    ("differs", "a smaller spread", edit(f"{MEASURED}/spread", 1e-9), "results.0.measured.spread"),
+    ("differs", "changed to cleared", edit("result/verdict", "cleared"), "verdict"),
+    (
+        "differs",
+        "a check turned ok",
+        lambda f: [c.update(ok=True) for c in f.result["checks"]],
+        "checks.noise of calls",
+    ),
+    ("calls", "a call that violates", edit(f"{REPEATS}/values/3", 0.5), "checks.noise of calls"),
+    ("calls", "a call that fails", edit(f"{REPEATS}/values/3", None), f"{BEST}.0.validation.repeats.failed"),
+    (
+        "calls",
+        "fewer calls",
+        lambda f: f.best[0]["validation"]["repeats"]["values"].pop(),
+        "checks.noise of calls",
+    ),
+    ("calls", "another interval", edit(f"{REPEATS}/high", 0.01), f"{BEST}.0.validation.repeats.high"),
+    ("calls", "an incumbent left out", lambda f: f.best.pop(), f"{BEST}.count"),
+    ("calls", "combined by the mean", edit("campaign/simulator/repeats/combine", "mean"), "checks.noise of calls"),
+    ("calls", "a sample of stated calls", edit("result/statistics/noise", "stated"), "statistics.noise"),
+    (
+        "violated",
+        "fewer violating calls",
+        edit("result/findings/0/validation/repeats/violating", 0),
+        "findings.0.validation.repeats.violating",
+    ),
+    ("retried", "a call not tried again", lambda f: f.arrays.__setitem__("reasons_2", np.array("{}")),
+     "evaluations.flaky"),
+    ("retried", "no call tried again", edit("result/evaluations/flaky", 0), "evaluations.flaky"),
+]  # fmt: skip
+
+
+@cache
+def called(name: str) -> tuple[Campaign, MemoryStore]:
+    """A run of a simulator that does not repeat."""
+    how = {"violated": "rarely a violation", "retried": "none"}.get(name, "a coin")
+    lost = (lambda call: FAILED if call.total % 7 == 0 else OK) if name == "retried" else None
+    asked = {"differs": {}, "retried": {"retries": 2}}.get(name, noisy.REPEATS)
+    campaign, store = noisy.campaign(**asked), MemoryStore()
+    with adversary(how, lost):
+        execute(campaign, store, threads=1)
+    return campaign, store
+
+
+@pytest.mark.parametrize(("name", "change", "item"), [(c[0], *c[2:]) for c in CALLS], ids=[c[1] for c in CALLS])
+def test_a_corrupted_record_of_calls_does_not_follow(
+    name: str, change: Callable[[Folder], Any], item: str, tmp_path: Path
+) -> None:
+    campaign, store = called(name)
+    with adversary():
+        assert store.verdict is not None
+        write_results(tmp_path, campaign, store, summary(campaign, store, store.verdict))
+        write_evidence(tmp_path, campaign, store)
+        audited(tmp_path)
+    folder = Folder(tmp_path)
+    change(folder)
+    items = folder.items()
+    follows, sentence = closing(items)
+    assert not follows
+    assert item in [i.name for i in items if i.agrees is False], sentence
 
 
 def _document(connection: sa.Connection, **changes: Any) -> None:

@@ -11,8 +11,8 @@ import pytest
 from tests.unit.functions import on_unit_cube
 from tests.unit.searching import batch, run, space
 from worker.search.base import Floats
-from worker.search.methods import cma_es
 from worker.search.methods.cma_es import method
+from worker.search.parts.pycma import last
 
 
 def valley(x: Floats) -> Floats:
@@ -51,8 +51,8 @@ def test_a_minimum_on_the_bound_is_found_and_no_point_lies_outside() -> None:
 
 def test_points_without_a_value_come_last_and_move_nothing() -> None:
     values = np.array([3.0, np.inf, 1.0, np.inf, -2.0])
-    assert np.argsort(cma_es._last(values), kind="stable").tolist() == [4, 2, 0, 1, 3]
-    assert cma_es._last(np.full(3, np.inf)).tolist() == cma_es._last(np.full(3, np.inf)).tolist()
+    assert np.argsort(last(values), kind="stable").tolist() == [4, 2, 0, 1, 3]
+    assert last(np.full(3, np.inf)).tolist() == last(np.full(3, np.inf)).tolist()
     half = run(method, lambda x: np.where(x[:, 0] > 0.5, np.nan, ((x - 0.45) ** 2).sum(axis=1)), 2, 1500)
     assert half.lowest < 1e-8
 

@@ -7,6 +7,7 @@ import shlex
 import sys
 import types
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,15 +28,16 @@ PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
 TEXTS = {page.name: page.read_text(encoding="utf-8") for page in PAGES}
 
 
-def blocks(language: str) -> list[str]:
-    """The fenced blocks in that language of README and guides."""
+def blocks(language: str, page: str | None = None) -> list[str]:
+    """The fenced blocks in that language of README and guides, or of one of them."""
     pattern = re.compile(rf"^```{language}\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-    return [str(found) for text in TEXTS.values() for found in pattern.findall(text)]
+    texts = TEXTS.values() if page is None else [TEXTS[page]]
+    return [str(found) for text in texts for found in pattern.findall(text)]
 
 
-def block(language: str) -> str:
-    """The one fenced block in that language."""
-    found = blocks(language)
+def block(language: str, page: str | None = None) -> str:
+    """The one fenced block in that language, of all pages or of one."""
+    found = blocks(language, page)
     assert len(found) == 1
     return found[0]
 
@@ -66,7 +68,7 @@ def test_the_campaign_can_be_run() -> None:
 def test_the_component_flies(monkeypatch: pytest.MonkeyPatch) -> None:
     module = types.ModuleType("post")
     monkeypatch.setitem(sys.modules, "post", module)
-    exec(compile(block("python"), "post.py", "exec", dont_inherit=True), module.__dict__)
+    exec(compile(block("python", "your-own-component.md"), "post.py", "exec", dont_inherit=True), module.__dict__)
     post: Obstacle = module.component
     assert [p.name for p in declared(post.parameters)] == ["x", "y"]
     known = components()
@@ -85,6 +87,22 @@ def test_the_component_flies(monkeypatch: pytest.MonkeyPatch) -> None:
     flown = loop.fly(vector[None], 0.005, 1000)
     assert flown.status[0] == 0.0
     assert 0.3 < flown.costs[0, 0] < 1.5
+
+
+def test_the_python_of_the_guide_runs(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    space: dict[str, Any] = {"__name__": "guide"}
+    for text in blocks("python", "python.md"):
+        exec(compile(text, "guide.py", "exec", dont_inherit=True), space)
+    assert "Cleared" in capsys.readouterr().out
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Python function fly" in report
+    assert "Cleared" in report
+    assert (tmp_path / "out" / "evidence.json").is_file()
+    assert space["result"].worst.parameters == pytest.approx({"mass": 2.3, "drag": 0.2})
+    assert space["drop_in_python"](mass=4.0, wind=1.0) == pytest.approx(40 - 100 / 5.2)
 
 
 def test_the_readme_is_short_and_begins_with_what_it_is() -> None:

@@ -107,6 +107,8 @@ def _stored(run: Run) -> Tree:
         "findings": run.findings,
         "verdict": "violated" if run.confirmed else MISSING,
     }
+    if run.flaky is not MISSING and (run.flaky or "flaky" in run.claims["evaluations"]):
+        expected["evaluations"]["flaky"] = run.flaky
     if "run" in run.claims:  # the columns of the database's table of runs
         expected["run"] = {"threshold": run.threshold, "nominal_cost": run.nominal, "worst_cost": run.lowest}
         expected["run"] |= {"evaluations": len(run.status), "failed_evaluations": run.total["failed"]}
@@ -132,10 +134,23 @@ def _concluded(run: Run, at_most: int, spot_checks: int) -> Tree:
         rows[-1]["findings"] = [label for label in given["findings"] if label in known]
     checks = _checks(run, agreed)
     sample = run.claimed and {k: v for k, v in run.claimed.items() if k not in BESIDE}
+    if run.calls.measures:
+        results[0] = {"measured": run.calls.measured}
+    if run.calls.noisy:
+        best = zip([k for k in run.searches if not math.isnan(run.best[k])], _incumbents(run), strict=False)
+        held = [{"position": k, "cost": run.best[k], "validation": {"cost": run.best[k]} | v} for k, v in best]
+        last["incumbents"] = held
     expected: Tree = {"results": [*results, last], "comparison": rows, "checks": checks, "statistics": sample}
     if not run.confirmed:
         expected["verdict"] = "cleared" if all(checks.values()) else "inconclusive"
     return expected
+
+
+def _incumbents(run: Run) -> Iterator[Tree]:
+    """The independent calls of every search's best, recomputed; one too few is missing at the end."""
+    given = run.claims["results"][-1].get("incumbents", [])
+    yield from (run.calls.case(best["validation"]) for best in given)
+    yield from ({"repeats": {"violating": MISSING}} for _ in range(len(run.searches) - len(given)))
 
 
 def _checks(run: Run, agreed: bool) -> dict[str, bool]:
@@ -147,14 +162,15 @@ def _checks(run: Run, agreed: bool) -> dict[str, bool]:
     checks = {
         "nominal": run.nominal > run.threshold,
         "search": ended and not any(math.isnan(run.best[k]) for k in run.searches),
-        "no violation": run.lowest > run.threshold,
+        "no violation": run.lowest > run.threshold and not run.confirmed,
         "minimum": bool(findings) and findings[0]["cost"] <= run.lowest and results[-1]["findings"]["complete"],
         "agreement": _agreement(run),
         system: agreed and compared,
         "evaluations": run.total["failed"] == 0,
-        "influence": run.varies,
+        "influence": run.calls.influence(run.varies, run.highest - run.lowest),
     }
     checks |= _encounter(run) if run.campaign.simulator is None else {}
+    checks |= run.calls.checks(run.claimed["noise"] if run.claimed else "stated", run.flaky)
     intended = {name.replace("_", " ") for name in run.campaign.encounter.intended}  # as stated by the author
     return {name: holds or name in intended for name, holds in checks.items()} | _probability(run)
 

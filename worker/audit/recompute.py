@@ -1,6 +1,6 @@
 """Recomputes costs, counts, findings and the statistical bounds of random samples from a run's stored evaluations.
 
-Clopper and Pearson (Biometrika 26, 1934); Wilks (Annals of Mathematical Statistics 12, 1941). Start at `Run`.
+Wilks (Annals of Mathematical Statistics 12, 1941). Start at `Run`.
 """
 
 from __future__ import annotations
@@ -15,28 +15,13 @@ from campaigns.checked.check import parameters, seeded
 from campaigns.documents import JsonObject
 from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
+from worker.audit.binomial import cumulative, upper_bound
+from worker.audit.calls import Calls
 from worker.audit.record import MISSING, Record
 
 Tree = JsonObject
 FLOOR = 1e-6
 """Fraction of the scale of compared values below which a difference counts as rounding."""
-
-
-def cumulative(most: int, samples: int, p: float) -> Any:
-    """The logarithms of P(Binomial(samples, p) <= i) for i = 0 .. most."""
-    i = np.arange(most + 1)
-    ways = np.concatenate([[0.0], np.cumsum(np.log((samples - i[:-1]) / i[1:]))])
-    return np.logaddexp.accumulate(ways + i * math.log(p) + (samples - i) * math.log1p(-p))
-
-
-def upper_bound(violations: int, samples: int, confidence: float) -> float:
-    """The probability p of which P(Binomial(samples, p) <= violations) is 1 - confidence, by bisection."""
-    low, high = 0.0, 1.0
-    for _ in range(60 if violations < samples else 0):
-        middle = (low + high) / 2
-        above = cumulative(violations, samples, middle)[-1] > math.log1p(-confidence)
-        low, high = (middle, high) if above else (low, middle)
-    return high
 
 
 def lowest_of_quantile(ranked: list[float], fraction: float, confidence: float) -> Tree:
@@ -61,7 +46,7 @@ class Run:
     """The values recomputed from a run's evaluations. A missing cost is NaN; missing data raise `KeyError`."""
 
     def __init__(self, record: Record) -> None:
-        self.campaign, self.claims, _, self.stage, self.points, costs, self.status = record
+        self.campaign, self.claims, _, self.stage, self.points, costs, self.status, self.flaky = record
         self.plan, self.threshold = plan(self.campaign), self.campaign.criterion.threshold
         self.searches = [k for k, planned in enumerate(self.plan) if planned.kind == "search"]
         self.raw, self.costs = costs[:, 0], costs[self.status == OK, 0]
@@ -69,13 +54,25 @@ class Run:
         self.ended = [counts(self.status[self.stage == k]) for k in range(len(self.plan))]
         self.best = [min(ok.tolist(), default=math.nan) for ok in by_stage]
         self.below = [int(np.count_nonzero(ok <= self.threshold)) for ok in by_stage]
-        self.nominal, self.lowest = self.best[0], min(self.costs.tolist(), default=math.nan)
+        first = np.flatnonzero(self.stage == 0)[:1]  # a simulator has further evaluations in the first stage
+        self.nominal = float(self.raw[first][0]) if (self.status[first] == OK).any() else math.nan
+        self.lowest = min(self.costs.tolist(), default=math.nan)
+        self.calls = Calls(self.campaign, self.claims, *self.rows(0))
         self.highest, self.total = max(self.costs.tolist(), default=math.nan), counts(self.status)
         self.varies = self.highest - self.lowest > FLOOR * max(abs(self.highest), abs(self.lowest))
-        self.others = ("half_step", "integrator") if self.campaign.simulator is None else ("again",)
+        self.others = self.means()
         self.findings = [self.finding(k, given) for k, given in enumerate(self.claims["findings"], 1)]
-        self.confirmed = any(f["validation"]["violates"] for f in self.findings if f["margin"] <= 0.0)
+        violating = [f for f in self.findings if f["validation"]["violates"]]
+        self.confirmed = any(f["margin"] <= 0.0 or "repeats" in f["validation"] for f in violating)
         self.bound: Any = MISSING
+
+    def means(self) -> tuple[str, ...]:
+        """The independent means by which a case is confirmed."""
+        asked, known = self.campaign.simulator, self.claims.get("components")
+        if asked is None:
+            return ("half_step", "integrator")
+        entry = known.simulator(asked.name) if known else None
+        return ("again",) if entry is None or entry.step is None else ("half_step", "again")
 
     def finding(self, number: int, given: Tree) -> Tree:
         """A finding by the stored evaluation at its point."""
@@ -89,6 +86,8 @@ class Run:
 
     def case(self, given: Tree) -> Tree:
         """The validation of a case, from its cost as in the campaign and those by independent means."""
+        if self.calls.noisy:
+            return self.calls.case(given)
         stated = (given["cost"], *(given[k]["cost"] for k in self.others))
         costs = np.array(stated, dtype=np.float64)  # None becomes NaN, for which every comparison is False
         cost, tolerance = float(costs[0]), self.campaign.stages.validate_.tolerance
@@ -98,6 +97,11 @@ class Run:
         agrees = (violates or clear) and bool((np.abs(costs - cost) <= allowed).all())
         apart = {k: {"difference": float(c) - cost} for k, c in zip(self.others, costs[1:], strict=True)}
         return apart | {"allowed": allowed, "agrees": agrees, "violates": violates, "ok": agrees or violates}
+
+    def rows(self, k: int) -> tuple[Any, Any, Any]:
+        """Points, first costs and status of a stage's evaluations."""
+        here = self.stage == k
+        return self.points[here], self.raw[here], self.status[here]
 
     def describe(self) -> None:
         """Look up the run's parameters and methods in the catalogue, and select the sample for the probability."""
@@ -132,6 +136,8 @@ class Run:
         if self.random:
             own = asked and self.claims["results"][k]["drawn_realisations"] == draws
             found["noise"] = "drawn" if own else "stated"
+        if self.calls.noisy:
+            found["noise"] = "drawn" if asked or self.calls.number == 1 else "stated"
         if options.get("interval"):  # the k-th interim analysis spends 1 / (k (k + 1)) of the error
             look = next(n for n in count(1) if math.ceil(100 * 1.5 ** (n - 1)) >= draws)
             level = 1.0 - (1.0 - level) / (look * (look + 1))

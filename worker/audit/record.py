@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ from campaigns.asked.load import load_document
 from campaigns.checked.snapshot import digest_of
 from campaigns.documents import JsonObject
 from campaigns.results import earlier
+from campaigns.results.base import FLAKY, OK
 from campaigns.runs import run_name
 
 MISSING: Any = "not stored by the version that made this run"
@@ -29,7 +31,8 @@ class UnreadableError(Exception):
 
 class Record(NamedTuple):
     """One run. twice: data stored twice, as stated and as required; for every evaluation the stage (m,), the point of
-    the unit cube (m, n), the costs (m, k), and the status (m,): 0 ok, 3 excluded."""
+    the unit cube (m, n), the costs (m, k), and the status (m,): 0 ok, 3 excluded; flaky: how many evaluations are ok
+    only because a call was tried again."""
 
     campaign: Campaign
     claims: JsonObject
@@ -38,6 +41,14 @@ class Record(NamedTuple):
     points: Any
     costs: Any
     status: Any
+    flaky: Any = MISSING
+
+
+def flaky(status: Any, reasons: Mapping[Any, str], first: int = 0) -> int:
+    """How many of these evaluations (m,), the first of which has this index, are ok with the reason of an earlier
+    failure."""
+    rows = [int(row) - first for row, why in reasons.items() if why.startswith(FLAKY)]
+    return sum(0 <= row < len(status) and status[row] == OK for row in rows)
 
 
 def of_folder(folder: Path) -> Record:
@@ -54,10 +65,13 @@ def of_folder(folder: Path) -> Record:
             held = sorted(int(name[7:]) for name in arrays.files if name.startswith("status_"))
             stage = np.repeat(held, [len(arrays[f"status_{k}"]) for k in held])
             rows = [np.concatenate([arrays[f"{name}_{k}"] for k in held]) for name in ("points", "costs", "status")]
+            again = sum(flaky(arrays[f"status_{k}"], _reasons(arrays, k)) for k in held)
     except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
         raise UnreadableError(f"{folder} is not a readable folder of `clearance run --out`: {error}") from None
     campaign = load_file(folder / "campaign.json")
-    return Record(campaign, claims, {"digests.result": (stated, campaign.digest)}, stage, *rows)
+    return Record(
+        campaign, claims, {"digests.result": (stated, campaign.digest)}, stage, rows[0], rows[1], rows[2], again
+    )
 
 
 def of_database(connection: sa.Connection, run_id: int) -> Record:
@@ -89,4 +103,11 @@ def of_database(connection: sa.Connection, run_id: int) -> Record:
     stage = np.repeat(*(np.array([chunk[k] for chunk in chunks], dtype=np.int64) for k in ("position", "count")))
     whole = {name: b"".join(chunk[name] for chunk in chunks) for name in ("points", "costs", "status")}
     points, costs = (np.frombuffer(whole[k], "<f8").reshape(max(len(stage), 1), -1) for k in ("points", "costs"))
-    return Record(campaign, claims, twice, stage, points, costs, np.frombuffer(whole["status"], np.uint8))
+    status = np.frombuffer(whole["status"], np.uint8)
+    again = sum(flaky(np.frombuffer(c["status"], np.uint8), c["reasons"] or {}, c["first"]) for c in chunks)
+    return Record(campaign, claims, twice, stage, points, costs, status, again)
+
+
+def _reasons(arrays: Any, stage: int) -> JsonObject:
+    name = f"reasons_{stage}"
+    return dict(json.loads(str(arrays[name]))) if name in arrays.files else {}

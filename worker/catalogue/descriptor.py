@@ -1,7 +1,7 @@
-"""Reads the descriptor of a program that is a simulator: `simulator.yaml` in a folder of its own.
+"""Reads the descriptor of a program or an FMU that is a simulator: `simulator.yaml` in a folder of its own.
 
 The operator lists folders of such folders in CLEARANCE_SIMULATORS; a campaign only names a simulator. Start reading at
-`Descriptor`; docs/your-own-simulator.md shows one.
+`Descriptor` and, for FMUs, at `fmu`; docs/your-own-simulator.md shows one.
 """
 
 from __future__ import annotations
@@ -13,16 +13,15 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import yaml
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
-from worker.catalogue.folder import digest_of
+from worker.catalogue import fmu
+from worker.catalogue.described import FILE, BadDescriptor, Basics, Described, Finite
+from worker.catalogue.fmu_model import Unusable
 
-FILE = "simulator.yaml"
 FOLDERS = "CLEARANCE_SIMULATORS"
-
-Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class DescribedParameter(Strict):
@@ -52,43 +51,43 @@ class DescribedResult(Strict):
     text: str = ""
 
 
-class Descriptor(Strict):
-    """What `simulator.yaml` states.
+class Descriptor(Basics):
+    """What `simulator.yaml` states of a program.
 
     command: program and arguments, run in the folder of the slot; `{folder}` is the descriptor's folder, `{slot}` the
     number of the slot, and with protocol "files" `{parameters}` and `{results}` are the two files.
     protocol: "lines" for a process that reads one JSON object a line and writes one for each; "files" for a process for
     each evaluation, which reads parameters from one JSON file and writes results to another.
-    timeout: of an evaluation [s]; start: until the process must have started [s]; memory: address space of each of its
-    processes [bytes]; recycle: evaluations until the process is replaced; slots: processes side by side, 0 for one a
-    core.
+    step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when
+    cases are confirmed.
     """
 
-    name: Identifier
-    title: str = ""
-    text: str = ""
     command: Annotated[tuple[str, ...], Field(min_length=1)]
     protocol: Literal["lines", "files"] = "lines"
     parameters: Annotated[dict[Identifier, DescribedParameter], Field(min_length=1)]
     results: Annotated[dict[Identifier, DescribedResult], Field(min_length=1)]
-    timeout: Annotated[float, Field(gt=0, le=86_400, allow_inf_nan=False)] = 60.0
-    start: Annotated[float, Field(gt=0, le=3_600, allow_inf_nan=False)] = 60.0
-    memory: Annotated[int, Field(ge=0)] = 0
-    recycle: Annotated[int, Field(ge=0)] = 0
-    slots: Annotated[int, Field(ge=0, le=256)] = 0
-    environment: dict[str, str] = Field(default_factory=dict)
+    step: Identifier | None = None
 
-    @field_validator("environment", mode="before")
-    @classmethod
-    def _texts(cls, given: object) -> object:
-        return {str(k): str(v) for k, v in given.items()} if isinstance(given, dict) else given
+    @model_validator(mode="after")
+    def _step_can_be_halved(self) -> Self:
+        if self.step is None:
+            return self
+        step = self.parameters.get(self.step)
+        if step is None:
+            raise ValueError(f"step: {self.step} is not one of its parameters ({', '.join(self.parameters)})")
+        half = step.nominal / 2
+        if not half > 0.0 or half < step.low:
+            limit = f"must be positive and within its limits, from {step.low:g}"
+            raise ValueError(f"step: half of {self.step}, {half:g}, {limit}")
+        if len(self.parameters) == 1:
+            raise ValueError(f"step: {self.step} is the only parameter; a campaign needs another one")
+        return self
 
 
 @dataclass(frozen=True)
-class Described:
-    """A descriptor, and the folder that it was read from."""
+class DescribedProgram(Described):
+    """The descriptor of a program."""
 
-    folder: Path
     descriptor: Descriptor
 
     @property
@@ -104,6 +103,7 @@ class Described:
                     name=name, symbol=p.symbol, unit=p.unit, low=p.low, high=p.high, default=p.nominal, text=p.text
                 )
                 for name, p in d.parameters.items()
+                if name != d.step
             ],
             results=[
                 ResultEntry(
@@ -116,16 +116,8 @@ class Described:
                 )
                 for name, r in d.results.items()
             ],
+            step=d.step,
         )
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 over all files of its folder, by relative path and content."""
-        return digest_of(self.folder)
-
-
-class BadDescriptor(ValueError):
-    """The file cannot be used; the message names it, the field, and what is expected."""
 
 
 def read(folder: Path) -> Described:
@@ -133,7 +125,9 @@ def read(folder: Path) -> Described:
     file = folder / FILE
     try:
         document = yaml.safe_load(file.read_text(encoding="utf-8"))
-        return Described(folder.resolve(), Descriptor.model_validate(document))
+        if isinstance(document, dict) and "fmu" in document:
+            return fmu.read(folder.resolve(), document)
+        return DescribedProgram(folder.resolve(), Descriptor.model_validate(document))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise BadDescriptor(f"{file}: {' '.join(str(error).split())}") from None
     except ValidationError as error:
@@ -141,15 +135,18 @@ def read(folder: Path) -> Described:
         place = ".".join(str(part) for part in first["loc"]) or "the file"
         message = first["msg"].removeprefix("Value error, ")
         raise BadDescriptor(f"{file}: {place}: {message}") from None
+    except Unusable as error:
+        raise BadDescriptor(f"{file}: {error}") from None
 
 
-def _folders() -> list[Path]:
+def folders() -> list[Path]:
+    """The folders that the operator lists."""
     return [Path(given) for given in os.environ.get(FOLDERS, "").split(os.pathsep) if given]
 
 
 def listed() -> Iterator[Described | BadDescriptor]:
     """The descriptors in the operator's folders, and what is wrong with those that cannot be used."""
-    for folder in _folders():
+    for folder in folders():
         for inner in sorted(p.parent for p in folder.glob(f"*/{FILE}")):
             try:
                 yield read(inner)
@@ -159,7 +156,7 @@ def listed() -> Iterator[Described | BadDescriptor]:
 
 def unusable() -> list[str]:
     """What is wrong with the operator's folders and the descriptors in them, a sentence each."""
-    found = [f"{FOLDERS} names {folder}, which is not a folder" for folder in _folders() if not folder.is_dir()]
+    found = [f"{FOLDERS} names {folder}, which is not a folder" for folder in folders() if not folder.is_dir()]
     first: dict[str, Path] = {}
     for described in listed():
         if isinstance(described, BadDescriptor):

@@ -1,8 +1,9 @@
 """Discovers installed components, methods and simulators: one file each, or entry points of other packages.
 
 A module in a folder of `worker.components` declares a component by its attribute `component`, a module of
-`worker.search.methods` a method by `method`. Simulators come from entry points (`simulator`) and from descriptors in
-the operator's folders. `catalogue` returns all of them as data for the service. Start reading there.
+`worker.search.methods` a method by `method`. Simulators come from entry points (`simulator`, or decorated functions)
+and from the operator's folders: descriptors, and Python files. `catalogue` returns all of them as data for the
+service. Start reading there.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+import sys
 from collections.abc import Iterator
 from dataclasses import asdict
 from functools import cache
@@ -21,7 +23,10 @@ from pydantic import TypeAdapter
 
 from campaigns.catalogue import Catalogue, ComponentEntry, MethodEntry, ParameterEntry, ReachEntry, Role
 from campaigns.looks import MethodLook, ObstacleLook, VehicleLook
-from worker.catalogue.descriptor import Described, listed
+from worker.catalogue.described import Described
+from worker.catalogue.descriptor import listed
+from worker.catalogue.files import PythonFunction, listed_files
+from worker.catalogue.function import Function, declared_in
 from worker.catalogue.simulator import Program, Simulator
 from worker.kernels.component import (
     Avoider,
@@ -63,20 +68,37 @@ def methods() -> dict[str, Method]:
 
 
 @cache
-def simulators() -> dict[str, Simulator | Program]:
+def simulators() -> dict[str, Simulator | Program | PythonFunction]:
     """Every simulator of this installation by name; a duplicate name is an error.
 
-    Packages come before the operator's folders: a descriptor with the name of another simulator is skipped.
+    Packages come before the operator's folders, descriptors before Python files: another simulator of the same name is
+    skipped.
     """
-    found: dict[str, Simulator | Program] = {}
-    for module in _modules(group="clearance.simulators"):
-        simulator = getattr(module, "simulator", None)
-        if isinstance(simulator, Simulator):
+    found: dict[str, Simulator | Program | PythonFunction] = {}
+    for entry in entry_points(group="clearance.simulators"):
+        module = importlib.import_module(entry.module)
+        for simulator in _simulators_of(module, entry.attr):
             _add(found, simulator.entry.name, simulator, module)
     for described in listed():
         if isinstance(described, Described):
             found.setdefault(described.descriptor.name, Program(described))
+    for function in listed_files():
+        if isinstance(function, PythonFunction):
+            found.setdefault(function.declaration.name, function)
     return found
+
+
+def _simulators_of(module: ModuleType, attribute: str) -> list[Simulator | PythonFunction]:
+    """What an entry point names: an attribute, else `simulator`, else every decorated function of the module."""
+    named = getattr(module, attribute or "simulator", None)
+    if isinstance(named, Simulator):
+        return [named]
+    functions = {attribute or "simulator": named} if isinstance(named, Function) else declared_in(module)
+    return [
+        PythonFunction(f.declaration, {"module": module.__name__, "name": name}, f.call)
+        for name, f in functions.items()
+        if not attribute or name == attribute
+    ]
 
 
 @cache
@@ -90,8 +112,10 @@ def catalogue() -> Catalogue:
     )
 
 
-def source_of(thing: Component | Method | Simulator) -> ModuleType:
+def source_of(thing: Component | Method | Simulator | PythonFunction) -> ModuleType:
     """The module that declares a component or method, or opens a simulator."""
+    if isinstance(thing, PythonFunction):
+        return sys.modules[thing.place["module"]]
     function = thing.open if isinstance(thing, Simulator) else _function(thing)
     module = inspect.getmodule(getattr(function, "py_func", function))
     assert module is not None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from campaigns.catalogue import SimulatorEntry
-from worker.catalogue.descriptor import Described
+from worker.catalogue.described import Described
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Simulator:
 
 @dataclass(frozen=True)
 class Program:
-    """A simulator that is a program with a descriptor; `worker.systems.simulators.command` runs it."""
+    """A simulator with a descriptor: a program, which `worker.systems.simulators.command` runs, or an FMU, `.fmus`."""
 
     described: Described
 

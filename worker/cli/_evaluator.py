@@ -36,6 +36,7 @@ def use(given: str) -> None:
 
 def refuse_other(given: str, campaign: Campaign) -> None:
     """Refuse a campaign that evaluates in this process although --evaluator was given."""
+    from worker.catalogue.descriptor import DescribedProgram
     from worker.catalogue.installed import simulators
     from worker.catalogue.simulator import Program
 
@@ -43,8 +44,9 @@ def refuse_other(given: str, campaign: Campaign) -> None:
         return
     if campaign.simulator is None:
         what = "the campaign has a scenario, which is simulated in this process"
-    elif not isinstance(simulators().get(campaign.simulator.name), Program):
-        what = f"simulator {campaign.simulator.name} is a Python package, which evaluates in this process"
     else:
-        return
+        simulator = simulators().get(campaign.simulator.name)
+        if isinstance(simulator, Program) and isinstance(simulator.described, DescribedProgram):
+            return
+        what = f"simulator {campaign.simulator.name} is no program with a command, and evaluates on this machine"
     raise WrongInputError(f"--evaluator {given}: {what}; leave --evaluator out")

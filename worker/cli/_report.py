@@ -127,6 +127,8 @@ def _stages(store: MemoryStore, verdict: Verdict) -> Table:
 def _ended(result: StageResult | None) -> str:
     if isinstance(result, SearchResult | CertifyResult) and result.stop is not None:
         return result.stop.text
+    if isinstance(result, NominalResult):
+        return "" if result.measured is None else result.measured.text
     return result.text if isinstance(result, ValidateResult) else ""
 
 

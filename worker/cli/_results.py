@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from backend.db.store import plain
-from campaigns import Campaign, load_file
+from campaigns import Campaign, Catalogue, load_file
 from campaigns.checked.snapshot import snapshot
 from campaigns.documents import JsonObject
 from campaigns.flown import Flown
@@ -32,27 +32,32 @@ from worker.stages.parts.store import Columns, StagePlan, StageRecord, Trace
 ARRAYS = "evaluations.npz"
 
 
-def write_results(folder: Path, campaign: Campaign, store: MemoryStore, result: JsonObject) -> None:
-    """Write everything into the folder; numbers with all their digits."""
+def write_results(
+    folder: Path, campaign: Campaign, store: MemoryStore, result: JsonObject, problem: Problem | None = None
+) -> None:
+    """Write everything into the folder; numbers with all their digits.
+
+    problem: the campaign's problem, if its system is not one of this installation.
+    """
     (folder / "result.json").write_text(json.dumps(result, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     (folder / "campaign.json").write_text(json.dumps(campaign.document(), indent=2) + "\n", encoding="utf-8")
-    _write_evaluations(folder / "evaluations.csv", opened.problem(campaign), store)
+    _write_evaluations(folder / "evaluations.csv", problem or opened.problem(campaign), store)
     _write_bits(folder / ARRAYS, store)
     for trace in store.traces.values():
         _write_trace(folder / f"trace-{trace.name}.csv", trace)
 
 
-def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore) -> None:
-    """Write what an audit needs besides the results."""
-    text = json.dumps(evidence(campaign, store), allow_nan=False)
+def write_evidence(folder: Path, campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> None:
+    """Write what an audit needs besides the results; known: the catalogue, if not that of this installation."""
+    text = json.dumps(evidence(campaign, store, known), allow_nan=False)
     (folder / "evidence.json").write_text(text + "\n", encoding="utf-8")
 
 
-def evidence(campaign: Campaign, store: MemoryStore) -> JsonObject:
+def evidence(campaign: Campaign, store: MemoryStore, known: Catalogue | None = None) -> JsonObject:
     """The evidence behind the result: every stage's own result, and the description of the campaign's components."""
     return {
         "results": [plain(stage.result) for stage in store.stages],
-        "components": snapshot(campaign, catalogue()).model_dump(mode="json"),
+        "components": snapshot(campaign, known or catalogue()).model_dump(mode="json"),
     }
 
 

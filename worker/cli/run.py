@@ -99,12 +99,23 @@ def _fresh(file: Path, fly: Fly) -> tuple[Campaign, MemoryStore, Verdict]:
 
     campaign = read_campaign(file)
     if problems := check(campaign, catalogue()):
+        if any(problem.field == "simulator.name" for problem in problems):
+            _report_unusable()
         raise CampaignError(str(file), problems)
     store = MemoryStore()
     try:
         return campaign, store, fly(campaign, store, lambda: False)
     except CampaignUnusable as error:
         raise CampaignError(str(file), error.problems) from None
+
+
+def _report_unusable() -> None:
+    """Report the simulators that were skipped: one of them may be the one that the campaign names."""
+    from worker.catalogue.descriptor import unusable
+    from worker.catalogue.files import unusable_files
+
+    for problem in [*unusable(), *unusable_files()]:
+        typer.echo(f"a simulator is skipped: {problem}", err=True)
 
 
 def summary(campaign: Campaign, store: MemoryStore, verdict: Verdict) -> JsonObject:

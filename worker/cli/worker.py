@@ -33,6 +33,7 @@ def worker(
     from backend.db.engine import migrate
     from backend.db.private import UMASK
     from worker.catalogue.descriptor import unusable
+    from worker.catalogue.files import unusable_files
     from worker.processes.supervisor import Supervisor, default_name
 
     if check:
@@ -41,7 +42,7 @@ def worker(
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)
-    for problem in unusable():
+    for problem in [*unusable(), *unusable_files()]:
         logging.warning("a simulator is skipped: %s", problem)
     url = url_of(data, database)
     migrate(url)

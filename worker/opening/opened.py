@@ -6,20 +6,30 @@ Start reading at `problem`.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
-from campaigns import Campaign
+from campaigns import Campaign, Catalogue
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.asked.spec import Simulator
 from campaigns.checked.check import flyable, parameters
-from worker.catalogue.descriptor import BadDescriptor, read
+from worker.catalogue.described import BadDescriptor
+from worker.catalogue.descriptor import read
+from worker.catalogue.files import BadFile, PythonFunction, digest_of, read_file
+from worker.catalogue.fmu import DescribedFmu
+from worker.catalogue.function import declared_in, loaded
 from worker.catalogue.installed import catalogue, simulators
 from worker.catalogue.simulator import Opening, Program
+from worker.catalogue.simulator import Simulator as Declared
 from worker.problem.problem import Problem
 from worker.reference import Reference
 from worker.systems.base import CampaignUnusable, System
 from worker.systems.closed_loop.assemble import LANES
 from worker.systems.closed_loop.system import ClosedLoop
+from worker.systems.simulators.called import Called
 from worker.systems.simulators.command import CommandSimulator
+from worker.systems.simulators.fmus import simulator as fmus
+from worker.systems.simulators.functions import InProcess, Isolated
 
 
 def problem(campaign: Campaign) -> Problem:
@@ -39,22 +49,62 @@ def closed_loop(campaign: Campaign, compiled: bool = True, lanes: int = LANES) -
 
 def _simulator(campaign: Campaign, asked: Simulator) -> System:
     """Open a simulator of this installation and check it against its declaration."""
-    problems = flyable(campaign, catalogue())
+    known = catalogue()
+    problems = flyable(campaign, known)
     if problems:
         raise CampaignUnusable(problems)
-    nominal = {path: value for path, (_, value) in parameters(campaign, catalogue()).items()}
+    return simulated(campaign, simulators()[asked.name], known)
+
+
+def simulated(campaign: Campaign, simulator: Declared | Program | PythonFunction, known: Catalogue) -> System:
+    """Open this simulator for a campaign that the catalogue permits, and check it against its declaration."""
+    nominal = {path: value for path, (_, value) in parameters(campaign, known).items()}
     result = campaign.criterion.result or ""
-    simulator, opening = simulators()[asked.name], Opening(nominal, result)
-    opened = _program(simulator, opening) if isinstance(simulator, Program) else simulator.open(opening)
+    opened: Any
+    opening = Opening(nominal, result)
+    if isinstance(simulator, Program):
+        opened = _program(simulator, opening)
+    elif isinstance(simulator, PythonFunction):
+        opened = _python(simulator, opening)
+    else:
+        opened = simulator.open(opening)
     wrong = _undeclared(opened, nominal, result)
     if wrong:
-        raise CampaignUnusable([Wrong("simulator.name", asked.name, wrong)])
+        raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, wrong)])
     found: System = opened
-    return found
+    asked = campaign.simulator
+    return found if asked is None or (asked.calls == 1 and not asked.retries) else Called(found, asked)
+
+
+def _python(simulator: PythonFunction, opening: Opening) -> System:
+    """A Python function; one of a file as the file is now, which must still be what the catalogue shows."""
+    name = simulator.declaration.name
+    file = simulator.place.get("file")
+    if file is not None and simulator.call is None:
+        try:
+            found = [f for f in read_file(Path(file)) if f.declaration.name == name]
+        except BadFile as error:
+            raise CampaignUnusable([Wrong("simulator.name", name, f"it cannot be used any more: {error}")]) from None
+        if [f.entry for f in found] != [simulator.entry]:
+            text = "its file has other parameters or results than when this process started: restart the worker"
+            raise CampaignUnusable([Wrong("simulator.name", name, text)])
+        simulator = found[0]
+    settings = simulator.declaration.settings
+    digest = digest_of(simulator.place) if simulator.place else ""
+    if settings.isolated:
+        return Isolated(simulator.place, simulator.entry, opening, settings, digest)
+    call = simulator.call
+    if call is None:
+        try:
+            call = declared_in(loaded(Path(simulator.place["file"]), first=False))[simulator.place["name"]].call
+        except (Exception, SystemExit) as error:
+            text = f"its file cannot be imported: {type(error).__name__}: {error}"
+            raise CampaignUnusable([Wrong("simulator.name", name, text)]) from None
+    return InProcess(call, simulator.entry, opening, settings, digest)
 
 
 def _program(simulator: Program, opening: Opening) -> CommandSimulator:
-    """A program, by its descriptor as it is now, which must still be the one that the catalogue shows."""
+    """A program or an FMU, by its descriptor as it is now, which must still be the one that the catalogue shows."""
     described, changed = simulator.described, ""
     try:
         described = read(described.folder)
@@ -66,7 +116,12 @@ def _program(simulator: Program, opening: Opening) -> CommandSimulator:
         changed = f"its descriptor cannot be used any more: {error}"
     if changed:
         raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, changed)])
-    return CommandSimulator(described, opening)
+    if not isinstance(described, DescribedFmu):
+        return CommandSimulator(described, opening)
+    try:
+        return fmus.opened(described, opening)
+    except fmus.FmuUnusable as error:
+        raise CampaignUnusable([Wrong("simulator.name", simulator.entry.name, str(error))]) from None
 
 
 def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> str:
@@ -77,6 +132,4 @@ def _undeclared(opened: object, nominal: Mapping[str, float], result: str) -> st
         return "its parameters differ from those that its package declares, or from the requested nominal values"
     if opened.results[0].name != result or opened.results[0].worse != "low":
         return f"its first result must be {result}, worse when low, not {opened.results[0].name}"
-    if not opened.repeatable:
-        return "its results are not repeatable to the bit, which searches and replays require"
     return ""

@@ -50,7 +50,7 @@ def main() -> None:
     fresh = not sources.stale()
     if fresh:
         write(engine, lambda connection: workers.publish(connection, document, code), PATIENCE)
-    _send(answers, {"ready": True, "fresh": fresh})
+    _send(answers, {"ready": True, "fresh": fresh, "simulators": [s.version for s in document.simulators]})
     serve(engine, execute, document, requests, answers)
 
 

@@ -67,6 +67,8 @@ class Supervisor:
         self.queue = Queue(self.engine, lease)
         self.child: Child | None = None
         self._wakeup = Wakeup()
+        self.simulators: list[str] = []
+        """The simulators of the child."""
         self._next_beat = 0.0
         self._failures = 0
 
@@ -89,7 +91,7 @@ class Supervisor:
         child = self._ready_child()
         if child is None or self._wakeup.signal is not None:
             return
-        claim = self.queue.claim(self.name)
+        claim = self.queue.claim(self.name, self.simulators)
         if claim is None:
             self._wakeup.wait(POLL)
             return
@@ -125,7 +127,7 @@ class Supervisor:
                 return False
             self._next_beat = time.monotonic() + self.queue.lease / 5
             cancelling = self.queue.beat(claim)
-            self._notify(workers.beat, claim.run_id)
+            self._notify(workers.beat, claim.run_id, self.simulators)
             return cancelling
         except sa.exc.OperationalError as error:
             log.warning("run %d: heartbeat failed, the database did not respond: %s", claim.run_id, error.orig)
@@ -180,6 +182,8 @@ class Supervisor:
                 answer = child.receive(WATCH)
                 if answer is not None:
                     self._failures = 0
+                    self.simulators = answer["simulators"]
+                    self._next_beat = 0.0
                     return child if answer["fresh"] else None
                 self._beat_idle()
             how = f"did not start within {START:g} s"
@@ -217,9 +221,9 @@ class Supervisor:
     def _beat_idle(self) -> None:
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + self.queue.lease / 5
-            self._notify(workers.beat, None)
+            self._notify(workers.beat, None, self.simulators)
 
-    def _notify(self, what: Callable[..., None], *values: int | None) -> None:
+    def _notify(self, what: Callable[..., None], *values: int | list[str] | None) -> None:
         write(self.engine, lambda connection: what(connection, self.name, *values), 0.0)
 
     def _despite_outage(self, work: Callable[[], None]) -> None:

@@ -17,9 +17,11 @@ from campaigns.results.base import EXCLUDED, OK
 from campaigns.stages.plan import plan
 from worker.opening import opened
 from worker.problem.evaluate import InProcess
+from worker.problem.problem import Problem
 from worker.runs.provenance import begin, flown
 from worker.stages.found import stages
 from worker.stages.parts.base import Cancelled, Context, ReplayMismatch, Tally, all_columns
+from worker.stages.parts.noise import flaky
 from worker.stages.parts.store import StagePlan, StageRecord, Store
 from worker.systems.base import CampaignUnusable
 from worker.verdicts.conclude import conclude
@@ -36,13 +38,16 @@ def execute(
     cancelled: Callable[[], bool] = lambda: False,
     progress: Callable[[int, Tally], None] = lambda position, tally: None,
     threads: int | None = None,
+    problem: Problem | None = None,
 ) -> Verdict:
     """Run or resume a campaign to its verdict.
+
+    problem: the campaign's problem, if its system is not one of this installation; its system is closed at the end.
 
     Raises `CampaignUnusable` when it cannot be run with these components, `Cancelled` when asked to stop,
     `OtherCode` when other code began it, `ReplayMismatch` when a resumed stage requests other points.
     """
-    problem = opened.problem(campaign)
+    problem = problem or opened.problem(campaign)
     problem.system.warm()
     records = store.plan([StagePlan(*planned) for planned in plan(campaign)])
     begin(store, problem.system)
@@ -89,6 +94,7 @@ def _evidence(context: Context) -> Evidence:
         excluded=int(np.count_nonzero(status == EXCLUDED)),
         lowest=float(costs.min()) if len(costs) else None,
         violating=int(np.count_nonzero(costs <= context.problem.threshold)),
+        flaky=sum(flaky(c) for _, c in all_columns(context, list(range(len(context.plan))))),
     )
 
 

@@ -120,6 +120,8 @@ class Method:
     `extend`: the options that extend a finished search by at least so many evaluations, the same ones first; None if it
     cannot be extended.
     `compiles`: it compiles parts of itself when it first runs; the driver does this before it measures time.
+    `costly`: it takes milliseconds of its own per evaluation, for evaluations that take longer; tests and benchmarks
+    give it smaller budgets.
     `look`: its colour and marker in charts; grey with a ring without one.
     """
 
@@ -135,6 +137,7 @@ class Method:
     starts: bool = False
     extend: Callable[[Any, int], Any] | None = None
     compiles: bool = False
+    costly: bool = False
     look: MethodLook | None = None
 
     def __post_init__(self) -> None:

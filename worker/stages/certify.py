@@ -2,7 +2,8 @@
 
 It has its own random stream, separate from every search; no point comes from an optimiser. Excluded draws are counted
 and drawn again. If the scenario has noise, every draw simulates its own realisation (`worker.stages.parts.seeds`), so
-that the probability is that of the noisy system. A full grid, if requested, supports no claim beyond its own points.
+that the probability is that of the noisy system; of a simulator that does not repeat, every draw is one call. A full
+grid, if requested, supports no claim beyond its own points.
 """
 
 from __future__ import annotations
@@ -19,12 +20,13 @@ from campaigns.results.base import EXCLUDED
 from campaigns.results.sample import GridPoint, GridResult
 from worker.problem.problem import Problem
 from worker.search.base import Batch, Ended, Floats
-from worker.stages.parts import seeds
-from worker.stages.parts.base import Asking, Context, Seeded, drive
+from worker.stages.parts import noise, seeds
+from worker.stages.parts.base import Asking, Context, Seeded, Through, drive
 from worker.stages.parts.outcome import Outcome, Stage
-from worker.stages.parts.sample import Sample
+from worker.stages.parts.sample import DRAWN, Noise, Sample
 from worker.stages.parts.store import Columns
 from worker.stages.parts.streams import stream
+from worker.systems.base import System
 
 STREAM = 2**21
 """Index of the random stream; searches use those from 0 on."""
@@ -47,10 +49,13 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     drawn = _Drawn()
     grid = 0 if asked.grid is None else asked.grid.points**problem.dimension
     random = stream(context.campaign.seed, STREAM)
-    driven = drive(context, position, _search(problem, asked, random, drawn), MOST_DRAWS * asked.samples + grid + 1)
+    single = problem.system.single() if noise.noisy(context) else None
+    searching = _search(problem, asked, random, drawn, single)
+    driven = drive(context, position, searching, MOST_DRAWS * asked.samples + grid + 1)
     assert driven.columns is not None
     own = problem.realisations.random
-    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, drawn=own)
+    kind = DRAWN if own else Noise.of_calls(context, single=True)
+    sample = Sample.of(_rows(driven.columns, 0, drawn.draws), problem, context.campaign.confidence, kind)
     quantile = sample.quantile(asked.quantile, problem.quantity, problem.unit)
     statement = sample.statement()
     short = say("; only ", count(sample.size), " of ", count(asked.samples), " samples were not excluded")
@@ -70,13 +75,18 @@ def run(context: Context, position: int) -> Outcome[CertifyResult]:
     return Outcome(result)
 
 
-def _search(problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn) -> Asking[str]:
+def _search(
+    problem: Problem, asked: Certify, random: np.random.Generator, drawn: _Drawn, single: System | None
+) -> Asking[str]:
     most = MOST_DRAWS * asked.samples
     while drawn.flown < asked.samples and drawn.draws < most:
         draws = min(BLOCK, asked.samples - drawn.flown, most - drawn.draws)
         drawn_points = problem.quantile(random.random((draws, problem.dimension)))
         own = seeds.of_draws(problem.campaign.seed, drawn.draws, draws) if problem.realisations.random else None
-        batch: Batch = yield drawn_points if own is None else Seeded(drawn_points, own)
+        if single is not None:
+            batch: Batch = yield Through(drawn_points, single)
+        else:
+            batch = yield drawn_points if own is None else Seeded(drawn_points, own)
         drawn.draws += draws
         drawn.flown += int(np.count_nonzero(batch.status != EXCLUDED))
     if asked.grid is None:

@@ -19,7 +19,7 @@ from campaigns.results.base import OK
 from campaigns.results.finding import ClosestApproach, FoundBy, Validation
 from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Gathered
-from worker.stages.parts import boundary, findings, offered, seeds
+from worker.stages.parts import boundary, findings, incumbents, noise, offered, repeated, seeds
 from worker.stages.parts.base import Context, Driven, all_columns, drive
 from worker.stages.parts.comparison import compare
 from worker.stages.parts.confirm import Case, cases
@@ -34,12 +34,15 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     found = findings.Found()
     driven = drive(context, position, findings.search(context, position, found), _budget(context), repeats=True)
     unfinished = findings.settle(context, position, found)
-    asked = [Case("nominal", context.problem.nominal_point), *(Case("", b.point) for b in found.basins)]
-    nominal, *confirmed = cases(context, asked)
+    asked = [Case("nominal", context.problem.nominal_point, context.nominal_cost)]
+    nominal, *confirmed = cases(context, [*asked, *(Case("", b.point, b.cost) for b in found.basins)])
     polished = [_finding(context, i, found, case) for i, case in enumerate(confirmed)]
     everything = range(position + 1)
     violations, also = offered.violations(context, everything)
-    order = sorted([*polished, *_unrepresented(context, polished, also, everything)], key=lambda f: f.cost)
+    best = incumbents.called(context, polished)
+    others = incumbents.violating(context, nominal, best) if noise.noisy(context) else []
+    others = [*others, *incumbents.confirmed(context, also)] if noise.noisy(context) else also
+    order = sorted([*polished, *_unrepresented(context, polished, others, everything)], key=lambda f: f.cost)
     labels = {id(f): f"F{number}" for number, f in enumerate(order, 1)}
     basins = [labels[id(f)] for f in polished]
     shown = [_labelled(f, labels[id(f)]) for f in order]
@@ -47,7 +50,8 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     flights = [system.trace(f.label, f.parameters, f.realisation) for f in shown]
     named = tuple(_closest(f, t) for f, t in zip(shown, flights, strict=True))
     tolerance = context.campaign.stages.validate_.tolerance
-    ok, said = _agreement(system.words, [nominal, *(f.validation for f in named if f.validation is not None)])
+    validated = [nominal, *(f.validation for f in named if f.validation is not None)]
+    ok, said = repeated.agreement(validated) if noise.noisy(context) else _agreement(system.words, validated)
     result = ValidateResult(
         ok=ok,
         said=said,
@@ -58,6 +62,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         violations=violations,
         spot_checks=offered.spot_checks(context, everything),
         encounter=encounter(context, position, system.trace("nominal", {}), _curves(context, named)),
+        incumbents=best,
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
 

@@ -150,7 +150,7 @@ class Settings:
 
 
 class Evaluated(NamedTuple):
-    """One evaluation: costs (k,), NaN unless ok; its status, numbered as `STATUS`; the reason unless ok."""
+    """One evaluation: costs (k,), NaN unless ok; its status, numbered as `STATUS`; its reason, empty without one."""
 
     costs: Floats
     status: int
@@ -172,11 +172,10 @@ class System(ABC):
     """The results in the order of a batch's columns; the first one decides and is worse when low. Names are unique."""
     realisations: Realised = Realised()
     repeatable: bool = True
-    """Whether the same vector and seed give the same bits in every process on the same kind of machine."""
+    """Whether, as declared, the same vector and seed give the same bits in every process on the same kind of machine.
+    Of a simulator this is also measured."""
     block: int = 0
     """Preferred number of rows per call; threads get whole blocks. 0: no concurrent calls."""
-    slots: int = 0
-    """Number of evaluations that run side by side and end in any order; `submit` starts one. 0: `evaluate` only."""
     shows: tuple[Condition, ...] = ()
     """The evidence that `encounter` can give; the verdict has only these checks of the encounter."""
     settings: Settings = Settings()
@@ -185,6 +184,11 @@ class System(ABC):
     cost: float | None = None
     """Time per evaluation as measured over the latest batch [s]; None before the first. The batch size follows from it,
     so that progress and cancellation stay prompt."""
+
+    @property
+    def slots(self) -> int:
+        """Number of evaluations that run side by side and end in any order; `submit` starts one. 0: only `evaluate`."""
+        return 0
 
     @property
     @abstractmethod
@@ -211,12 +215,22 @@ class System(ABC):
         """Evaluate vectors (m, size): costs (m, k) for k results, NaN unless ok, status (m,), and the reasons.
 
         By default under the realisations that the campaign states; with seeds (m,), each vector under its own seed. A
-        failed evaluation is a status with a reason; an exception ends the run.
+        failed evaluation is a status with a reason; an exception ends the run. One that is ok has a reason only if a
+        call of it failed before it succeeded (`campaigns.results.base.FLAKY`).
         """
 
     def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
         """Start the evaluation of one vector (size,) in a slot, as `evaluate` would; for a system with slots."""
         raise NotImplementedError(f"{type(self).__name__} has no slots")
+
+    def started(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        """As `submit`; a system without slots has evaluated the vector when this returns."""
+        if self.slots:
+            return self.submit(vector, seed)
+        batch, reasons = self.evaluate(vector[None, :], None if seed is None else np.array([seed]))
+        ended: Future[Evaluated] = Future()
+        ended.set_result(Evaluated(batch.costs[0], int(batch.status[0]), reasons.get(0, "")))
+        return ended
 
     @abstractmethod
     def confirm(
@@ -235,6 +249,14 @@ class System(ABC):
 
         When cancelled, it returns the results until then: fewer than m.
         """
+
+    def fresh(self) -> System:
+        """The same system without any state of earlier evaluations, which the caller closes; itself if it has none."""
+        return self
+
+    def single(self) -> System:
+        """The same system with one call for each evaluation; itself if that is what it does."""
+        return self
 
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         """Time histories of one case; None for a system without traces.

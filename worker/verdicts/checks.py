@@ -7,6 +7,7 @@ from campaigns.claims.say import Part, count, finding, joined, method, number, s
 from campaigns.results.verdict import Check
 from worker.problem.problem import Problem
 from worker.verdicts.agreement import agreement
+from worker.verdicts.calls import calls
 from worker.verdicts.encounter import encounter
 from worker.verdicts.evidence import Evidence
 from worker.verdicts.probability import probability
@@ -22,6 +23,7 @@ def checks(problem: Problem, evidence: Evidence) -> list[Check]:
         agreement(problem, evidence),
         _validated(problem, evidence),
         _none_failed(evidence),
+        *calls(problem, evidence),
         *encounter(problem, evidence),
         *_distances(problem),
         *probability(problem, evidence),
@@ -54,6 +56,13 @@ def _no_violation(problem: Problem, evidence: Evidence) -> Check:
     worst, unit, code = evidence.finding, problem.unit, CheckCode.NO_VIOLATION
     if worst is None:
         return Check(code=code, ok=False, said=say("no evaluation succeeded"))
+    violation = evidence.violation
+    if worst.margin > 0 and violation is not None and violation.validation is not None:
+        # Of a simulator that does not repeat: no stored evaluation violates, but an independent call does.
+        repeats = violation.validation.repeats
+        called = () if repeats is None else say(" ", repeats.said)
+        said = say("in independent calls ", finding(violation.label), called, "; ", evidence.violations.said)
+        return Check(code=code, ok=False, said=said)
     if worst.margin > 0 and not evidence.violating:
         said = say("the worst case found has a margin of ", signed(worst.margin, unit, "margin"))
         return Check(code=code, ok=True, said=said)

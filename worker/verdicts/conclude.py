@@ -39,6 +39,7 @@ def conclude(problem: Problem, evidence: Evidence, flown: Flown) -> Verdict:
             excluded=evidence.excluded,
             violating=evidence.violating,
             lowest=evidence.lowest,
+            flaky=evidence.flaky,
         ),
         quantity=problem.quantity,
         unit=problem.unit,
@@ -68,4 +69,8 @@ def _verdict(problem: Problem, found: Sequence[Check], evidence: Evidence) -> Ve
         raise AssertionError(
             f"every check holds although a stored evaluation has {evidence.lowest}, at or below {problem.threshold}"
         )
+    cases = [v for v in (evidence.validation.nominal, *(f.validation for f in evidence.findings)) if v is not None]
+    cases += [best.validation for best in evidence.validation.incumbents]
+    if cleared and any(v.repeats is not None and (v.repeats.violating or v.repeats.failed) for v in cases):
+        raise AssertionError("every check holds although an independent call of the simulator violates or fails")
     return VerdictWord.CLEARED if cleared else VerdictWord.INCONCLUSIVE

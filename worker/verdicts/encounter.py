@@ -20,6 +20,9 @@ from worker.verdicts.evidence import Evidence
 MOVED = 0.01
 """Fraction of the nominal closest approach that the vehicle must at least move."""
 
+ABOVE_NOISE = 10.0
+"""Standard deviations of a simulator's noise that the range of all evaluations must exceed; that of a million normal
+numbers is about as wide."""
 
 INTENDED = ", which the author states is intended: "
 
@@ -119,6 +122,13 @@ def _influence(problem: Problem, evidence: Evidence) -> Condition:
     if not by:
         choose = "; choose parameters that the encounter depends on"
         return False, say("no uncertain parameter changes ", quantity, choose)
+    measured = evidence.nominal.measured
+    if measured is not None and measured.deviation and by <= ABOVE_NOISE * measured.deviation:
+        noise = number(measured.deviation, unit, "deviation")
+        return False, say(
+            *(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations, which may be noise alone: "),
+            *("evaluations of the same point have a standard deviation of ", noise),
+        )
     parameters = problem.symbols
     without = [parameters[path] for path, change in evidence.encounter.influence.items() if change <= FLAT * by]
     said = say(quantity, " varies by ", number(by, unit, "varies"), " over the evaluations")

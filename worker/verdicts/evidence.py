@@ -28,6 +28,8 @@ class Evidence:
     """The lowest cost of all stored evaluations of any stage."""
     violating: int = 0
     """How many stored evaluations violate the criterion."""
+    flaky: int = 0
+    """How many evaluations succeeded only when a failed call was tried again."""
     complete: bool = True
     certificate: CertifyResult | None = None
     others: Sequence[Finding] = ()

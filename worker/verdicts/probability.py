@@ -100,8 +100,9 @@ def _bound(problem: Problem, evidence: Evidence) -> list[Check]:
         if not ok:
             said = say(said, "; ", _advice(sample))
         return [Check(code=CheckCode.PROBABILITY, ok=ok, said=said)]
-    if problem.realisations.random and sample.noise != "drawn":
-        said = say(bound, " holds only for the stated noise realisations; add a certify stage")
+    if sample.noise == "stated":
+        of = "the stated noise realisations" if problem.realisations.random else "evaluations of several calls"
+        said = say(bound, f" holds only for {of}; add a certify stage")
         return [Check(code=CheckCode.TARGET, ok=False, said=said)]
     ok = sample.upper_bound <= target
     said = say(bound, f" {'meets' if ok else 'does not meet'} the target of ", goal)

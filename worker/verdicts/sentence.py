@@ -24,7 +24,7 @@ from campaigns.results import Finding, SearchResult
 from campaigns.results.finding import Validation
 from campaigns.results.verdict import Check, Statistics, VerdictWord
 from worker.problem.problem import Problem
-from worker.verdicts import encounter
+from worker.verdicts import calls, encounter
 from worker.verdicts.evidence import Evidence
 
 
@@ -37,19 +37,22 @@ def sentence(
     if found is None:
         return say(f"No {problem.words.one} could be evaluated: ", checks[0].said, ".")
     worst = _worst(problem, found)
-    how = say(count(evidence.evaluations, "evaluations"), " evaluations, searched by ", _searched(evidence))
+    each = calls.each(problem)
+    how = say(count(evidence.evaluations, "evaluations"), f" evaluations{each}, searched by ", _searched(evidence))
     lost = _without_value(evidence)
     if evidence.violation is not None:
+        chance = say(_chance(statistics), calls.condition(problem, evidence, checks) if statistics else "")
         shown = _shown(problem, found, evidence.violation)
-        rest = say(lost, _apart(evidence.violation.validation, problem.unit), _counts(evidence), _chance(statistics))
+        apart = say(calls.repeated(problem, evidence.violation), _apart(evidence.violation.validation, problem.unit))
+        rest = say(lost, apart, _counts(evidence), chance)
         return say(quantity, " falls to or below ", limit, ". ", worst, " ", shown, " in ", how, ".", rest)
     if verdict == "cleared":
         succeeded = count(evidence.succeeded, "evaluations")
         excluded = say(" ", count(evidence.excluded, "excluded"), " more were excluded.") if evidence.excluded else ()
         caveat = f" {problem.system.caveat}" if problem.system.caveat else ""
-        stated = [say(" ", unnamed(said)) for said in encounter.stated(problem, checks)]
+        stated = [say(" ", unnamed(s)) for s in (*encounter.stated(problem, checks), *calls.stated(problem, checks))]
         return say(
-            *(quantity, " stayed above ", limit, " in all ", succeeded, " evaluations, searched by "),
+            *(quantity, " stayed above ", limit, " in all ", succeeded, f" evaluations{each}, searched by "),
             *(_searched(evidence), ".", excluded, " ", worst, _chance(statistics)),
             *stated,
             f"{caveat} A search can miss a worse case.",
@@ -81,6 +84,9 @@ def _worst(problem: Problem, found: Finding) -> Said:
 
 def _shown(problem: Problem, found: Finding, violation: Finding) -> Said:
     """Which violation was validated."""
+    if violation.margin > 0:
+        none = "No stored evaluation violates the criterion, but calls of " if violation is found else "Calls of "
+        return say(none, finding(violation.label), " independent of the search do; it was found")
     if violation is found:
         return say("It was confirmed by validation and found")
     cost = number(violation.cost, problem.unit, "validated")
@@ -110,13 +116,15 @@ def _counts(evidence: Evidence) -> Said:
 
 
 def _without_value(evidence: Evidence) -> Said:
-    """How many evaluations failed or were excluded; empty if all have a value."""
+    """How many evaluations failed, were excluded or were tried again; empty if there are none."""
     parts: list[Part] = []
     if evidence.failed:
         parts.append(say(count(evidence.failed, "without_value.failed"), " failed"))
     if evidence.excluded:
         verb = " was excluded" if evidence.excluded == 1 else " were excluded"
         parts.append(say(count(evidence.excluded, "without_value.excluded"), verb))
+    if evidence.flaky:
+        parts.append(say(count(evidence.flaky, "flaky"), " succeeded only when tried again"))
     return say(" Of these, ", joined(" and ", parts), ".") if parts else ()
 
 
@@ -127,6 +135,9 @@ def _apart(case: Validation | None, unit: str) -> Said:
     others = [other for other in (case.half_step, case.integrator, case.again) if other is not None]
     values = (case.cost, *(other.cost for other in others))
     step, *rest = (f"no value {unit}" if value is None else number(value, unit) for value in values)
+    if case.again is not None and case.half_step is not None:
+        said = say(" Its evaluations violate the criterion but differ beyond tolerance: ", step, ", ", rest[-1])
+        return say(said, f" in {case.again.name}, ", rest[0], " at half the step.")
     if case.again is not None:
         apart = say(
             " Both its evaluations violate the criterion but differ beyond tolerance: ", step, ", and ", rest[-1]

@@ -5,6 +5,8 @@ export const GUIDES = [
   { name: 'first-campaign', title: 'A first campaign' },
   { name: 'your-own-component', title: 'Your own component' },
   { name: 'your-own-simulator', title: 'Your own simulator' },
+  { name: 'python', title: 'From Python and notebooks' },
+  { name: 'recipes-px4-nav2', title: 'Recipes: PX4 and Nav2' },
   { name: 'cluster', title: 'Cluster' },
   { name: 'methods', title: 'Methods' },
   { name: 'evidence', title: 'Evidence' },

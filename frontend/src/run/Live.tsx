@@ -58,7 +58,7 @@ function Queued({ data }: { data: RunData }) {
   return (
     <>
       <p className="note" style={{ marginBottom: 'var(--gap)' }} role="status">
-        This run is waiting for a worker. It starts automatically when one is free.
+        This run is waiting. {data.run.waits ?? 'It starts automatically when a worker is free.'}
       </p>
       <StageStrip run={data.run} />
       <div className="grid" style={{ marginTop: 'var(--gap)' }}>

@@ -38,6 +38,17 @@ it('has fewer words for a validation that does not tell how it came out', () => 
   expect(validatedWord({ ok: true, agrees: false, violates: true })).toBe('Violation confirmed, beyond tolerance')
 })
 
+it('shows in how many independent calls a case of a noisy simulator violates', () => {
+  const repeats = {
+    values: [...Array<number>(7).fill(0.4), 1.2, 1.3, null], reasons: ['no answer within 5 s'], violating: 7, failed: 1,
+    confidence: 0.95, low: 0.35, high: 0.97, said: [], text: 'violates in 7 of 10, 1 failed [0.35, 0.97]',
+  }
+  const shown = card(validated(), [finding('F1', { validation: validation({ name: 'F1', violates: true, repeats }) })])
+  expect(shown).toContain('Violates in 7 of 10, 1 failed [0.35, 0.97]')
+  expect(shown).toContain('Lowest of 10 independent calls')
+  expect(shown).toContain('As searched')
+})
+
 it('says that no finding holds a best only where basins were stored', () => {
   expect(basinText({ basin: 'F2' }, true)).toBe('F2')
   expect(basinText({ basin: null }, true)).toBe('no finding')

@@ -25,7 +25,7 @@ function contrast(a: string, b: string): number {
 }
 
 it('gives every method a shape and a colour of its own', () => {
-  expect(METHODS).toHaveLength(14)
+  expect(METHODS).toHaveLength(16)
   for (const of of [(m: string) => methodLook(m).shape, (m: string) => methodLook(m).colour])
     expect(new Set(METHODS.map(of)).size).toBe(METHODS.length)
   expect(new Set(Object.values(OUTLINE)).size).toBe(Object.keys(OUTLINE).length)

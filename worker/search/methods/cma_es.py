@@ -10,28 +10,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
-from worker.search.base import Batch, Ended, Floats, Method, MethodLook, Search, Space
+from worker.search.base import Batch, Floats, Method, MethodLook, Search, Space
 from worker.search.parts.lowest import Lowest
-
-STEP = 1e-9
-"""A descent ends when its deviations are below this fraction of every range."""
-
-# pycma's stopping conditions and their sentences; the first that holds is reported.
-STOPS = {
-    "tolflatfitness": Ended("converged", "the cost is the same everywhere around"),
-    "tolfun": Ended("converged", "the cost no longer changes"),
-    "tolfunrel": Ended("converged", "the cost no longer changes"),
-    "tolfunhist": Ended("converged", "the cost no longer changes"),
-    "tolx": Ended("converged", "the step is within its tolerance"),
-    "tolstagnation": Ended("converged", "the cost has not improved for long"),
-    "tolxstagnation": Ended("converged", "the step is within its tolerance"),
-    "tolconditioncov": Ended("rounding", "the valley is too narrow for floating-point numbers"),
-}
+from worker.search.parts.pycma import ending, last, strategy
 
 
 @dataclass(frozen=True)
@@ -68,55 +54,27 @@ def _descend(space: Space, population: int, deviation: float, most: float = np.i
     best = Lowest(start)
     text = "the search ended"
     try:
-        strategy = _strategy(start, deviation, population, space.random)
+        running = strategy(start, deviation, population, space.random)
         while best.evaluations < most:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                asked = strategy.ask()
+                asked = running.ask()
             points = np.clip(np.array(asked), 0.0, 1.0)
             batch = yield points.copy()
             values = batch.ranked()
             best.see(points, values)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                strategy.tell(asked, _last(values).tolist())
-                stopped = strategy.stop()
+                running.tell(asked, last(values).tolist())
+                stopped = running.stop()
             if stopped:
-                text = next((said for word, said in STOPS.items() if word in stopped), "the strategy stopped")
+                text = ending(stopped)
                 break
         else:
             text = "its share of the evaluations is used up"
         return best.evaluations
     finally:
         best.report(space, text)
-
-
-def _strategy(start: Floats, deviation: float, population: int, random: np.random.Generator) -> Any:
-    import cma  # imported late: it takes most of a second to load
-
-    options = {
-        "bounds": [0.0, 1.0],
-        "popsize": population,
-        "randn": lambda *shape: random.standard_normal(shape),  # by default it would use numpy's global stream
-        "seed": np.nan,
-        "tolx": STEP,
-        "verbose": -9,
-        "verb_log": 0,
-    }
-    if len(start) == 1:
-        options["maxstd_boundrange"] = np.inf  # keeping to its limit breaks it where there is one parameter
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return cma.CMAEvolutionStrategy(start, deviation, options)
-
-
-def _last(values: Floats) -> Floats:
-    """Values to rank by: infinite ones rank after all others, with equal rank."""
-    known = np.isfinite(values)
-    if known.all():
-        return values
-    worst = float(values[known].max()) if known.any() else 0.0
-    return np.where(known, values, worst + 1e-3 * max(abs(worst), 1e-3))
 
 
 method = Method(

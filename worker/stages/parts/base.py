@@ -13,6 +13,7 @@ from worker.stages.parts.context import (
     Result,
     Seeded,
     Tally,
+    Through,
 )
 from worker.stages.parts.driver import FLUSH_ROWS, FLUSH_SECONDS, FULL_BLOCKS, Driver
 from worker.stages.parts.ended import stop
@@ -33,6 +34,7 @@ __all__ = [
     "Result",
     "Seeded",
     "Tally",
+    "Through",
     "all_columns",
     "drive",
     "once",

@@ -19,6 +19,14 @@ def bound(violations: int, samples: int, confidence: float) -> float:
     return float(stats.beta.ppf(confidence, violations + 1, samples - violations))
 
 
+def interval(events: int, samples: int, confidence: float, unknown: int = 0) -> tuple[float, float]:
+    """Two-sided Clopper-Pearson interval of a probability; `unknown` samples count as none below, as events above."""
+    tail, above = (1.0 - confidence) / 2, events + unknown
+    low = float(stats.beta.ppf(tail, events, samples - events + 1)) if events else 0.0
+    high = float(stats.beta.ppf(1.0 - tail, above + 1, samples - above)) if above < samples else 1.0
+    return low, high
+
+
 def order(samples: int, fraction: float, confidence: float) -> int:
     """Wilks: the highest r so that the r-th lowest of the sample is at most the quantile at `fraction`; 0 for none.
 

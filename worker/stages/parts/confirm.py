@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from campaigns.results.finding import HalfStep, ReferenceCost, Repeated, Validation
+from worker.stages.parts import noise, repeated
 from worker.stages.parts.base import Cancelled, Context
 from worker.systems.base import Comparison, Confirmed, Floats
 
@@ -21,20 +22,29 @@ FRACTION_OF_MARGIN = 0.1
 FLOOR = 1e-6
 """Fraction of the threshold's scale below which a difference counts as rounding."""
 
+LOST = "the evaluation failed"
+
 
 @dataclass(frozen=True)
 class Case:
-    """A case to simulate again: a name, a point (n,) and, if it drew its own noise, the seed."""
+    """A case to simulate again: a name, a point (n,), the stored cost, if any, and, if it drew its own noise, the
+    seed."""
 
     name: str
     point: Floats
+    cost: float | None
     seed: int | None = None
 
 
-def cases(context: Context, asked: Sequence[Case]) -> list[Validation]:
-    """Every case as the campaign specifies, and by all independent means of the system. Raises `Cancelled`."""
+def cases(context: Context, asked: Sequence[Case], calls: int | None = None) -> list[Validation]:
+    """Every case as the campaign specifies, and by all independent means of the system. Raises `Cancelled`.
+
+    Of a simulator that does not repeat: by independent calls, as many as the campaign states unless given.
+    """
     if not asked:
         return []
+    if noise.noisy(context):
+        return repeated.cases(context, [(c.name, c.point, c.cost) for c in asked], calls)
     found = context.problem.system.confirm(*_asked(context, asked), context.cancelled)
     if len(found) < len(asked):
         raise Cancelled
@@ -62,7 +72,9 @@ def scale(context: Context) -> float:
 
 
 def _case(context: Context, case: Case, found: Confirmed) -> Validation:
-    threshold, cost = context.problem.threshold, found.cost
+    threshold = context.problem.threshold
+    found = found if context.campaign.simulator is None else _against(case.cost, found, threshold)
+    cost = found.cost
     known = [c for c in (cost, *(other.cost for other in found.comparisons)) if c is not None]
     violating = [c <= threshold for c in known]
     allowed = None if cost is None else _allowed(context, cost)
@@ -81,6 +93,22 @@ def _case(context: Context, case: Case, found: Confirmed) -> Validation:
         realisation=case.seed,
         **{o.kind: _stored(o, by) for o, by in zip(found.comparisons, differences, strict=True)},
     )
+
+
+def _against(stored: float | None, found: Confirmed, threshold: float) -> Confirmed:
+    """A simulator's evaluations against the stored one, which they must equal; of those made again, the one that speaks
+    most against it is retained: one that failed, one on the other side of the threshold, the most different one."""
+
+    def contrary(other: Comparison) -> tuple[bool, bool, float]:
+        if other.cost is None or stored is None:
+            return (other.cost is None) != (stored is None), True, 0.0
+        return False, (other.cost <= threshold) != (stored <= threshold), abs(other.cost - stored)
+
+    again = [c for c in found.comparisons if c.kind == "again"]
+    rest = tuple(c for c in found.comparisons if c.kind != "again")
+    used = Comparison("again", "an evaluation in a used process", found.cost, "" if found.cost is not None else LOST)
+    # With equal evidence the fresh one, which is the stronger.
+    return Confirmed(stored, (max([*again, used], key=contrary), *rest), found.step)
 
 
 def _stored(other: Comparison, difference: float | None) -> Any:

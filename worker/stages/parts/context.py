@@ -13,7 +13,7 @@ from worker.problem.evaluate import Evaluate
 from worker.problem.problem import Problem
 from worker.search.base import Batch, Several
 from worker.stages.parts.store import Columns, StagePlan, Store
-from worker.systems.base import Floats, Seeds
+from worker.systems.base import Floats, Seeds, System
 
 Result = TypeVar("Result")
 
@@ -25,7 +25,14 @@ class Seeded(NamedTuple):
     seeds: Seeds
 
 
-Request = Floats | Seeded | Several
+class Through(NamedTuple):
+    """A request of a stage: points (m, n), evaluated through another form of the system, such as a fresh one."""
+
+    points: Floats
+    system: System
+
+
+Request = Floats | Seeded | Through | Several
 Asking = Generator[Request, Batch, Result]
 """Yields requests, receives batches; a `Search` is one that returns a sentence and draws no seeds."""
 

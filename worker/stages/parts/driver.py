@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from campaigns.results.base import EXCLUDED, OK, Stop
 from worker.search.base import Batch, Several
-from worker.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Tally
+from worker.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Tally, Through
 from worker.stages.parts.store import Columns, join
-from worker.systems.base import Floats, Seeds
+from worker.systems.base import Floats, Seeds, System
 
 FLUSH_SECONDS = 0.2
 FLUSH_ROWS = 4096
@@ -30,6 +30,7 @@ class Driver:
         self.context, self.position, self.budget = context, position, budget
         self.tally = Tally()
         self.known: dict[bytes, tuple[Floats, int]] | None = {} if repeats else None
+        self.through: System | None = None
         self.held: list[Columns] = []
         self.unsaved: list[Columns] = []
         self.stored = context.store.evaluations(position)
@@ -41,6 +42,12 @@ class Driver:
         """The batch for these points, and whether the budget ended before all were evaluated."""
         if isinstance(request, Several):
             raise TypeError("a search requested several groups of a system without slots")
+        if isinstance(request, Through):
+            self.through = request.system
+            try:
+                return self._fresh(request.points)
+            finally:
+                self.through = None
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         if self.known is None:
             return self._fresh(points, seeds)
@@ -113,7 +120,10 @@ class Driver:
     def _flown(self, points: Floats, seeds: Seeds | None) -> Columns:
         began = time.perf_counter()
         evaluate = self.context.evaluate
-        batch, reasons = evaluate(points) if seeds is None else evaluate(points, seeds)
+        if self.through is not None:
+            batch, reasons = self.through.evaluate(self.context.problem.vectors(points))
+        else:
+            batch, reasons = evaluate(points) if seeds is None else evaluate(points, seeds)
         self.context.problem.system.cost = max(time.perf_counter() - began, 1e-6) / len(points)
         first = self.tally.evaluations
         seconds = np.full(len(points), self._seconds())

@@ -16,11 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from campaigns.results.base import OK
 from worker.problem.problem import Problem
 from worker.search.base import Batch
 from worker.stages.parts.store import Ahead, Columns
-from worker.systems.base import Evaluated, Floats, Seeds
+from worker.systems.base import Evaluated, Floats, Seeds, System
 
 LOOK_SECONDS = 0.2
 """Interval at which cancellation is checked while nothing ends."""
@@ -63,7 +62,7 @@ class InSlots:
         self.ended_here = 0
         """Number of evaluations that ended in this process, not in an earlier attempt."""
         self._points: list[Floats] = []
-        self._todo: deque[tuple[int, Floats, int | None]] = deque()
+        self._todo: deque[tuple[int, Callable[[], Future[Evaluated]]]] = deque()
         self._running = 0
         self._last = 0.0
         self._ended: queue.SimpleQueue[tuple[int, Future[Evaluated]]] = queue.SimpleQueue()
@@ -72,16 +71,21 @@ class InSlots:
         """Indices of the evaluations that the store has."""
         self._prefix = 0 if stored is None else len(stored.status)
 
-    def ask(self, points: Floats, seeds: Seeds | None = None) -> range:
-        """Request points (m, n), each under its own seed if given; their indices. Raises `OtherPoint`."""
+    def ask(self, points: Floats, seeds: Seeds | None = None, through: System | None = None) -> range:
+        """Request points (m, n), each under its own seed if given; their indices. Raises `OtherPoint`.
+
+        through: the form of the system that evaluates them, which is used only until they have ended.
+        """
         first = len(self.rows)
+        start = (through or self.problem.system).started
         vectors = self.problem.vectors(points)
         for k, point in enumerate(points):
             self._points.append(point.copy())
             known = self._stored.pop(first + k, None)
             if known is None:
                 self.rows.append(None)
-                self._todo.append((first + k, vectors[k], None if seeds is None else int(seeds[k])))
+                seed = None if seeds is None else int(seeds[k])
+                self._todo.append((first + k, partial(start, vectors[k], seed)))
                 continue
             before, row = known
             if not np.array_equal(before, point):
@@ -140,16 +144,16 @@ class InSlots:
         rows = [row for row in (self.rows[i] for i in indices) if row is not None]
         batch = self.batch(indices)
         points = np.array([self._points[i] for i in indices]).reshape(len(rows), self.problem.dimension)
-        reasons = {i: row.evaluated.reason for i, row in zip(indices, rows, strict=True) if row.evaluated.status != OK}
+        reasons = {i: row.evaluated.reason for i, row in zip(indices, rows, strict=True) if row.evaluated.reason}
         return Columns(points, batch.costs, batch.status, np.array([row.seconds for row in rows]), reasons)
 
     def _hand_out(self) -> None:
         """Keep the slots busy, and no more than can be stored or cancelled promptly."""
         most = max(self.most(), 2 * self.problem.system.slots)
         while self._todo and self._running < most:
-            index, vector, seed = self._todo.popleft()
+            index, start = self._todo.popleft()
             self._running += 1
-            self.problem.system.submit(vector, seed).add_done_callback(partial(self._put, index))
+            start().add_done_callback(partial(self._put, index))
 
     def _put(self, index: int, future: Future[Evaluated]) -> None:
         self._ended.put((index, future))

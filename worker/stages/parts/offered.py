@@ -40,7 +40,7 @@ class Stored:
 
     @property
     def case(self) -> Case:
-        return Case(f"stage {self.position}, evaluation {self.index}", self.point, self.seed)
+        return Case(f"stage {self.position}, evaluation {self.index}", self.point, self.cost, self.seed)
 
 
 class _Stored:
@@ -75,7 +75,7 @@ def violations(context: Context, positions: range) -> tuple[Violations, list[tup
     found = _Stored(context, positions, context.problem.threshold)
     lowest_first = np.argsort(found.cost, kind="stable")
     chosen = found.pick(lowest_first[_even(len(found), AT_MOST)])
-    again = cases(context, [s.case for s in chosen])
+    again = cases(context, [s.case for s in chosen], calls=1)
     confirmed = [(s, case) for s, case in zip(chosen, again, strict=True) if case.violates]
     stages, counts = np.unique(found.position, return_counts=True)
     described = Violations(

@@ -19,7 +19,7 @@ from campaigns.results.sample import Noise as NoiseKind
 from campaigns.results.sample import Sample as Statement
 from worker.problem.problem import Problem
 from worker.search.methods import monte_carlo
-from worker.stages.parts import claims
+from worker.stages.parts import claims, noise
 from worker.stages.parts.base import Context
 from worker.stages.parts.store import Columns
 from worker.systems.base import Floats, Realised
@@ -39,11 +39,13 @@ POINTS = {"latin_hypercube": "points of a Latin hypercube", "sobol": "Sobol poin
 class Noise:
     """The realisations of the scenario's noise that a statement holds for.
 
-    kind: none (no noise), drawn (one for every sample), stated (those that the campaign lists); clause: as text.
+    kind: none (no noise), drawn (one for every sample), stated (those that the campaign lists); clause: as text;
+    holds: what the statement is of, and which condition it needs.
     """
 
     kind: NoiseKind = "none"
     clause: str = ""
+    holds: str = ""
 
     @staticmethod
     def given(realised: Realised) -> Noise:
@@ -54,8 +56,22 @@ class Noise:
         which = f"the {realised.combine} of seeds {seeds}" if realised.several else f"seed {seeds}"
         return Noise("stated", f", for the stated noise only ({which})")
 
+    @staticmethod
+    def of_calls(context: Context, single: bool) -> Noise | None:
+        """For evaluations of a simulator that does not repeat, by single calls or combined as the campaign states; None
+        for any other system."""
+        simulator = context.campaign.simulator
+        if simulator is None or not noise.noisy(context):
+            return None
+        if single or simulator.calls == 1:
+            return CALLED
+        return Noise("stated", f", where each evaluation is the {simulator.combine} of {simulator.calls} calls")
+
 
 DRAWN = Noise("drawn", ", each with its own noise realisation,")
+CALLED = Noise(
+    "drawn", ", each by one call of the simulator,", ", over parameters and noise, if the noise of calls is independent"
+)
 
 
 @dataclass(frozen=True)
@@ -72,12 +88,12 @@ class Sample:
     noise: Noise = Noise()
 
     @staticmethod
-    def of(columns: Columns, problem: Problem, confidence: float, drawn: bool = False) -> Sample:
-        """The sample of these evaluations; `drawn`: each of them drew its own noise."""
+    def of(columns: Columns, problem: Problem, confidence: float, noise: Noise | None = None) -> Sample:
+        """The sample of these evaluations, by default under the realisations stated in the campaign."""
         costs = np.sort(columns.costs[columns.status == OK, 0])
         excluded = int(np.count_nonzero(columns.status == EXCLUDED))
         failed = len(columns.status) - excluded - len(costs)
-        noise = DRAWN if drawn else Noise.given(problem.realisations)
+        noise = noise or Noise.given(problem.realisations)
         outside = problem.distributions.outside
         return Sample(costs, failed, excluded, problem.threshold, outside, confidence, noise)
 
@@ -173,7 +189,7 @@ class Sample:
 
     def _conditions(self) -> Said:
         """The conditions under which the statement holds: noise and exclusions."""
-        given = self.noise.clause if self.noise.kind == "stated" else ""
+        given = self.noise.clause if self.noise.kind == "stated" else self.noise.holds
         if not self.excluded:
             return say(given)
         return say(
@@ -198,7 +214,7 @@ def of_search(context: Context, options: Any, columns: Columns) -> Statement:
     """The statement of a random search: a bound only if its points are independent; with early stopping, one that
     allows for the interim analyses."""
     confidence = context.campaign.confidence
-    sample = Sample.of(columns, context.problem, confidence)
+    sample = Sample.of(columns, context.problem, confidence, Noise.of_calls(context, single=False))
     if isinstance(options, monte_carlo.Options) and options.sampling != "plain":
         return sample.unclaimed(POINTS[options.sampling], NO_SAMPLE)
     if isinstance(options, monte_carlo.Options) and options.continued:

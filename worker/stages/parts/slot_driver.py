@@ -13,11 +13,11 @@ import numpy as np
 
 from campaigns.results.base import Stop
 from worker.search.base import Batch, Several
-from worker.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded
+from worker.stages.parts.context import Cancelled, Context, Driven, ReplayMismatch, Request, Seeded, Through
 from worker.stages.parts.driver import Driver
 from worker.stages.parts.in_slots import InSlots, OtherPoint
 from worker.stages.parts.store import join
-from worker.systems.base import Floats, Seeds
+from worker.systems.base import Floats, Seeds, System
 
 
 class SlotDriver(Driver):
@@ -37,6 +37,10 @@ class SlotDriver(Driver):
     def answer(self, request: Request) -> tuple[Batch, bool]:
         if isinstance(request, Several):
             return self._first_of(request)
+        if isinstance(request, Through):
+            asked, spent = self._ask(request.points, None, request.system)
+            self._until_ended(asked)
+            return self.slots.batch(asked), spent
         points, seeds = request if isinstance(request, Seeded) else (request, None)
         indices, spent = self._indices(points, seeds)
         self._until_ended(indices)
@@ -81,17 +85,21 @@ class SlotDriver(Driver):
         new = list(range(len(points)))
         if self.places is not None:
             new = sorted({key: i for i, key in reversed([*enumerate(keys)]) if key not in places}.values())
+        asked, spent = self._ask(points[new], None if seeds is None else seeds[new])
+        if self.places is None:
+            return asked, spent
+        places.update(zip((keys[i] for i in new), asked, strict=False))
+        return [places[key] for key in keys if key in places], spent
+
+    def _ask(self, points: Floats, seeds: Seeds | None, through: System | None = None) -> tuple[list[int], bool]:
+        """Request points as far as the budget goes: their indices, and whether it is used up by them."""
         room = self.budget - len(self.slots.rows)
-        spent = len(new) >= room and len(new) > 0
-        new = new[:room]
+        spent = len(points) >= room and len(points) > 0
         try:
-            asked = self.slots.ask(points[new], None if seeds is None else seeds[new])
+            asked = self.slots.ask(points[:room], None if seeds is None else seeds[:room], through)
         except OtherPoint as other:
             raise ReplayMismatch(self.position, other.index) from None
-        if self.places is None:
-            return list(asked), spent
-        places.update(zip((keys[i] for i in new), asked, strict=True))
-        return [places[key] for key in keys if key in places], spent
+        return list(asked), spent
 
     def _until_ended(self, indices: Sequence[int]) -> None:
         for index in indices:

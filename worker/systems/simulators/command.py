@@ -1,56 +1,54 @@
 """A simulator that is any program: processes in slots, which read parameters and return results as JSON.
 
 Whatever an evaluation does is a status with a reason: a crash, a hang, a missing or non-finite result. Start reading at
-`CommandSimulator.evaluate`.
+`CommandSimulator`.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-import tempfile
-from collections.abc import Callable
-from concurrent.futures import Future
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from campaigns.results.base import FAILED, OK, TIMEOUT
-from worker.catalogue.descriptor import Described
+from worker.catalogue.described import Described
+from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
-from worker.search.base import Batch
-from worker.systems.base import Evaluated, Floats, Reasons, Seeds
+from worker.systems.base import Floats
 from worker.systems.simulators.cluster.address import chosen
-from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
-from worker.systems.simulators.slots.pool import SlotPool
 from worker.systems.simulators.slots.program import Program
+from worker.systems.simulators.slotted import Slotted
 from worker.systems.threads import usual_threads
 
 if TYPE_CHECKING:
     from worker.systems.simulators.cluster.pool import DaskPool
+    from worker.systems.simulators.slots.pool import SlotPool
 
 
-class CommandSimulator(Simulated):
-    """Evaluates a described program, here or on the evaluator of this process; `fresh`: every evaluation in a process
-    of its own.
-    """
+class CommandSimulator(Slotted):
+    """Evaluates a described program; `fresh`: every evaluation in a process of its own; halvings of its step, if it
+    declares one."""
 
-    def __init__(self, described: Described, opening: Opening, fresh: bool = False) -> None:
+    def __init__(self, described: Described, opening: Opening, fresh: bool = False, halvings: int = 0) -> None:
         super().__init__(described.entry, opening)
+        if isinstance(described, DescribedProgram) and described.descriptor.step is not None:
+            self.step = described.descriptor.parameters[described.descriptor.step].nominal / 2**halvings
+        self._halvings = halvings
         self.described = described
         self._fresh = fresh
-        self._result = self.results[0]
-        self.evaluator = chosen()
+        self.evaluator = chosen() if isinstance(described, DescribedProgram) else None
         self.elsewhere = "dask.distributed" if self.evaluator and self.evaluator.scheduler else ""
-        self._pool: SlotPool | DaskPool | None = None
-        self._work: tempfile.TemporaryDirectory[str] | None = None
 
     def fresh(self) -> CommandSimulator:
-        return CommandSimulator(self.described, self.opening, fresh=True)
+        return CommandSimulator(self.described, self.opening, True, self._halvings)
+
+    def halved(self) -> CommandSimulator | None:
+        if self.step is None:
+            return None
+        return CommandSimulator(self.described, self.opening, True, self._halvings + 1)
 
     @cached_property
     def digest(self) -> str:
@@ -58,57 +56,42 @@ class CommandSimulator(Simulated):
         return self.described.digest
 
     @property
-    def slots(self) -> int:  # type: ignore[override]
-        if self._fresh:
-            return 1
-        return self.described.descriptor.slots or usual_threads() if self.evaluator is None else self._opened().size
-
-    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
-        names = [p.path.removeprefix("simulator.") for p in self.parameters]
-        request = {"parameters": dict(zip(names, vector[: len(names)].tolist(), strict=True))}
-        return then(self._opened().submit(request), self._evaluated)
-
-    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
-        found = [future.result() for future in [self.submit(vector) for vector in vectors]]
-        costs = np.array([one.costs for one in found]).reshape(len(found), 1)
-        reasons = {k: one.reason for k, one in enumerate(found) if one.reason}
-        return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), reasons
-
-    def _evaluated(self, outcome: Outcome) -> Evaluated:
-        value, reason = self._read(outcome)
-        if reason:
-            return Evaluated(np.array([np.nan]), TIMEOUT if outcome.kind == "timeout" else FAILED, reason)
-        return Evaluated(np.array([value if self._result.worse == "low" else -value]), OK, "")
+    def slots(self) -> int:
+        if self.evaluator is None:
+            return self.described.descriptor.slots or usual_threads()
+        return self._opened().size
 
     def warm(self) -> None:
         """Connect to the evaluator."""
         if self.evaluator is not None:
             self._opened()
 
-    def close(self) -> None:
-        """Kill its processes; they start again with the next evaluation."""
-        if self._pool is not None:
-            self._pool.close()
-            self._pool = None
-        if self._work is not None:
-            self._work.cleanup()
-            self._work = None
-
     def _opened(self) -> SlotPool | DaskPool:
-        if self._pool is None:
-            d = self.described.descriptor
-            limits = Limits(d.timeout, d.start, d.memory, recycle=1 if self._fresh else d.recycle)
-            if self.evaluator is not None:
-                from worker.systems.simulators.cluster.pool import WORK, DaskPool
+        if self.evaluator is None or self._pool is not None:
+            return super()._opened()
+        from worker.systems.simulators.cluster.pool import WORK, DaskPool
 
-                program, folder = self._program(Path(WORK)), self.described.folder
-                self._pool = DaskPool(self.evaluator, program, limits, folder, self.digest)
-                return self._pool
-            self._work = tempfile.TemporaryDirectory(prefix=f"clearance-{d.name}-", ignore_cleanup_errors=True)
-            self._pool = SlotPool(self._program(Path(self._work.name)), self.slots, limits)
+        program, folder = self._program(Path(WORK)), self.described.folder
+        self._pool = DaskPool(self.evaluator, program, self._limits, folder, self.digest)
         return self._pool
 
+    @property
+    def _limits(self) -> Limits:
+        d = self.described.descriptor
+        return Limits(d.timeout, d.start, d.memory, recycle=1 if self._fresh else self._recycle)
+
+    @property
+    def _recycle(self) -> int:
+        return self.described.descriptor.recycle
+
+    def _request(self, vector: Floats) -> dict[str, float]:
+        given = super()._request(vector)
+        if self.step is not None and isinstance(self.described, DescribedProgram):
+            given[str(self.described.descriptor.step)] = self.step
+        return given
+
     def _program(self, work: Path) -> Program:
+        assert isinstance(self.described, DescribedProgram)
         d, folder = self.described.descriptor, str(work / "{slot}")
         command = [word.replace("{folder}", str(self.described.folder)) for word in d.command]
         if d.protocol == "lines":
@@ -120,21 +103,7 @@ class CommandSimulator(Simulated):
         """The result that decides, or why there is none."""
         if outcome.kind != "ok":
             return math.nan, outcome.sentence
-        return number(_results(outcome.answer), self._result.name)
-
-
-def then(future: Future[Outcome], read: Callable[[Outcome], Evaluated]) -> Future[Evaluated]:
-    """The evaluation that an outcome will be read as."""
-    read_later: Future[Evaluated] = Future()
-
-    def done(ended: Future[Outcome]) -> None:
-        try:
-            read_later.set_result(read(ended.result()))
-        except Exception as error:  # reaches whoever waits for it, not the thread that ended the evaluation
-            read_later.set_exception(error)
-
-    future.add_done_callback(done)
-    return read_later
+        return number(_results(outcome.answer), self.results[0].name)
 
 
 def _results(answer: Any) -> Any:

@@ -13,17 +13,20 @@ from campaigns.catalogue import SimulatorEntry
 from campaigns.claims.say import say
 from campaigns.results.base import OK
 from worker.catalogue.simulator import Opening
-from worker.systems.base import Comparison, Confirmed, Floats, Parameter, Reasons, Result, Scope, System, Words
+from worker.systems.base import Comparison, Confirmed, Floats, Parameter, Result, Scope, System, Words
 
 FRESH = "a fresh evaluation"
 
 
 class Simulated(System):
-    """A simulator with its own parameters; it has no noise, no trace and no evidence of an encounter.
+    """A simulator with its own parameters; it draws no seeds, and has no trace and no evidence of an encounter.
 
     Costs have one column, the result that the campaign names. Cases are confirmed one by one with the simulator that
-    `fresh` returns: this shows that results are repeatable, not that the model is correct.
+    `fresh` returns: this shows whether results repeat, not that the model is correct.
     """
+
+    step: float | None = None
+    """Its step, if it declares one."""
 
     def __init__(self, entry: SimulatorEntry, opening: Opening) -> None:
         self.entry = entry
@@ -42,6 +45,10 @@ class Simulated(System):
         """The same simulator, without any state of earlier evaluations."""
         return type(self)(self.entry, self.opening)
 
+    def halved(self) -> Simulated | None:
+        """The same simulator at half its step, which the caller closes; None without a step."""
+        return None
+
     @property
     def scope(self) -> Scope:
         return Scope(
@@ -52,20 +59,23 @@ class Simulated(System):
 
     @property
     def words(self) -> Words:
+        halved = self.step is not None
         return Words(
             one="case",
-            agree=f"{FRESH} agrees",
-            disagrees=f"{FRESH} disagrees",
-            every="both evaluations",
-            again=f"evaluated again, each in {FRESH}",
+            agree=f"{FRESH} and one at half the step agree" if halved else f"{FRESH} agrees",
+            disagrees=f"{FRESH} or one at half the step disagrees" if halved else f"{FRESH} disagrees",
+            every="all evaluations" if halved else "both evaluations",
+            again=f"evaluated again, each in {FRESH}{' and at half the step' if halved else ''}",
             reference=FRESH,
             check="repetition",
         )
 
     @property
     def caveat(self) -> str:
+        halved = "" if self.step is None else ", also at half its step"
         return (
-            "Cases were evaluated again by the same simulator only. Whether an encounter takes place was not checked."
+            f"Cases were evaluated again by the same simulator only{halved}. "
+            "Whether an encounter takes place was not checked."
         )
 
     def confirm(
@@ -74,30 +84,45 @@ class Simulated(System):
         batch, _ = self.evaluate(vectors)
         first = [float(c) if s == OK else None for c, s in zip(batch.costs[:, 0], batch.status, strict=True)]
         again = self.compare(vectors, seeds, cancelled)
-        return [Confirmed(cost, (other,)) for cost, other in zip(first, again, strict=False)]
+        halved = self.halved()
+        if halved is None:
+            return [Confirmed(cost, (other,)) for cost, other in zip(first, again, strict=False)]
+        try:
+            halves = [_at_half(halved, vector) for vector in vectors[: len(again)] if not cancelled()]
+        finally:
+            halved.close()
+        found = zip(first, halves, again, strict=False)
+        return [Confirmed(cost, (half, other), self.step) for cost, half, other in found]
 
     def compare(
         self, vectors: Floats, seeds: Sequence[int | None], cancelled: Callable[[], bool] = lambda: False
     ) -> list[Comparison]:
         found: list[Comparison] = []
         fresh = self.fresh()
+        # In slots each has a process of its own anyway; without them it gets a call of its own.
+        size = 4 * fresh.slots or 1
         try:
-            for vector in vectors:
+            for first in range(0, len(vectors), size):
                 if cancelled():
                     break
-                found.append(_again(fresh, vector))
+                found += _again(fresh, vectors[first : first + size])
         finally:
             fresh.close()
         return found
 
 
-def _again(fresh: System, vector: Floats) -> Comparison:
-    """Evaluate one vector (n,) in its own call."""
-    batch, reasons = fresh.evaluate(vector[None, :])
-    if batch.status[0] != OK:
-        return Comparison("again", FRESH, None, _reason(reasons))
-    return Comparison("again", FRESH, float(batch.costs[0, 0]))
+def _again(fresh: System, vectors: Floats) -> list[Comparison]:
+    """Evaluate vectors (m, n) in one call."""
+    batch, reasons = fresh.evaluate(vectors)
+    return [
+        Comparison("again", FRESH, float(cost))
+        if status == OK
+        else Comparison("again", FRESH, None, reasons.get(k, "the evaluation failed"))
+        for k, (cost, status) in enumerate(zip(batch.costs[:, 0], batch.status, strict=True))
+    ]
 
 
-def _reason(reasons: Reasons) -> str:
-    return reasons.get(0, "the evaluation failed")
+def _at_half(halved: Simulated, vector: Floats) -> Comparison:
+    """Evaluate one vector (n,) at half the step."""
+    (other,) = _again(halved, vector[None, :])
+    return Comparison("half_step", "half the step", other.cost, other.reason, halved.step)

@@ -7,12 +7,16 @@ export function validatedWord({
   agrees,
   violates,
   again,
-}: Pick<Validation, 'ok' | 'agrees' | 'violates' | 'again'>): string {
+  repeats,
+}: Pick<Validation, 'ok' | 'agrees' | 'violates' | 'again'> & { repeats?: Validation['repeats'] }): string {
+  if (repeats) return sentenceCase(repeats.text)
   if (agrees === null || violates === null) return ok ? 'Validated' : 'Not validated'
   if (violates) return agrees ? 'Violation confirmed' : 'Violation confirmed, beyond tolerance'
   if (again) return agrees ? 'Evaluations agree' : 'Evaluations disagree'
   return agrees ? 'Integrations agree' : 'Integrations disagree'
 }
+
+const sentenceCase = (text: string) => text.charAt(0).toUpperCase() + text.slice(1)
 
 /** The nominal case, then the findings; without those that earlier versions did not store. */
 export const casesOf = (

@@ -2,6 +2,7 @@
 import { IconCircleCheck, IconCircleX } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import type { SpotChecks, ValidateResult, Validation, Violations } from '../../client'
+import { resultOf } from '../../api/stages'
 import { count, decimalsFor, fixed, NONE, percent, plain, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/said'
 import { Card, NumHead } from '../../ui/Card'
@@ -26,7 +27,9 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
     cases.map((c) => c.cost),
     7,
   )
-  const repeated = cases.some((c) => c.again)
+  const repeated = cases.some((c) => c.again || c.repeats)
+  const first = data.stages.find((s) => s.position === 0)
+  const measured = first && resultOf(first, 'nominal')?.measured
   return (
     <Card
       title="Validation"
@@ -43,6 +46,11 @@ export function ValidationCard({ data, result, className }: ValidationCardProps)
       footer={
         <>
           <Said spans={sentence(result.said)} />{' '}
+          {measured && (
+            <span data-testid="measured">
+              Measured before the search: the simulator <Said spans={[...measured.said, words('. ')]} />
+            </span>
+          )}
           {[result.violations, result.spot_checks].map(
             (told, i) => told && <Said key={i} spans={[...sentence(told.said), words(' ')]} />,
           )}
@@ -124,17 +132,21 @@ function Again({ data: { run, stages }, repeated, violations, spots }: AgainProp
 
 function Rows({ item, decimals }: { item: Validation; decimals: number }) {
   const name = item.name === 'nominal' ? 'Nominal' : item.name === 'F1' ? 'Worst, F1' : item.name
-  const { half_step: half, integrator, again } = item
+  const { half_step: half, integrator, again, repeats } = item
+  const lowest = repeats ? Math.min(...repeats.values.filter((v) => v !== null)) : NaN
   const rows = [
-    { key: 'run', text: again ? 'As searched' : 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
+    { key: 'run', text: again || repeats ? 'As searched' : 'Run step, RK4', step: item.step, cost: item.cost, change: undefined },
     ...(half
-      ? [{ key: 'half', text: 'Half step, RK4', step: half.step, cost: half.cost, change: half.difference }]
+      ? [{ key: 'half', text: again ? 'Half step' : 'Half step, RK4', step: half.step, cost: half.cost, change: half.difference }]
       : []),
     ...(integrator
       ? [{ key: 'other', text: integrator.name, step: null, cost: integrator.cost, change: integrator.difference }]
       : []),
     ...(again
       ? [{ key: 'again', text: again.name.charAt(0).toUpperCase() + again.name.slice(1), step: null, cost: again.cost, change: again.difference }]
+      : []),
+    ...(repeats
+      ? [{ key: 'repeats', text: `Lowest of ${count(repeats.values.length)} independent calls`, step: null, cost: Number.isFinite(lowest) ? lowest : null, change: undefined }]
       : []),
   ]
   return rows.map((row, i) => {
@@ -149,7 +161,7 @@ function Rows({ item, decimals }: { item: Validation; decimals: number }) {
           )}
         </td>
         <td className="sec">{row.text}</td>
-        <td className="num sec">{row.step === null ? (again ? NONE : 'adaptive') : plain(row.step * 1000)}</td>
+        <td className="num sec">{row.step === null ? (again || repeats ? NONE : 'adaptive') : plain(row.step * 1000)}</td>
         <td className="num">{fixed(row.cost, decimals)}</td>
         <td className={over ? 'num b bad-t' : 'num sec'}>
           {row.change === undefined ? NONE : row.change === null ? 'no value' : signedSmall(row.change)}

@@ -1,7 +1,8 @@
 """The process of a slot around a Python function: child.py READ WRITE BEGUN MODULE:FUNCTION, or FILE.py:FUNCTION.
 
 Requests and answers travel on pipes of their own, so the function may print. The number of evaluations begun stands in
-memory shared with the parent: an evaluation that was never begun is not blamed for the death of its process.
+memory shared with the parent: an evaluation that was never begun is not blamed for the death of its process. If the
+function has an attribute `prepare`, that is called first, before the process is ready.
 """
 
 from __future__ import annotations
@@ -32,7 +33,10 @@ def main() -> None:
         os.set_inheritable(descriptor, False)
     begun = mmap.mmap(shared, 8)
     with os.fdopen(reading, "rb") as requests, os.fdopen(writing, "wb") as answers:
-        serve(function(sys.argv[4]), requests, answers, begun)
+        evaluate = function(sys.argv[4])
+        if prepare := getattr(evaluate, "prepare", None):
+            prepare()
+        serve(evaluate, requests, answers, begun)
 
 
 def function(name: str) -> Any:
@@ -64,13 +68,18 @@ def serve(evaluate: Any, requests: IO[bytes], answers: IO[bytes], begun: mmap.mm
 
 
 def answered(evaluate: Any, request: dict[str, Any]) -> dict[str, Any]:
-    """The answer of one evaluation: results, or the error in one line; the traceback goes to standard error."""
+    """The answer of one evaluation: results, or the error in one line; the traceback goes to standard error.
+
+    An error may carry its own line, `sentence`, and end the process after the answer, `retire`.
+    """
     try:
         return {"results": plain(evaluate(**request["parameters"]))}
     except MemoryError:
         traceback.print_exc()
         return {"error": "it ran out of memory", "retire": True}
     except Exception as error:
+        if sentence := getattr(error, "sentence", None):  # an error that was expected, in words for the user
+            return {"error": str(sentence), "retire": getattr(error, "retire", False)}
         traceback.print_exc()
         return {"error": f"{type(error).__name__}: {error}"}
     except SystemExit as error:

@@ -133,12 +133,16 @@ class SlotPool:
                 self._start(self._vacant.pop())
         for slot in list(self._slots):
             self._hand_out(slot)
-        now = time.monotonic()
+        now, replaced = time.monotonic(), False
         for slot in list(self._slots):
             if slot.retire and not slot.waiting:
                 self._replace(slot, "retired")
+                replaced = True
             elif slot.due is not None and slot.due <= now:
                 self._replace(slot, "late")
+                replaced = True
+        if replaced and self._waiting:
+            return  # a process of JSON lines is ready at once, without an event to wait for
         due = [s.due for s in self._slots if s.due is not None]
         wait = None if not due else max(0.0, min(due) - time.monotonic())
         for key, _ in self._selector.select(wait):

@@ -1,0 +1,112 @@
+"""Search methods and budgets that fit the time one evaluation takes: how many evaluations, and by which methods.
+
+The rules follow from the tables of `make search-bench`; docs/methods.md shows them. Start reading at `proposed`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+FEW, SEVERAL, MANY = 25, 100, 500
+"""Evaluations per parameter and method: below the first a global method does not count as a search in a verdict, above
+the second models of the cost pay less, and no method is given more than the third, if that is above the usual."""
+CHEAP = 0.02
+"""Time of an evaluation [s] below which methods that model the cost, which take milliseconds themselves, do not pay."""
+USUAL = 5000
+"""The usual budget of a search; the lowest limit of a proposed one where evaluations are cheap."""
+
+MODELS = ("lq_cma_es", "turbo")
+"""Methods that model the cost, of different kinds."""
+PLAIN = ("direct", "cma_es")
+TITLES = {"lq_cma_es": "lq-CMA-ES", "turbo": "TuRBO", "direct": "DIRECT", "cma_es": "CMA-ES"}
+SIDE_BY_SIDE = {"lq_cma_es": ("at_once", 1000), "turbo": ("batch", 100)}
+"""The option that makes a method request as many points as run side by side, and its limit."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """One search as a campaign states it."""
+
+    method: str
+    evaluations: int
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """Searches, the time that they take in all [s], and the sentence that says why these; without searches: why none.
+
+    The other stages of a run, such as certify and validate, take evaluations in addition.
+    """
+
+    searches: tuple[Budget, ...]
+    seconds: float
+    sentence: str
+
+
+def proposed(cost: float, parameters: int, slots: int = 1, patience: float = 3600.0) -> Proposal:
+    """What to search with if an evaluation takes `cost` [s], `slots` run side by side, and there are `patience` [s].
+
+    Raises ValueError for a value that is not possible.
+    """
+    _possible(cost, parameters, slots, patience)
+    rounds = int(min(patience / cost, 1e12))
+    if rounds == 0:
+        text = f"One evaluation takes about {lasting(cost)}, longer than the {lasting(patience)} that are available: "
+        return Proposal((), 0.0, text + "allow more time")
+    most = max(USUAL, MANY * parameters)
+    needed = 2 * math.ceil(FEW * parameters / slots)
+    if rounds < needed:
+        # One method gets them all: for two, and so for a verdict of "cleared", there are too few in any case.
+        more = lasting(needed * cost)
+        note = f"; a second method, without which nothing is cleared, fits if you allow {more}"
+        return _proposal(("direct" if cost < CHEAP else "turbo",), rounds, most, cost, slots, note)
+    if cost < CHEAP:
+        return _proposal(PLAIN, rounds, most, cost, slots)
+    if rounds // 2 * slots <= SEVERAL * parameters or rounds < 3:
+        return _proposal(MODELS, rounds, most, cost, slots)
+    return _proposal((MODELS[0], *PLAIN), rounds, most, cost, slots)
+
+
+def _proposal(methods: tuple[str, ...], rounds: int, most: int, cost: float, slots: int, note: str = "") -> Proposal:
+    """Every method gets the same number of rounds, in each of which all slots evaluate, and at most `most` points."""
+    methods = methods[:rounds]
+    own = min(rounds // len(methods), max(most // slots, 1))
+    searches = tuple(Budget(m, own * slots, _side_by_side(m, slots)) for m in methods)
+    count, seconds = own * slots * len(methods), own * len(methods) * cost
+    places = f" on {slots} slots" if slots > 1 else ""
+    names = [TITLES[m] for m in methods]
+    listed = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    taken = "1 evaluation takes" if count == 1 else f"{count:,} evaluations take"
+    text = f"One evaluation takes about {lasting(cost)}: {taken} about {lasting(seconds)}{places}; use {listed}{note}"
+    return Proposal(searches, seconds, text)
+
+
+def _side_by_side(method: str, slots: int) -> dict[str, Any]:
+    if method not in SIDE_BY_SIDE:
+        return {}
+    name, most = SIDE_BY_SIDE[method]
+    return {name: min(slots, most)}
+
+
+def _possible(cost: float, parameters: int, slots: int, patience: float) -> None:
+    for name, value, unit in (("cost", cost, " [s]"), ("patience", patience, " [s]")):
+        if not (math.isfinite(value) and value > 0):
+            raise ValueError(f"invalid {name} {value:g}: give a finite time above 0{unit}")
+    for name, count in (("parameters", parameters), ("slots", slots)):
+        if count < 1:
+            raise ValueError(f"invalid number of {name} {count}: give at least 1")
+
+
+def lasting(seconds: float) -> str:
+    """A length of time in two significant digits, for an estimate: 12 s, 20 min, 2.5 h, 3 days."""
+    for limit, unit, size in ((1e-3, "us", 1e-6), (1.0, "ms", 1e-3), (100.0, "s", 1.0), (6000.0, "min", 60.0)):
+        if seconds < limit:
+            return f"{_two(seconds / size)} {unit}"
+    return f"{_two(seconds / 3600)} h" if seconds < 172800 else f"{_two(seconds / 86400)} days"
+
+
+def _two(value: float) -> str:
+    return f"{float(f'{value:.2g}'):,.10g}"

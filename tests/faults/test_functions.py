@@ -1,0 +1,171 @@
+"""Python functions from three lines to a verdict: in this process, in slots, and from a file of the operator."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import clearance
+from campaigns.results.base import FAILED, OK, TIMEOUT
+from tests.faults.processes import REPOSITORY
+from tests.simulators import isolated, two_basins
+from worker.audit import judge
+from worker.audit.record import of_folder
+from worker.catalogue.files import entry_of
+from worker.catalogue.simulator import Opening
+from worker.cli import invoke
+from worker.systems.simulators.functions import Isolated
+
+EXPECTED = [
+    (OK, ""),
+    (FAILED, "its process was killed by SIGSEGV"),
+    (TIMEOUT, "no answer within 1 s"),
+    (FAILED, "its process ended with exit code 3"),
+    (FAILED, "ZeroDivisionError: division by zero, at line"),
+    (FAILED, "it returned None; is a return statement missing?"),
+    (FAILED, "MemoryError, at line"),
+    (FAILED, "it returned nan, not a finite number"),
+]
+"""By what `isolated.misbehaving` does."""
+
+
+def command(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "worker.cli", *arguments], env=os.environ | environment, capture_output=True, text=True,
+        check=False, cwd=REPOSITORY, timeout=250,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def misbehaving() -> Iterator[Isolated]:
+    declaration = isolated.misbehaving.declaration
+    place = {"module": isolated.__name__, "name": "misbehaving"}
+    opening = Opening({"simulator.do": 0.0}, "value")
+    opened = Isolated(place, entry_of(declaration), opening, declaration.settings, "digest")
+    yield opened
+    opened.close()
+
+
+def test_whatever_a_function_does_costs_one_evaluation(misbehaving: Isolated) -> None:
+    acts = [a for k in range(len(EXPECTED)) for a in (float(k), 0.0)]
+    batch, reasons = misbehaving.evaluate(np.array(acts)[:, None])
+    assert batch.status[::2].tolist() == [status for status, _ in EXPECTED]
+    assert batch.costs[1::2, 0].tolist() == [1.5] * len(EXPECTED)
+    for k, (_, reason) in enumerate(EXPECTED):
+        assert reason in reasons.get(2 * k, "")
+
+
+def test_a_function_that_cannot_be_loaded_fails_with_its_reason(tmp_path: Path) -> None:
+    (tmp_path / "gone.py").write_text("raise OSError('no licence')")
+    declaration = isolated.misbehaving.declaration
+    place = {"file": str(tmp_path / "gone.py"), "name": "f"}
+    opened = Isolated(place, entry_of(declaration), Opening({"simulator.do": 0.0}, "value"), declaration.settings, "d")
+    batch, reasons = opened.evaluate(np.zeros((2, 1)))
+    opened.close()
+    assert batch.status.tolist() == [FAILED, FAILED]
+    assert all("no licence" in reason for reason in reasons.values())
+
+
+def test_three_lines_to_a_verdict_that_can_be_audited(tmp_path: Path) -> None:
+    def fly(mass: float, drag: float) -> float:
+        return 60.0 - 8.0 * (mass - 1.5) ** 2 - 100.0 * (drag - 0.13) ** 2
+
+    result = clearance.search(fly, {"mass": (1.5, 2.3), "drag": (0.1, 0.2)}, threshold=50.0, unit="m")
+    assert result.verdict == "cleared", result.verdict.sentence
+    assert result.worst is not None
+    assert result.worst.parameters == pytest.approx({"mass": 2.3, "drag": 0.2}, abs=1e-6)
+    assert result.worst.methods == ("direct", "cma_es")
+    folder = result.save(tmp_path / "saved")
+    follows, sentence = judge.closing(judge.audit(of_folder(folder)))
+    assert follows, sentence
+    assert "could not be audited" not in sentence
+    stored = json.loads((folder / "result.json").read_text())
+    assert stored["verdict"] == result.verdict
+    assert stored["sentence"] == result.verdict.sentence
+    assert stored["evaluations"]["stored"] == len(result.costs)
+    assert len((folder / "evaluations.csv").read_text().splitlines()) == len(result.costs) + 1
+
+
+def campaign(tmp_path: Path, name: str, neighbours: int = 20) -> Path:
+    document: dict[str, Any] = {
+        "name": "Basins",
+        "simulator": {"name": name},
+        "uncertain": {f"simulator.{p}": {"low": 0.0, "high": 0.95} for p in "xy"},
+        "criterion": {"result": "separation", "threshold": 2.0},
+        "stages": {
+            "search": [{"method": m, "evaluations": 400} for m in ("direct", "cma_es")],
+            "findings": {"evaluations": 1000},
+            "validate": {"neighbours": neighbours},
+        },
+    }
+    file = tmp_path / "campaign.json"
+    file.write_text(json.dumps(document))
+    return file
+
+
+SOURCE = f"""
+import sys
+sys.path.insert(0, {str(REPOSITORY)!r})
+import clearance
+from tests.simulators.functions import together
+from tests.simulators.isolated import PARAMETERS, RESULTS, alone
+
+@clearance.simulator(parameters=PARAMETERS, results=RESULTS, isolated=False, vectorized=True)
+def fast(x, y):
+    return together(x, y)
+
+@clearance.simulator(parameters=PARAMETERS, results=RESULTS, timeout=20)
+def safe(x, y):
+    return alone(x, y)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    operated = tmp_path / "simulators"
+    operated.mkdir()
+    (operated / "basins.py").write_text(SOURCE)
+    (operated / "broken.py").write_text("import clearance\nx = = 3")
+    return operated
+
+
+def test_a_file_in_the_operators_folder(folder: Path, tmp_path: Path) -> None:
+    done = command("run", str(campaign(tmp_path, "fast")), "--json", CLEARANCE_SIMULATORS=str(folder))
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert result["worst"]["cost"] == pytest.approx(
+        float(two_basins.separation(np.float64(0.2), np.float64(0.7))), abs=1e-3
+    )
+    assert "fast, Python function fast" in result["scope"]
+    assert "function digest" in result["scope"]
+
+
+@pytest.mark.nightly
+def test_a_file_in_slots_gives_the_same_numbers(folder: Path, tmp_path: Path) -> None:
+    """Every confirmation is in a new process, so this takes a minute."""
+    found = []
+    for name in ("fast", "safe"):
+        done = command("run", str(campaign(tmp_path, name, 0)), "--json", CLEARANCE_SIMULATORS=str(folder))
+        assert done.returncode == 0, done.stderr
+        result = json.loads(done.stdout)
+        found.append(result)
+    assert found[0]["nominal"] == found[1]["nominal"]
+    assert found[0]["worst"]["cost"] == pytest.approx(found[1]["worst"]["cost"], abs=1e-9)
+
+
+def test_a_simulator_that_is_not_there_is_explained(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CLEARANCE_SIMULATORS", str(folder))
+    assert invoke(["run", str(campaign(tmp_path, "slow"))]) == 3
+    told = capsys.readouterr().err
+    assert "no such simulator" in told
+    assert "broken.py: line 2: SyntaxError" in told

@@ -1,0 +1,204 @@
+"""Simulators that do not repeat: what is measured, what may be claimed, and that none is cleared by luck."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from campaigns.asked.load import load_document
+from campaigns.results import NominalResult, ValidateResult, Verdict
+from campaigns.results.base import FAILED, FLAKY, OK, TIMEOUT
+from campaigns.results.nominal import Measured
+from tests.simulators.adversaries import ADVERSARIES, Call, adversary, never
+from tests.simulators.noisy import REPEATS, campaign, ran
+from worker.runs.runner import CampaignUnusable, Cancelled, execute
+from worker.runs.store import MemoryStore
+
+
+def measured(store: MemoryStore) -> Measured:
+    result = store.stages[0].result
+    assert isinstance(result, NominalResult)
+    assert result.measured is not None
+    return result.measured
+
+
+def check(verdict: Verdict, name: str) -> Any:
+    return next(c for c in verdict.checks if c.name == name)
+
+
+@pytest.mark.parametrize("how", ADVERSARIES)
+def test_what_does_not_repeat_is_never_cleared_by_single_calls(how: str) -> None:
+    with adversary(how):
+        verdict, store = ran(campaign())
+    if how == "none":
+        assert verdict.verdict == "cleared", verdict.reason
+        assert measured(store).text == "repeats bit by bit: 5 points, 15 evaluations"
+        assert check(verdict, "noise of calls").ok
+        return
+    assert verdict.verdict != "cleared", verdict.reason
+    assert not check(verdict, "noise of calls").ok
+    if verdict.verdict == "inconclusive":
+        assert "simulator.repeats to {count: " in verdict.sentence or "does not repeat" in verdict.sentence
+
+
+CALLS_KNOWN = {
+    "none": "cleared",
+    "tiny noise": "cleared",
+    "a coin": "cleared",
+    "noise of the process": "inconclusive",
+    "now and then too low": "inconclusive",
+    "rarely a violation": "violated",
+    "violates in a fresh process": "violated",
+}
+
+
+@pytest.mark.parametrize(("how", "word"), CALLS_KNOWN.items())
+def test_with_several_calls(how: str, word: str) -> None:
+    with adversary(how):
+        verdict, store = ran(campaign(**REPEATS))
+    assert verdict.verdict == word, verdict.reason
+    result = store.stages[-1].result
+    assert isinstance(result, ValidateResult)
+    cases = [result.nominal, *(f.validation for f in store.findings), *(b.validation for b in result.incumbents)]
+    repeats = [c.repeats for c in cases if c is not None and c.repeats is not None]
+    assert len(repeats) == len(cases)
+    assert all(len(r.values) == 10 for r in repeats)
+    assert ", each the worst of 5 calls, searched by" in verdict.sentence
+    violating = max(r.violating for r in repeats)
+    if word == "violated":
+        assert f" of 10 [{verdict.values['low']:.2g}" in verdict.sentence
+        assert violating == next(f for f in store.findings if f.violates).validation.repeats.violating > 0  # type: ignore[union-attr]
+    else:
+        assert violating == 0
+    if word == "cleared":
+        assert "none of 50 independent calls of nominal" in verdict.sentence
+        assert "over parameters and noise, if the noise of calls is independent" in verdict.sentence
+
+
+def test_an_incumbent_that_violated_by_luck_is_named() -> None:
+    with adversary("now and then too low"):
+        verdict, _ = ran(campaign(**REPEATS))
+    assert "the best of DIRECT violates with -" in verdict.sentence
+    assert "in the search, and in none of its calls" in verdict.sentence
+
+
+def test_a_simulator_that_declares_noise_is_not_cleared_by_single_calls() -> None:
+    with adversary("none", declared=False):
+        verdict, store = ran(campaign())
+    assert verdict.verdict == "inconclusive"
+    assert "the simulator declares that its results do not repeat" in measured(store).text
+
+
+@pytest.mark.parametrize("repeats", [{"combine": "mean"}, {"combine": "quantile", "quantile": 0.1}])
+def test_what_can_hide_a_call_never_clears(repeats: dict[str, Any]) -> None:
+    with adversary("none"):
+        verdict, _ = ran(campaign(repeats=repeats))
+    assert verdict.verdict == "inconclusive"
+    assert [c.name for c in verdict.checks if not c.ok] == ["noise of calls"]
+
+
+def test_several_calls_are_not_cleared_without_an_independent_sample() -> None:
+    asked = campaign(**REPEATS).document()
+    asked["stages"]["certify"] = None
+    with adversary("none"):
+        verdict, _ = ran(load_document(asked))
+    assert "add a certify stage, in which every sample is one call" in verdict.sentence
+
+
+def test_the_first_stored_evaluation_is_the_nominal_one() -> None:
+    """The others of the first stage may be lower."""
+    with adversary("none"):
+        verdict, store = ran(campaign())
+    columns = store.evaluations(0)
+    assert columns is not None
+    assert len(columns.status) == 15
+    assert columns.costs[:, 0].min() < columns.costs[0, 0] == 8.5
+    assert verdict.nominal is not None
+    assert verdict.nominal.cost == 8.5
+
+
+def test_an_evaluation_is_the_combination_of_its_calls() -> None:
+    with adversary("noise") as made:
+        store = MemoryStore()
+        execute(campaign(**REPEATS), store, threads=1)
+        calls = next(made.world.calls) - 1
+    stored = [c for k in range(len(store.stages)) if (c := store.evaluations(k)) is not None]
+    assert calls > 5 * (sum(len(c.status) for c in stored) - 120)
+    assert np.isfinite(np.concatenate([c.costs for c in stored])).all()
+
+
+def now_and_then_lost(status: int) -> Any:
+    return lambda call: status if call.total % 50 == 0 else OK
+
+
+@pytest.mark.parametrize("status", [FAILED, TIMEOUT])
+def test_a_call_that_succeeds_when_tried_again_is_counted_and_bars_cleared(status: int) -> None:
+    with adversary("none", now_and_then_lost(status)):
+        verdict, store = ran(campaign(retries=1))
+    held = [c for k in range(len(store.stages)) if (c := store.evaluations(k)) is not None]
+    flaky = sum(why.startswith(FLAKY) for c in held for why in c.reasons.values())
+    assert flaky > 5
+    assert verdict.verdict == "inconclusive"
+    said = check(verdict, "retries")
+    assert said.values["flaky"] == flaky
+    assert f"{flaky} of " in verdict.sentence
+    assert "succeeded only when a call that had failed was tried again" in verdict.sentence
+    assert f"{flaky} succeeded only when tried again" in verdict.sentence
+
+
+def test_without_retries_it_is_a_failed_evaluation() -> None:
+    with adversary("none", now_and_then_lost(FAILED)):
+        verdict, _ = ran(campaign())
+    assert verdict.evaluations is not None
+    assert verdict.evaluations.failed > 5
+    assert verdict.verdict == "inconclusive"
+
+
+def test_one_failed_call_makes_the_evaluation_fail_with_its_reason() -> None:
+    def third(call: Call) -> int:
+        return FAILED if call.total == 3 else OK
+
+    with adversary("none", third):
+        _, store = ran(campaign(**REPEATS))
+    columns = store.evaluations(0)
+    assert columns is not None
+    assert columns.status[0] == FAILED
+    assert columns.reasons[0] == "call 3 of 5: its process ended with exit code 3"
+
+
+def test_a_simulator_that_always_fails_ends_the_run_at_once() -> None:
+    store = MemoryStore()
+    with adversary("none", never), pytest.raises(CampaignUnusable, match="none of its first 15 evaluations") as refused:
+        execute(campaign(), store, threads=1)
+    assert "its process ended with exit code 3" in str(refused.value)
+    columns = store.evaluations(0)
+    assert columns is not None
+    assert len(columns.status) == 15
+    assert store.evaluations(1) is None
+
+
+def test_a_resumed_run_measures_what_is_missing() -> None:
+    """Cancelled in its first stage, it continues from the stored evaluations."""
+    store, left = MemoryStore(), iter([False] * 2 + [True] * 10)
+    with adversary("none"):
+        with pytest.raises(Cancelled):
+            execute(campaign(), store, lambda: next(left), threads=1)
+        held = store.evaluations(0)
+        assert held is not None
+        assert 0 < len(held.status) < 15
+        execute(campaign(), store, threads=1)
+    assert measured(store).identical
+
+
+def test_a_random_evaluation_that_fails_only_when_made_again_bars_cleared() -> None:
+    """Its first processes never fail; of the fresh ones, those that evaluate far from the findings do."""
+
+    def fresh_and_low(call: Call) -> int:
+        return FAILED if call.process > 2 and call.a < 0.3 else OK
+
+    with adversary("none", fresh_and_low):
+        verdict, _ = ran(campaign(**REPEATS))
+    assert verdict.verdict == "inconclusive"
+    assert not check(verdict, "noise of calls").ok

@@ -1,0 +1,116 @@
+"""lq-CMA-ES: the points of its library's own loop, parts of generations, restarts, evaluations that fail."""
+
+from __future__ import annotations
+
+import warnings
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+from tests.unit.functions import on_unit_cube
+from tests.unit.searching import batch, run, space
+from worker.search.base import Floats
+from worker.search.methods.lq_cma_es import method
+from worker.search.parts.one_thread import one_thread
+
+
+def bowl(x: Floats) -> Floats:
+    return np.asarray(((x - 0.4) ** 2 * 10.0 ** np.arange(x.shape[1])).sum(axis=1))
+
+
+def library(function: object, dimension: int, budget: int, seed: int) -> Floats:
+    """The points at which pycma's own loop evaluates, from the same start and random numbers."""
+    import cma
+
+    random, asked = np.random.default_rng(seed), []
+
+    def cost(x: Floats) -> float:
+        asked.append(np.array(x))
+        if len(asked) >= budget:
+            raise StopIteration
+        return float(function(np.clip(np.array(x), 0, 1)[None, :])[0])  # type: ignore[operator]
+
+    options = {
+        "bounds": [0.0, 1.0], "popsize": 4 + int(3 * np.log(dimension)), "seed": np.nan, "tolx": 1e-5,
+        "verbose": -9, "verb_log": 0, "randn": lambda *shape: random.standard_normal(shape),
+    }  # fmt: skip
+    start = random.random(dimension)
+    with warnings.catch_warnings(), one_thread(), suppress(StopIteration):
+        warnings.simplefilter("ignore")
+        cma.fmin_lq_surr2(cost, start, 0.3, options)
+    return np.array(asked)
+
+
+@pytest.mark.parametrize(("name", "budget"), [("Hartman 6", 80), ("Branin", 50)])
+def test_its_points_are_those_of_the_librarys_own_loop(name: str, budget: int) -> None:
+    f = on_unit_cube(name, 3)
+    own = run(method, f, f.dimension, budget, seed=7).points[:budget]
+    assert np.array_equal(own, library(f, f.dimension, budget, 7))
+
+
+def test_a_quadratic_cost_is_solved_in_tens_of_evaluations() -> None:
+    found = run(method, bowl, 4, 80)
+    assert found.lowest < 1e-9
+
+
+def test_a_generation_is_evaluated_in_growing_parts() -> None:
+    found = run(method, lambda x: np.sin(1e5 * x).sum(axis=1), 2, 60, options={"population": 20})
+    sizes = list(map(len, found.batches))
+    assert sizes[:5] == [5, 3, 4, 6, 2], "no model ranks noise: 5, 8, 12, 18, 20 of 20 points"
+    alone = run(method, bowl, 4, 80)
+    assert np.mean(list(map(len, alone.batches[20:]))) < 1.5, "the model of a bowl is trusted"
+
+
+def test_requests_fill_the_places_side_by_side() -> None:
+    found = run(method, bowl, 6, 90, options={"at_once": 3, "population": 12})
+    assert {len(b) % 3 for b in found.batches} == {0}
+    assert found.lowest < 1e-3
+
+
+def test_restarts_double_the_population() -> None:
+    """No model ranks a flat cost, so every generation is evaluated in full."""
+    found = run(method, lambda x: np.zeros(len(x)), 2, 400)
+    assert found.text is None
+    assert len(found.minima) >= 3
+    assert [m.evaluations % size for m, size in zip(found.minima[:2], (6, 12), strict=True)] == [0, 0]
+    assert "the cost" in found.minima[0].text
+
+
+def test_what_fails_is_replaced_by_the_next_best_and_never_modelled(monkeypatch: pytest.MonkeyPatch) -> None:
+    from cma.fitness_models import LQModel
+
+    seen: list[float] = []
+    add = LQModel.add_data_row
+
+    def note(self: object, x: Floats, f: float) -> object:
+        seen.append(f)
+        return add(self, x, f)
+
+    monkeypatch.setattr(LQModel, "add_data_row", note)
+    found = run(method, lambda x: np.where(x[:, 0] > 0.4, np.nan, bowl(x)), 3, 120)
+    values = np.concatenate(found.values)
+    assert 0 < np.isnan(values).sum() < 60
+    assert seen
+    assert np.isfinite(seen).all()
+    assert found.lowest < 1e-3, "the minimum is at the edge of what fails"
+
+
+def test_a_hole_at_the_bottom_does_not_take_most_evaluations() -> None:
+    """In the model's order alone, and with its minimum in every generation, 61 to 67 % of the second half fail."""
+    fractions = []
+    for seed in (1, 2, 3):
+        found = run(method, lambda x: np.where(np.abs(x - 0.4).max(axis=1) < 0.1, np.nan, bowl(x)), 3, 110, seed=seed)
+        fractions.append(np.isnan(np.concatenate(found.values)[55:]).mean())
+        assert found.lowest < 0.0102, "the edge of the hole is at 0.01"
+    assert np.mean(fractions) < 0.4
+
+
+def test_a_generation_of_failures_is_evaluated_in_full() -> None:
+    search = method.search(space(2, 100), method.options())
+    points, asked = next(search), 0
+    for _ in range(40):
+        asked += len(points)
+        points = search.send(batch(np.full(len(points), np.nan)))
+    search.close()
+    assert asked > 40

@@ -1,0 +1,103 @@
+"""Methods and budgets proposed from the time of an evaluation: they fit, they exist, and the command prints them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+import yaml
+
+from campaigns import check
+from campaigns.asked.proposal import FEW, TITLES, lasting, proposed
+from tests.unit.cases import searching
+from worker.catalogue.installed import catalogue, methods
+from worker.cli import WRONG_INPUT, invoke
+from worker.verdicts.agreement import GLOBAL_LEAST
+
+GRID = list(itertools.product([1e-6, 1e-3, 0.03, 1.0, 12.0, 900.0], [1, 4, 25], [1, 4, 300], [0.5, 10.0, 1200.0, 1e6]))
+
+
+def test_the_sentence_of_a_simulator_of_twelve_seconds() -> None:
+    found = proposed(12.0, 4, slots=4, patience=1200.0)
+    assert found.sentence == (
+        "One evaluation takes about 12 s: 400 evaluations take about 20 min on 4 slots; use lq-CMA-ES and TuRBO"
+    )
+    assert [(s.method, s.evaluations, s.options) for s in found.searches] == [
+        ("lq_cma_es", 200, {"at_once": 4}), ("turbo", 200, {"batch": 4})
+    ]  # fmt: skip
+    assert found.seconds == 1200.0
+
+
+@pytest.mark.parametrize(("cost", "parameters", "slots", "patience"), GRID)
+def test_whatever_is_proposed_fits_and_can_be_run(cost: float, parameters: int, slots: int, patience: float) -> None:
+    found = proposed(cost, parameters, slots, patience)
+    assert bool(found.searches) == (cost <= patience)
+    assert found.seconds <= patience * (1 + 1e-9)
+    assert found.seconds == pytest.approx(sum(math.ceil(s.evaluations / slots) * cost for s in found.searches))
+    assert f"about {lasting(cost)}" in found.sentence
+    for search in found.searches:
+        assert search.evaluations >= 1
+        assert cost >= 0.02 or not methods()[search.method].costly
+    if found.searches:
+        stages = [{"method": s.method, "evaluations": s.evaluations, "options": s.options} for s in found.searches]
+        assert check(searching(*stages), catalogue()) == []
+
+
+def test_two_methods_each_get_enough_to_count_as_a_search() -> None:
+    assert FEW == GLOBAL_LEAST
+    for cost, parameters, slots, patience in GRID:
+        found = proposed(cost, parameters, slots, patience)
+        assert all(s.evaluations >= FEW * parameters for s in found.searches) or "second method" in found.sentence
+
+
+def test_titles_are_those_of_the_methods() -> None:
+    assert {name: methods()[name].title for name in TITLES} == TITLES
+
+
+def test_where_two_methods_do_not_fit_the_sentence_says_what_is_missing() -> None:
+    found = proposed(60.0, 5, patience=1800.0)
+    assert [(s.method, s.evaluations) for s in found.searches] == [("turbo", 30)]
+    assert found.sentence.endswith("a second method, without which nothing is cleared, fits if you allow 4.2 h")
+    assert len(proposed(60.0, 5, patience=4.2 * 3600).searches) == 2
+    none = proposed(7200.0, 5, patience=600.0)
+    assert none.sentence.endswith("about 2 h, longer than the 10 min that are available: allow more time")
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [((0.0, 3), "cost 0"), ((float("nan"), 3), "cost nan"), ((float("inf"), 3), "cost inf"), ((-1.0, 3), "cost -1"),
+     ((1.0, 0), "parameters 0"), ((1.0, 3, 0), "slots 0"), ((1.0, 3, 1, 0.0), "patience 0")],
+)  # fmt: skip
+def test_impossible_values_are_refused(given: tuple[float, int], names: str) -> None:
+    with pytest.raises(ValueError, match=names):
+        proposed(*given)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(2e-5, "20 us"), (0.0123, "12 ms"), (12.0, "12 s"), (99.9, "100 s"), (1200.0, "20 min"), (5000.0, "83 min"),
+     (9000.0, "2.5 h"), (1e6, "12 days"), (1e9, "12,000 days")],
+)  # fmt: skip
+def test_lengths_of_time(seconds: float, text: str) -> None:
+    assert lasting(seconds) == text
+
+
+def test_the_command_prints_stages_of_a_campaign(capsys: pytest.CaptureFixture[str]) -> None:
+    assert invoke(["propose", "--cost", "12", "--parameters", "4", "--slots", "4", "--patience", "1200"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("# One evaluation takes about 12 s: 400 evaluations")
+    stages = yaml.safe_load(shown)["stages"]["search"]
+    assert stages[1] == {"method": "turbo", "evaluations": 200, "options": {"batch": 4}}
+    assert check(searching(*stages), catalogue()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [(["--cost", "0", "--parameters", "3"], "invalid cost 0"), (["--cost", "9999", "--parameters", "3"], "allow more")],
+)
+def test_the_command_refuses_what_cannot_be(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert invoke(["propose", *arguments]) == WRONG_INPUT
+    assert said in capsys.readouterr().err

@@ -1,0 +1,285 @@
+"""Reads the descriptor of an FMU that is a simulator: `simulator.yaml` with the key `fmu`.
+
+Names, units, limits and start values come from the model; the descriptor states what the model does not. Start reading
+at `FmuDescriptor`; docs/your-own-simulator.md shows one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from campaigns.asked.values import Identifier, Strict
+from campaigns.catalogue import ParameterEntry, ResultEntry, SimulatorEntry
+from worker.catalogue.described import Basics, Described, Finite
+from worker.catalogue.fmu_model import REALS, Model, Unusable, Variable, model
+
+STEPS = 10_000_000
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+class FmuParameter(Strict):
+    """A parameter or input of the model; what is not stated here is read from the model.
+
+    variable: its name in the model, by default that of the entry.
+    """
+
+    variable: str | None = None
+    unit: str | None = None
+    nominal: Finite | None = None
+    low: Finite | None = None
+    high: Finite | None = None
+    text: str | None = None
+    symbol: str = ""
+
+
+class FmuResult(Strict):
+    """A number taken from a variable of the model, read at every communication point."""
+
+    variable: str
+    take: Literal["minimum", "maximum", "final", "first_crossing"]
+    level: Finite | None = None
+    direction: Literal["rising", "falling", "either"] | None = None
+    title: str = ""
+    quantity: str = ""
+    unit: str | None = None
+    worse: Literal["low", "high"] = "low"
+    text: str | None = None
+
+    @model_validator(mode="after")
+    def _crosses(self) -> Self:
+        if self.take == "first_crossing" and self.level is None:
+            raise ValueError("first_crossing requires level, the value to be crossed")
+        if self.take != "first_crossing" and (self.level is not None or self.direction is not None):
+            raise ValueError(f"level and direction belong to first_crossing, not to {self.take}")
+        return self
+
+
+class FmuDescriptor(Basics):
+    """What `simulator.yaml` states of an FMU.
+
+    fmu: the file, in the folder of the descriptor. stop, step: end of the simulation and communication step [s], by
+    default those of the model's DefaultExperiment. parameters: those that a campaign may vary, by default all
+    parameters and inputs that are real numbers. fixed (key `set`): values of further variables, by their names in the
+    model.
+    """
+
+    fmu: Annotated[str, Field(pattern=r"^[^/\\]+$")]
+    stop: Finite | None = None
+    step: Positive | None = None
+    parameters: (
+        dict[Identifier, Annotated[FmuParameter, BeforeValidator(lambda given: {} if given is None else given)]] | None
+    ) = None
+    results: Annotated[dict[Identifier, FmuResult], Field(min_length=1)]
+    fixed: dict[str, bool | int | Finite | str] = Field(default_factory=dict, alias="set")
+
+
+@dataclass(frozen=True)
+class Input:
+    """A number that every evaluation sets."""
+
+    variable: Variable
+    entry: ParameterEntry
+
+
+@dataclass(frozen=True)
+class DescribedFmu(Described):
+    """The descriptor of an FMU, completed by its model; sha256: of the file."""
+
+    descriptor: FmuDescriptor
+    model: Model
+    sha256: str
+    stop: float
+    step: float
+    inputs: tuple[Input, ...]
+
+    @property
+    def file(self) -> Path:
+        return self.folder / self.descriptor.fmu
+
+    @property
+    def steps(self) -> int:
+        return round((self.stop - self.model.start) / self.step)
+
+    @property
+    def entry(self) -> SimulatorEntry:
+        d = self.descriptor
+        return SimulatorEntry(
+            name=d.name,
+            title=d.title or d.name,
+            text=d.text or self.model.text,
+            parameters=[given.entry for given in self.inputs],
+            results=[_result(name, r, self.model.variables[r.variable]) for name, r in d.results.items()],
+        )
+
+
+def read(folder: Path, document: dict[str, Any]) -> DescribedFmu:
+    """The described FMU of a folder; raises ValidationError and Unusable."""
+    if "command" in document:
+        raise Unusable("command: not together with fmu; give one of the two")
+    descriptor = FmuDescriptor.model_validate(document)
+    file = folder / descriptor.fmu
+    if not file.is_file():
+        raise Unusable(f"fmu: there is no file {descriptor.fmu} in {folder}")
+    sha256 = hashlib.sha256(file.read_bytes()).hexdigest()
+    found = model(file, sha256)
+    for name, result in descriptor.results.items():
+        _readable(f"results.{name}", result, found, descriptor.fmu)
+    inputs = tuple(_named(descriptor, found) if descriptor.parameters else _all(descriptor, found))
+    _fixed(descriptor, found, {given.variable.reference for given in inputs})
+    stop, step = _times(descriptor, found)
+    return DescribedFmu(folder, descriptor, found, sha256, stop, step, inputs)
+
+
+def _times(descriptor: FmuDescriptor, found: Model) -> tuple[float, float]:
+    """End and communication step [s], of which the duration is a whole multiple."""
+    stop = found.stop if descriptor.stop is None else descriptor.stop
+    step = found.step if descriptor.step is None else descriptor.step
+    for key, value in (("stop", stop), ("step", step)):
+        if value is None:
+            raise Unusable(f"{key}: the model states none; give it in seconds")
+    assert stop is not None
+    assert step is not None
+    if stop <= found.start:
+        raise Unusable(f"stop: {stop:g} s must be after the start of the model, {found.start:g} s")
+    if step <= 0:
+        raise Unusable(f"step: the model states {step:g} s; give a positive one")
+    steps = (stop - found.start) / step
+    if steps > STEPS:
+        raise Unusable(f"step: {steps:.3g} steps of {step:g} s; at most {STEPS} are allowed")
+    if round(steps) < 1 or abs(steps - round(steps)) > 1e-6:
+        text = f"step: {stop - found.start:g} s are {steps:.6g} steps of {step:g} s; a whole number is expected"
+        raise Unusable(text)
+    return stop, step
+
+
+def _all(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
+    """Every parameter and input that is a real number and not fixed."""
+    chosen: dict[str, Variable] = {}
+    for variable in found.variables.values():
+        alias = variable.reference in {v.reference for v in chosen.values()}
+        if not variable.settable or variable.name in descriptor.fixed or alias:
+            continue
+        name = identifier(variable.name)
+        if name in chosen:
+            both = f"{chosen[name].name} and {variable.name}"
+            raise Unusable(f"parameters: {both} would both be called {name}; name those that a campaign may vary")
+        chosen[name] = variable
+    if not chosen:
+        raise Unusable(f"parameters: {descriptor.fmu} has no parameter and no input that is a real number")
+    unlimited = [n for n, v in chosen.items() if v.low is None or v.high is None or v.start is None]
+    if unlimited:
+        raise Unusable(
+            f"parameters: the model states no finite min and max, or no start value, of {_some(unlimited)}; list the"
+            " parameters that a campaign may vary, with low, high and nominal where the model states none"
+        )
+    for name, variable in chosen.items():
+        yield _input(name, FmuParameter(), variable)
+
+
+def _named(descriptor: FmuDescriptor, found: Model) -> Iterator[Input]:
+    """The parameters that the descriptor lists."""
+    taken: dict[int, str] = {}
+    for name, stated in (descriptor.parameters or {}).items():
+        variable = _meant(name, stated, found, descriptor.fmu)
+        if variable.reference in taken:  # also by an alias
+            first = taken[variable.reference]
+            raise Unusable(f"parameters.{name}: {first} already sets this variable; remove one of them")
+        taken[variable.reference] = name
+        yield _input(name, stated, variable)
+
+
+def _meant(name: str, stated: FmuParameter, found: Model, file: str) -> Variable:
+    asked = stated.variable or name
+    alike = [v for v in found.variables.values() if identifier(v.name) == asked] if stated.variable is None else []
+    variable = found.variables.get(asked) or (alike[0] if len(alike) == 1 else None)
+    if variable is None:
+        settable = [v.name for v in found.variables.values() if v.settable]
+        raise Unusable(f"parameters.{name}: {file} has no variable {asked}; it has {_some(settable)}")
+    if not variable.settable:
+        shape = "one" if variable.scalar else "an array"
+        raise Unusable(
+            f"parameters.{name}: {variable.name} is {shape} {variable.type}, causality {variable.causality},"
+            f" variability {variable.variability}; one real number is expected, a fixed or tunable parameter or input"
+        )
+    return variable
+
+
+def _input(name: str, stated: FmuParameter, variable: Variable) -> Input:
+    nominal = variable.start if stated.nominal is None else stated.nominal
+    low = variable.low if stated.low is None else stated.low
+    high = variable.high if stated.high is None else stated.high
+    if nominal is None or low is None or high is None:
+        given = {"nominal": nominal, "low": low, "high": high}
+        missing = " and ".join(key for key, value in given.items() if value is None)
+        raise Unusable(f"parameters.{name}: the model states no finite value for {missing}; give it here")
+    if not low <= nominal <= high:
+        raise Unusable(f"parameters.{name}: nominal {nominal:g} must be within [low {low:g}, high {high:g}]")
+    unit = _unit(f"parameters.{name}.unit", stated.unit, variable.unit)
+    text = variable.text if stated.text is None else stated.text
+    entry = ParameterEntry(
+        name=name, symbol=stated.symbol, unit=unit, low=low, high=high, default=nominal, text=text
+    )  # fmt: skip
+    return Input(variable, entry)
+
+
+def _readable(key: str, result: FmuResult, found: Model, file: str) -> None:
+    variable = found.variables.get(result.variable)
+    if variable is None:
+        reals = [v.name for v in found.variables.values() if v.type in REALS and v.causality == "output"]
+        raise Unusable(f"{key}.variable: {file} has no variable {result.variable}; its outputs are {_some(reals)}")
+    if variable.type not in REALS or not variable.scalar:
+        kind = variable.type if variable.scalar else f"an array of {variable.type}"
+        raise Unusable(f"{key}.variable: {result.variable} is {kind}; one real number is expected")
+    _unit(f"{key}.unit", result.unit, "s" if result.take == "first_crossing" else variable.unit)
+
+
+def _result(name: str, result: FmuResult, variable: Variable) -> ResultEntry:
+    return ResultEntry(
+        name=name,
+        title=result.title or name,
+        quantity=result.quantity or name,
+        unit=_unit(name, result.unit, "s" if result.take == "first_crossing" else variable.unit),
+        worse=result.worse,
+        text=variable.text if result.text is None else result.text,
+    )
+
+
+def _fixed(descriptor: FmuDescriptor, found: Model, varied: set[int]) -> None:
+    """Check the values under `set` by the types of their variables."""
+    kinds: dict[str, tuple[type, ...]] = {"Boolean": (bool,), "String": (str,)}
+    kinds |= dict.fromkeys(("Real", "Float32", "Float64"), (int, float))
+    for name, value in descriptor.fixed.items():
+        variable = found.variables.get(name)
+        if variable is None:
+            raise Unusable(f"set.{name}: {descriptor.fmu} has no variable of this name")
+        if variable.type in REALS and variable.reference in varied:
+            raise Unusable(f"set.{name}: it is a parameter of the simulator; remove it here or under parameters")
+        if variable.causality not in ("parameter", "input") or not variable.scalar:
+            raise Unusable(f"set.{name}: it is {variable.causality}; a scalar parameter or input is expected")
+        expected = kinds.get(variable.type, (int,))
+        if not isinstance(value, expected) or (isinstance(value, bool) and bool not in expected):
+            raise Unusable(f"set.{name}: {value!r:.60} is not a value of type {variable.type}")
+
+
+def _unit(key: str, stated: str | None, modelled: str) -> str:
+    if stated is not None and modelled and stated != modelled:
+        raise Unusable(f"{key}: the model states {modelled}, not {stated}; values are in {modelled}: remove this")
+    return modelled or stated or ""
+
+
+def identifier(name: str) -> str:
+    """The name of a variable in campaigns: `body.m[1]` is `body_m_1`."""
+    plain = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
+    return (plain if plain[:1].isalpha() else f"p_{plain}")[:60]
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:12]) + (", ..." if len(names) > 12 else "") if names else "none"

@@ -1,0 +1,156 @@
+"""`clearance check-simulator NAME`: evaluates a simulator at a few points, without a campaign.
+
+The exit code is 0 only if it can be used as it is: every evaluation has a value, and results repeat bit by bit.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from worker.cli import WrongInputError
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+    from campaigns.catalogue import SimulatorEntry
+    from campaigns.results.nominal import Measured
+    from worker.stages.parts.store import Columns
+
+NOT_AS_IT_IS = 1
+"""Exit code of a simulator that fails at some points or does not repeat."""
+
+
+def check_simulator(
+    name: Annotated[str, typer.Argument(help="A simulator of this installation.")],
+    points: Annotated[
+        int, typer.Option(help="The nominal point and others spread over the limits; each is evaluated three times.",
+                          min=2, max=1000)
+    ] = 5,
+    result: Annotated[str, typer.Option(help="The result to compare; the first one that may decide if omitted.")] = "",
+) -> None:  # fmt: skip
+    """Evaluate a simulator at a few points: failures, time, and whether its results repeat."""
+    from campaigns.results.base import OK
+    from worker.stages.parts import noise
+
+    entry = _entry(name)
+    campaign = _campaign(entry, _decides(entry, result))
+    measured, columns = _evaluated(campaign, points)
+    _declared(entry)
+    values = sum(columns.status == OK)
+    lost = noise.reasons(columns)
+    decides = campaign.criterion.result
+    unit = next(r.unit for r in entry.results if r.name == decides)
+    typer.echo(
+        f"\n{values} of {measured.evaluations} evaluations of {measured.points} points have a value of {decides}"
+    )
+    for reason in lost:
+        typer.echo(f"  failed: {reason}")
+    if measured.seconds is not None:
+        typer.echo(f"time per evaluation: {measured.seconds:.3g} s")
+    typer.echo(measured.text if values else "whether it repeats is unknown: no evaluation has a value")
+    _advise(measured, bool(values), unit)
+    if values < measured.evaluations or not measured.repeats:
+        raise typer.Exit(NOT_AS_IT_IS)
+
+
+def _entry(name: str) -> SimulatorEntry:
+    from campaigns.checked import said
+    from worker.catalogue.descriptor import unusable
+    from worker.catalogue.installed import catalogue
+
+    known = catalogue()
+    entry = known.simulator(name)
+    if entry is None:
+        for problem in unusable():
+            typer.echo(problem, err=True)
+        names = [s.name for s in known.simulators]
+        raise WrongInputError(f"no simulator {name!r} in this installation; {said.known(name, names)}")
+    return entry
+
+
+def _decides(entry: SimulatorEntry, asked: str) -> str:
+    low = [r.name for r in entry.results if r.worse == "low"]
+    if asked and asked not in low:
+        raise WrongInputError(
+            f"--result {asked}: {entry.name} has no such result that is worse when low: {low or 'none'}"
+        )
+    if not low:
+        raise WrongInputError(f"no result of {entry.name} is worse when low, so none can decide a campaign")
+    return asked or low[0]
+
+
+def _campaign(entry: SimulatorEntry, result: str) -> Campaign:
+    """All of its parameters over their limits."""
+    from campaigns.asked.load import load_document
+    from campaigns.asked.values import LARGEST
+
+    ranges = {
+        f"simulator.{p.name}": {"low": p.low, "high": p.high}
+        for p in entry.parameters
+        if -LARGEST <= p.low < p.high <= LARGEST
+    }
+    if not ranges:
+        raise WrongInputError(f"no parameter of {entry.name} has finite limits with low below high: nothing can vary")
+    return load_document(
+        {
+            "name": "check-simulator",
+            "simulator": {"name": entry.name},
+            "uncertain": dict(list(ranges.items())[:64]),
+            "criterion": {"result": result, "threshold": 0.0},
+            "stages": {"sensitivity": None, "search": [{"method": "direct", "evaluations": 1}]},
+        }
+    )
+
+
+def _evaluated(campaign: Campaign, points: int) -> tuple[Measured, Columns]:
+    from campaigns import CampaignError
+    from worker.opening import opened
+    from worker.problem.evaluate import InProcess
+    from worker.runs.store import MemoryStore
+    from worker.stages.parts import noise
+    from worker.stages.parts.base import Context, drive
+    from worker.systems.base import CampaignUnusable
+
+    try:
+        problem = opened.problem(campaign)
+    except CampaignUnusable as error:
+        raise CampaignError(
+            f"the simulator {campaign.simulator.name if campaign.simulator else ''}", error.problems
+        ) from None
+    evaluate = InProcess(problem)
+    try:
+        problem.system.warm()
+        chosen = noise.points(problem, points)
+        columns = drive(
+            Context(campaign, problem, evaluate, MemoryStore()), 0, noise.measuring(problem, chosen), 2**62
+        ).columns
+        assert columns is not None
+        return noise.measured(columns, points, problem.unit, problem.system.repeatable), columns
+    finally:
+        evaluate.close()
+        problem.system.close()
+
+
+def _declared(entry: SimulatorEntry) -> None:
+    typer.echo(f"{entry.name}: {entry.title}")
+    for p in entry.parameters:
+        typer.echo(f"  parameter {p.name}: nominal {p.default:g}, {p.low:g} to {p.high:g} {p.unit}".rstrip())
+    for r in entry.results:
+        typer.echo(f"  result {r.name} [{r.unit or '1'}], worse when {r.worse}")
+
+
+def _advise(measured: Measured, values: bool, unit: str) -> None:
+    """The proposal for `repeats`."""
+    from worker.verdicts.calls import FEW, MANY
+
+    if not values or measured.repeats:
+        return
+    deviation = f"{measured.deviation or 0.0:.3g} {unit}".rstrip()
+    typer.echo(
+        "It does not repeat, so single evaluations never clear a campaign. Proposal, below `simulator`:\n"
+        f"  repeats: {{count: {FEW}, combine: worst}}\n"
+        f"and up to {MANY} where the margin is less than ten times the standard deviation of {deviation}."
+    )
+    if measured.by_process:
+        typer.echo("Evaluations in one process repeat, but differ in another: set recycle: 1 in its descriptor.")

@@ -1,0 +1,194 @@
+"""What identifies a function: a digest of its compiled code, its values, and the functions that it uses.
+
+The compiled code and not the source text: a file may have been edited since, and an interactive function may have no
+text. What cannot be read exactly (an object, a generator of random numbers) is named instead: then nothing identifies
+the function, and a verdict must state that. Start reading at `identified`.
+"""
+
+from __future__ import annotations
+
+import dis
+import functools
+import hashlib
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import BuiltinFunctionType, CellType, CodeType, FunctionType, MethodType, ModuleType
+from typing import Any
+
+import numpy as np
+
+DEEPEST = 40
+
+
+@dataclass(frozen=True)
+class Identity:
+    """The digest (64 hexadecimal digits), and the first thing that could not be read; empty if everything was."""
+
+    digest: str
+    unknown: str = ""
+
+
+def identified(call: Callable[..., Any]) -> Identity:
+    """The identity of a function as it is now."""
+    reader = _Reader()
+    reader.take(call, getattr(call, "__name__", type(call).__name__))
+    return Identity(reader.sink.hexdigest(), reader.unknown)
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self.sink = hashlib.sha256()
+        self.unknown = ""
+        self.seen: dict[int, Any] = {}
+        """By id, and held, so that no id is used twice."""
+
+    def put(self, *parts: object) -> None:
+        for part in parts:
+            data = part if isinstance(part, bytes) else str(part).encode("utf-8", "surrogatepass")
+            self.sink.update(f"{len(data)}:".encode() + data)
+
+    def take(self, value: Any, name: str, depth: int = 0) -> None:
+        """Add one value; `name` is what a sentence calls it."""
+        kind = type(value)
+        if value is None or value is Ellipsis or kind in (bool, int, float, complex, str, bytes):
+            self.put(kind.__name__, repr(value) if kind is not bytes else value)
+        elif id(value) in self.seen:
+            self.put("again", list(self.seen).index(id(value)))
+        elif depth > DEEPEST:
+            self.miss(name)
+        else:
+            self.seen[id(value)] = value
+            self._compound(value, name, depth + 1)
+
+    def miss(self, name: str) -> None:
+        self.put("unknown")
+        self.unknown = self.unknown or name
+
+    def _compound(self, value: Any, name: str, depth: int) -> None:
+        kind = type(value)
+        if kind in (tuple, list):
+            self.put(kind.__name__, len(value))
+            for k, inner in enumerate(value):
+                self.take(inner, f"{name}[{k}]", depth)
+        elif kind in (dict, set, frozenset):
+            self._unordered(value, name, depth)
+        elif kind is np.ndarray and not value.dtype.hasobject:
+            self.put("array", value.dtype.str, value.shape, value.tobytes())
+        elif isinstance(value, np.generic) and not value.dtype.hasobject:
+            self.put("scalar", value.dtype.str, value.tobytes())
+        else:
+            self._callable(value, name, depth)
+
+    def _unordered(self, value: Any, name: str, depth: int) -> None:
+        if not all(type(k) in (str, int, float, bool, bytes) for k in value):
+            self.miss(name)
+            return
+        self.put(type(value).__name__, len(value))
+        for key in sorted(value, key=repr):
+            self.put(type(key).__name__, repr(key))
+            if isinstance(value, Mapping):
+                self.take(value[key], f"{name}[{key!r:.20}]", depth)
+
+    def _callable(self, value: Any, name: str, depth: int) -> None:
+        if isinstance(value, ModuleType):
+            self._module(value.__name__)
+        elif isinstance(value, FunctionType):
+            self._function(value, depth)
+        elif isinstance(value, functools.partial):
+            self.put("partial")
+            for k, part in enumerate((value.func, value.args, value.keywords)):
+                self.take(part, f"{name} ({('function', 'arguments', 'keywords')[k]})", depth)
+        elif isinstance(value, MethodType):
+            self.miss(f"the object of the method {value.__name__}")
+        elif isinstance(getattr(value, "py_func", None), FunctionType):  # compiled by numba
+            self.put("compiled")
+            self.take(value.py_func, name, depth)
+        elif isinstance(value, (BuiltinFunctionType, np.ufunc, type)) or hasattr(value, "_implementation"):
+            self._named(value, name)
+        else:
+            self.miss(name)
+
+    def _named(self, value: Any, name: str) -> None:
+        """Something of an installed package or of C, by its name and the version of the package; not of a file here."""
+        module = str(getattr(value, "__module__", "") or "builtins")
+        version, owner = _installed(module), getattr(value, "__self__", None)
+        if version is None or not (owner is None or isinstance(owner, ModuleType)):
+            self.miss(name)
+        else:
+            self.put("name", module, getattr(value, "__qualname__", getattr(value, "__name__", name)), version)
+
+    def _function(self, function: FunctionType, depth: int) -> None:
+        if depth > 1 and (version := _installed(str(function.__module__ or ""))) is not None:
+            self.put("library", function.__module__, function.__qualname__, version)
+            return
+        self.put("function")
+        self._code(function.__code__)
+        for defaults in (function.__defaults__, function.__kwdefaults__):
+            self.take(defaults, f"the defaults of {function.__name__}", depth)
+        cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=False)
+        used = {name: cell.cell_contents for name, cell in cells if not _empty(cell)}
+        names, imported = _globals(function.__code__)
+        used |= {name: function.__globals__[name] for name in names if name in function.__globals__}
+        for name in sorted(used):
+            self.put(name)
+            self.take(used[name], name, depth)
+        for module in sorted(imported):
+            self._module(module)
+
+    def _module(self, name: str) -> None:
+        version = _installed(name)
+        if version is None:
+            self.miss(f"the module {name or '.'}")
+        else:
+            self.put("module", name, version)
+
+    def _code(self, code: CodeType) -> None:
+        self.put(code.co_code, code.co_names, code.co_varnames, code.co_freevars, code.co_flags, code.co_argcount)
+        for constant in code.co_consts:
+            if isinstance(constant, CodeType):
+                self._code(constant)
+            else:
+                self.put(type(constant).__name__, _constant(constant))
+
+
+def _installed(module: str) -> str | None:
+    """The version of the package that a module belongs to; None for one that has none, as those of a user."""
+    top = module.partition(".")[0]
+    if top in sys.stdlib_module_names:
+        return sys.version
+    version = "" if top == "__main__" else getattr(sys.modules.get(top), "__version__", "")
+    return str(version) if version else None
+
+
+def _globals(code: CodeType) -> tuple[set[str], set[str]]:
+    """The global names that code loads, and the modules that it imports, those of functions inside it included."""
+    names, imported = set[str](), set[str]()
+    for instruction in dis.get_instructions(code):
+        if instruction.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
+            names.add(str(instruction.argval))
+        elif instruction.opname == "IMPORT_NAME":
+            imported.add(str(instruction.argval))
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            inner = _globals(constant)
+            names |= inner[0]
+            imported |= inner[1]
+    return names, imported
+
+
+def _empty(cell: CellType) -> bool:
+    try:
+        cell.cell_contents  # noqa: B018  a cell may have no value yet
+    except ValueError:
+        return True
+    return False
+
+
+def _constant(value: Any) -> str:
+    """A constant of compiled code; sets in a fixed order, because that of their repr differs between processes."""
+    if isinstance(value, frozenset):
+        return f"frozenset({sorted(map(_constant, value))})"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_constant, value))})"
+    return repr(value)

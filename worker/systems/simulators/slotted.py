@@ -1,0 +1,117 @@
+"""The base of simulators that evaluate in slots: processes that start with the first evaluation and end with `close`.
+
+A derived class gives the program, the limits and the number of its slots, and reads an outcome. Start reading at
+`Slotted.submit`.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from campaigns.results.base import FAILED, OK, TIMEOUT
+from worker.search.base import Batch
+from worker.systems.base import Evaluated, Floats, Reasons, Seeds
+from worker.systems.simulators.simulated import Simulated
+from worker.systems.simulators.slots.outcome import Limits, Outcome
+from worker.systems.simulators.slots.pool import SlotPool
+from worker.systems.simulators.slots.program import Program
+
+if TYPE_CHECKING:
+    from worker.systems.simulators.cluster.pool import DaskPool
+
+One = TypeVar("One")
+
+
+class Slotted(Simulated):
+    """A simulator of which each evaluation is one request to a slot."""
+
+    _pool: SlotPool | DaskPool | None = None
+    _work: tempfile.TemporaryDirectory[str] | None = None
+
+    @property
+    @abstractmethod
+    def slots(self) -> int:
+        """Processes side by side."""
+
+    @property
+    @abstractmethod
+    def _limits(self) -> Limits: ...
+
+    @abstractmethod
+    def _program(self, work: Path) -> Program:
+        """What a slot runs; each may use a folder below `work`, which is removed at the end."""
+
+    @abstractmethod
+    def _read(self, outcome: Outcome) -> tuple[float, str]:
+        """The result that decides, or NaN and why there is none."""
+
+    def _request(self, vector: Floats) -> dict[str, float]:
+        """The parameters of one vector by the simulator's own names."""
+        names = [p.path.removeprefix("simulator.") for p in self.parameters]
+        return dict(zip(names, vector[: len(names)].tolist(), strict=True))
+
+    def submit(self, vector: Floats, seed: int | None = None) -> Future[Evaluated]:
+        return gathered([self._opened().submit({"parameters": self._request(vector)})], self._evaluated)
+
+    def evaluate(self, vectors: Floats, seeds: Seeds | None = None) -> tuple[Batch, Reasons]:
+        return batch_of([self.submit(vector) for vector in vectors])
+
+    def close(self) -> None:
+        """Kill its processes; they start again with the next evaluation."""
+        if self._pool is not None:
+            self._pool.close()
+            self._pool = None
+        if self._work is not None:
+            self._work.cleanup()
+            self._work = None
+
+    def _opened(self) -> SlotPool | DaskPool:
+        if self._pool is None:
+            prefix = f"clearance-{self.entry.name}-"
+            self._work = tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True)
+            self._pool = SlotPool(self._program(Path(self._work.name)), self.slots, self._limits)
+        return self._pool
+
+    def _evaluated(self, outcomes: Sequence[Outcome]) -> Evaluated:
+        (outcome,) = outcomes
+        value, reason = self._read(outcome)
+        if reason:
+            return Evaluated(np.array([np.nan]), TIMEOUT if outcome.kind == "timeout" else FAILED, reason)
+        return Evaluated(np.array([value if self.results[0].worse == "low" else -value]), OK, "")
+
+
+def gathered(futures: Sequence[Future[One]], read: Callable[[Sequence[One]], Evaluated]) -> Future[Evaluated]:
+    """The evaluation that the results of these futures, all of them, are read as."""
+    found: Future[Evaluated] = Future()
+    left, counting = len(futures), threading.Lock()
+
+    def done(_: Future[One]) -> None:
+        nonlocal left
+        with counting:
+            left -= 1
+            last = left == 0
+        if last:
+            try:
+                found.set_result(read([future.result() for future in futures]))
+            except Exception as error:  # reaches whoever waits for it, not the thread that ended the evaluation
+                found.set_exception(error)
+
+    for future in futures:
+        future.add_done_callback(done)
+    return found
+
+
+def batch_of(futures: Sequence[Future[Evaluated]]) -> tuple[Batch, Reasons]:
+    """The evaluations as a batch, in the order of the futures."""
+    found = [future.result() for future in futures]
+    costs = np.array([one.costs for one in found]).reshape(len(found), -1 if found else 1)
+    reasons = {k: one.reason for k, one in enumerate(found) if one.reason}
+    return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), reasons

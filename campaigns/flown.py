@@ -56,6 +56,8 @@ class Flown(BaseModel):
     """Simulations that one call of the loop runs in lockstep."""
     simulator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
     """Digest of the simulator, in place of the loop's: everything of it that could change a number."""
+    evaluator: Annotated[str | None, Field(exclude_if=lambda given: given is None)] = None
+    """What evaluated the simulator on other machines, of which the processors are not recorded."""
     step: float | None = None
     """[s]"""
     integrator: str | None = None

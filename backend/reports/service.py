@@ -158,6 +158,7 @@ def _origin(held: Held) -> list[tuple[str, str]]:
             "Machine",
             ", ".join(v for v in (known.system, cpu.model, cpu.target) if v) or unknown,
         ),
+        *([("Evaluated by", _elsewhere(known.evaluator))] if known.evaluator else []),
         ("Lanes", str(known.lanes or unknown)),
         ("Worker, attempts", f"{held.run.worker or 'none'}, {held.run.attempts}"),
         ("Submitted", f"{words.moment(held.run.created)} by {held.run.owner or 'unknown'}"),
@@ -165,6 +166,10 @@ def _origin(held: Held) -> list[tuple[str, str]]:
         ("Finished", words.moment(held.run.finished)),
         ("Extends", held.run.continues or "no earlier run"),
     ]
+
+
+def _elsewhere(evaluator: str) -> str:
+    return f"{evaluator} on other machines, whose processors are not recorded"
 
 
 def _components(held: Held) -> str:

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from campaigns import library, load_file
-from tests.bench import functions, methods, reference_pioneer, reference_uav
+from tests.bench import functions, methods, reference_pioneer, reference_uav, slots
 from tests.problems import Problem
 from worker.runs.provenance import flown
 from worker.systems.base import Floats
@@ -47,7 +47,7 @@ def main() -> None:
     BUILD.mkdir(exist_ok=True)
     problem = Problem(load_file(library()["unicycle_static"]))
     found: dict[str, Any] = unicycle(problem) | pioneer() | aircraft() | methods.measure()
-    found |= functions.measure()
+    found |= functions.measure() | slots.measure()
     found["second_process_first_eval_s"] = second_process()
     cpu = flown(problem.system).cpu
     found |= {"cpu": cpu.model if cpu else "", "cores": os.cpu_count(), "python": platform.python_version()}

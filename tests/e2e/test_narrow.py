@@ -64,6 +64,7 @@ GUIDES = (
     "your-own-simulator",
     "python",
     "recipes-px4-nav2",
+    "cluster",
     "methods",
     "evidence",
     "ci",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from pydantic import Field, field_validator
 
 from campaigns.asked.values import Identifier, Strict
 from campaigns.catalogue import SimulatorEntry
+from worker.catalogue.folder import digest_of
 
 FILE = "simulator.yaml"
 
@@ -61,9 +61,4 @@ class Described(ABC):
     @property
     def digest(self) -> str:
         """SHA-256 over all files of its folder, by relative path and content."""
-        sink = hashlib.sha256()
-        for path in sorted(p for p in self.folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
-            content = path.read_bytes()
-            sink.update(f"{path.relative_to(self.folder)}\0{len(content)}\0".encode())
-            sink.update(content)
-        return sink.hexdigest()
+        return digest_of(self.folder)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from campaigns.documents import JsonObject
-from worker.cli import CODES, WrongInputError
+from worker.cli import CODES, UnreachableError, WrongInputError
+from worker.cli import _evaluator as evaluators
 from worker.cli import _interrupt as interrupt
 from worker.cli._out import writable
 from worker.cli._where import DATA, Data, Database
@@ -48,13 +49,15 @@ def run(
     ] = "",
     data: Data = DATA,
     database: Database = "",
+    evaluator: evaluators.Evaluator = "",
 ) -> None:  # fmt: skip
     """Run a campaign locally and print its verdict; the exit code is the verdict."""
     from worker.runs import sources as sources  # first: it records the files before they are loaded
 
     _asked_right(file, onward, budget)
     writable(out)
-    fly = _flying(threads or None, quiet=as_json)
+    evaluators.use(evaluator)
+    fly = _flying(threads or None, quiet=as_json, evaluator=evaluator)
     if onward:
         from worker.cli._continue import execute_continued
 
@@ -166,10 +169,11 @@ def _stage(store: MemoryStore, position: int) -> JsonObject:
     }
 
 
-def _flying(threads: int | None, quiet: bool) -> Fly:
+def _flying(threads: int | None, quiet: bool, evaluator: str = "") -> Fly:
     """A function that runs a campaign into a store, with progress on the terminal unless quiet."""
     from worker.processes import memory
     from worker.runs.runner import execute
+    from worker.systems.simulators.cluster.address import EvaluatorLost
 
     try:
         memory.allowed()
@@ -177,11 +181,14 @@ def _flying(threads: int | None, quiet: bool) -> Fly:
         raise WrongInputError(str(error)) from None
 
     def fly(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
+        evaluators.refuse_other(evaluator, campaign)
         try:
             with memory.bounded(threads):
                 return simulated(campaign, store, cancelled)
         except MemoryError:
             raise WrongInputError(memory.sentence()) from None
+        except EvaluatorLost as error:
+            raise UnreachableError(str(error)) from None
 
     def simulated(campaign: Campaign, store: Store, cancelled: Callable[[], bool]) -> Verdict:
         with interrupt.deferred(cancelled) as asked:

@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+from worker.cli import _evaluator as evaluators
 from worker.cli._where import DATA, Data, Database, url_of
 
 
@@ -24,6 +25,7 @@ def worker(
         bool, typer.Option("--check", help="Only report, by the exit code, whether a worker on this machine is alive.")
     ] = False,
     name: Annotated[str, typer.Option(help="Shown next to its runs; the default is machine:process.")] = "",
+    evaluator: evaluators.Evaluator = "",
     runner: Annotated[str, typer.Option(hidden=True)] = "worker.runs.runner:execute",
     lease: Annotated[float, typer.Option(hidden=True, min=0.5)] = 10.0,
 ) -> None:
@@ -36,6 +38,7 @@ def worker(
 
     if check:
         raise typer.Exit(0 if _alive(data, database) else 1)
+    evaluators.use(evaluator)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     logging.getLogger("alembic").setLevel(logging.WARNING)
     os.umask(UMASK)

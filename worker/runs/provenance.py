@@ -37,6 +37,7 @@ def flown(system: System) -> Flown:
         integrator=system.settings.integrator,
         loop=system.digest if system.settings.integrator else None,
         simulator=None if system.settings.integrator else system.digest,
+        evaluator=system.elsewhere or None,
     )
 
 

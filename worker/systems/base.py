@@ -179,6 +179,8 @@ class System(ABC):
     shows: tuple[Condition, ...] = ()
     """The evidence that `encounter` can give; the verdict has only these checks of the encounter."""
     settings: Settings = Settings()
+    elsewhere: str = ""
+    """What evaluates on other machines; empty: this process or others of its machine."""
     cost: float | None = None
     """Time per evaluation as measured over the latest batch [s]; None before the first. The batch size follows from it,
     so that progress and cancellation stay prompt."""

@@ -59,7 +59,7 @@ export const verdict = (more: Partial<RunVerdict> = {}): RunVerdict => ({
   verdict: 'inconclusive', said: [], holds_for: [], values: {}, sentence: '', scope: '', checks: [], statistics: null, nominal: null, worst: null,
   evaluations: null, quantity: 'd_min', unit: 'm',
   provenance: {
-    code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null, simulator: null,
+    code: null, loop: null, packages: {}, clearance: null, python: null, system: null, cpu: null, lanes: null, step: null, simulator: null, evaluator: null,
     integrator: null, digest: null, seed: null,
   },
   ...more,

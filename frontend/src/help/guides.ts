@@ -7,6 +7,7 @@ export const GUIDES = [
   { name: 'your-own-simulator', title: 'Your own simulator' },
   { name: 'python', title: 'From Python and notebooks' },
   { name: 'recipes-px4-nav2', title: 'Recipes: PX4 and Nav2' },
+  { name: 'cluster', title: 'Cluster' },
   { name: 'methods', title: 'Methods' },
   { name: 'evidence', title: 'Evidence' },
   { name: 'ci', title: 'Continuous integration' },

@@ -67,7 +67,7 @@ AHEAD = 100
 """Total evaluations by which a member may be ahead of its share, to allow large requests."""
 
 PENDING = 64
-"""Requested points below which another member gets a turn in slots; not their number, which may change on resumption."""
+"""Requested points below which another member gets a turn in slots, whose number may change when a run is resumed."""
 
 
 @dataclass(frozen=True)

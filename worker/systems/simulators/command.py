@@ -10,17 +10,22 @@ import math
 import sys
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
 from worker.systems.base import Floats
+from worker.systems.simulators.cluster.address import chosen
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.program import Program
 from worker.systems.simulators.slotted import Slotted
 from worker.systems.threads import usual_threads
+
+if TYPE_CHECKING:
+    from worker.systems.simulators.cluster.pool import DaskPool
+    from worker.systems.simulators.slots.pool import SlotPool
 
 
 class CommandSimulator(Slotted):
@@ -34,6 +39,8 @@ class CommandSimulator(Slotted):
         self._halvings = halvings
         self.described = described
         self._fresh = fresh
+        self.evaluator = chosen() if isinstance(described, DescribedProgram) else None
+        self.elsewhere = "dask.distributed" if self.evaluator and self.evaluator.scheduler else ""
 
     def fresh(self) -> CommandSimulator:
         return CommandSimulator(self.described, self.opening, True, self._halvings)
@@ -50,7 +57,23 @@ class CommandSimulator(Slotted):
 
     @property
     def slots(self) -> int:
-        return self.described.descriptor.slots or usual_threads()
+        if self.evaluator is None:
+            return self.described.descriptor.slots or usual_threads()
+        return self._opened().size
+
+    def warm(self) -> None:
+        """Connect to the evaluator."""
+        if self.evaluator is not None:
+            self._opened()
+
+    def _opened(self) -> SlotPool | DaskPool:
+        if self.evaluator is None or self._pool is not None:
+            return super()._opened()
+        from worker.systems.simulators.cluster.pool import WORK, DaskPool
+
+        program, folder = self._program(Path(WORK)), self.described.folder
+        self._pool = DaskPool(self.evaluator, program, self._limits, folder, self.digest)
+        return self._pool
 
     @property
     def _limits(self) -> Limits:

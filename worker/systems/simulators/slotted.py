@@ -12,7 +12,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -24,13 +24,16 @@ from worker.systems.simulators.slots.outcome import Limits, Outcome
 from worker.systems.simulators.slots.pool import SlotPool
 from worker.systems.simulators.slots.program import Program
 
+if TYPE_CHECKING:
+    from worker.systems.simulators.cluster.pool import DaskPool
+
 One = TypeVar("One")
 
 
 class Slotted(Simulated):
     """A simulator of which each evaluation is one request to a slot."""
 
-    _pool: SlotPool | None = None
+    _pool: SlotPool | DaskPool | None = None
     _work: tempfile.TemporaryDirectory[str] | None = None
 
     @property
@@ -70,7 +73,7 @@ class Slotted(Simulated):
             self._work.cleanup()
             self._work = None
 
-    def _opened(self) -> SlotPool:
+    def _opened(self) -> SlotPool | DaskPool:
         if self._pool is None:
             prefix = f"clearance-{self.entry.name}-"
             self._work = tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True)

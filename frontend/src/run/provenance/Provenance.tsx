@@ -69,6 +69,7 @@ export function originOf({ summary, flown }: Pick<RunDetail, 'summary' | 'flown'
     step: known('step'),
     integrator: known('integrator'),
     simulator: stated?.simulator ?? flown?.simulator ?? null,
+    evaluator: stated?.evaluator ?? flown?.evaluator ?? null,
   }
 }
 
@@ -161,6 +162,9 @@ function machineRows({ run }: RunData, origin: Origin): Rows {
         {[cpu?.model, cpu?.target].filter(Boolean).join(', ') || 'not recorded'}
       </span>,
     ],
+    ...(origin.evaluator
+      ? [['Evaluated by', `${origin.evaluator} on other machines, whose processors are not recorded`] as Rows[number]]
+      : []),
     ['Lanes', String(origin.lanes ?? 'not recorded')],
     ['Worker, attempts', `${run.worker ?? 'none'}, ${run.attempts}`],
   ]

@@ -1,0 +1,52 @@
+"""The option --evaluator: where simulators evaluate, instead of in slots of this process."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from worker.cli import WrongInputError
+
+if TYPE_CHECKING:
+    from campaigns import Campaign
+
+Evaluator: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        "--evaluator", metavar="ADDRESS", show_default=False,
+        help="Evaluate simulators on a cluster: dask://HOST:PORT for a Dask scheduler, or local:N for N processes "
+        "here; docs/cluster.md. The default is CLEARANCE_EVALUATOR, or slots of this process.",
+    ),
+]  # fmt: skip
+
+
+def use(given: str) -> None:
+    """Evaluate there from now on; raises `WrongInputError` for an address that cannot be used."""
+    from worker.systems.simulators.cluster.address import SETTING, BadEvaluator, chosen
+
+    if given:
+        os.environ[SETTING] = given
+    try:
+        chosen()
+    except BadEvaluator as error:
+        raise WrongInputError(str(error)) from None
+
+
+def refuse_other(given: str, campaign: Campaign) -> None:
+    """Refuse a campaign that evaluates in this process although --evaluator was given."""
+    from worker.catalogue.descriptor import DescribedProgram
+    from worker.catalogue.installed import simulators
+    from worker.catalogue.simulator import Program
+
+    if not given:
+        return
+    if campaign.simulator is None:
+        what = "the campaign has a scenario, which is simulated in this process"
+    else:
+        simulator = simulators().get(campaign.simulator.name)
+        if isinstance(simulator, Program) and isinstance(simulator.described, DescribedProgram):
+            return
+        what = f"simulator {campaign.simulator.name} is no program with a command, and evaluates on this machine"
+    raise WrongInputError(f"--evaluator {given}: {what}; leave --evaluator out")

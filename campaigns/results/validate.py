@@ -119,7 +119,7 @@ class Encounter(Result):
     """Null for a system that cannot determine it."""
     spread: Spread
     influence: Values
-    """By path: the largest change along any slice."""
+    """By path: the largest change along any slice; without a parameter that has none."""
 
 
 class Incumbent(Result):

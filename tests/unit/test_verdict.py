@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from campaigns.results.finding import Repeated
+from campaigns.results.sensitivity import Curve
 from campaigns.results.validate import Spread
 from campaigns.results.verdict import NominalCost, Provenance, Worst
 from tests.unit.cases import campaign
@@ -27,6 +28,7 @@ from tests.unit.evidence import (
     validation,
     violation,
 )
+from worker.stages.parts.encounter import influence
 
 
 def test_cleared_when_everything_holds() -> None:
@@ -248,6 +250,16 @@ def test_a_flat_campaign_agrees_up_to_rounding() -> None:
     assert conclusion.verdict == "cleared"
     assert "the criterion does not vary over 3\u202f343 evaluations" in said_by("agreement", conclusion)
     assert "No uncertain parameter changes d_min, which the author states is intended: a drill." in conclusion.reason
+
+
+def test_only_parameters_with_slices_are_said_to_have_no_effect() -> None:
+    def curve(path: str, *costs: float | None) -> Curve:
+        values = [float(k) for k in range(len(costs))]
+        return Curve(path=path, values=values, costs=list(costs), status=["ok"] * len(costs))
+
+    assert influence([]) == {}
+    assert influence([curve("a", 1.0), curve("b", None, 2.0)]) == {}
+    assert influence([curve("a", 1.0, 3.0, None), curve("a", 2.0, 2.5), curve("b", 4.0, 4.0)]) == {"a": 2.0, "b": 0.0}
 
 
 def test_the_target_is_met() -> None:

@@ -27,7 +27,7 @@ def encounter(context: Context, position: int, nominal: Trace | None, curves: It
         moved=None if shown is None else shown.moved,
         unseen=None if shown is None else shown.unseen,
         spread=_spread(context, position),
-        influence=_influence(context, curves),
+        influence=influence(curves),
     )
 
 
@@ -40,11 +40,12 @@ def _spread(context: Context, position: int) -> Spread:
     return Spread(evaluations=len(known), lowest=float(known.min()), highest=float(known.max()))
 
 
-def _influence(context: Context, curves: Iterable[Curve]) -> dict[str, float]:
-    """By path: the largest difference that a parameter alone makes along any of the slices."""
-    found = {r.path: 0.0 for r in context.problem.ranges}
+def influence(curves: Iterable[Curve]) -> dict[str, float]:
+    """By path: the largest difference that a parameter alone makes along any of the slices; only of those that have
+    several values."""
+    found: dict[str, float] = {}
     for curve in curves:
         known = [c for c in curve.costs if c is not None]
-        if known:
-            found[curve.path] = max(found[curve.path], max(known) - min(known))
+        if len(known) > 1:
+            found[curve.path] = max(found.get(curve.path, 0.0), max(known) - min(known))
     return found

@@ -175,10 +175,13 @@ class Folder:
         """The best of every search of a simulator that does not repeat."""
         return self.evidence["results"][-1]["incumbents"]
 
-    def items(self) -> list[Item]:
+    def write(self) -> None:
         for name, value in zip(self.FILES, (self.result, self.evidence, self.campaign), strict=True):
             (self.path / name).write_text(json.dumps(value))
         np.savez(self.path / "evaluations.npz", **self.arrays)
+
+    def items(self) -> list[Item]:
+        self.write()
         return audit(of_folder(self.path))
 
     def shorten(self, stage: int, by: int = 1) -> None:
@@ -418,16 +421,22 @@ def called(name: str) -> tuple[Campaign, MemoryStore]:
     return campaign, store
 
 
+def write_called(folder: Path, name: str) -> Path:
+    """That run as `clearance run --out` writes it."""
+    campaign, store = called(name)
+    assert store.verdict is not None
+    with adversary():
+        write_results(folder, campaign, store, summary(campaign, store, store.verdict))
+        write_evidence(folder, campaign, store)
+    return folder
+
+
 @pytest.mark.parametrize(("name", "change", "item"), [(c[0], *c[2:]) for c in CALLS], ids=[c[1] for c in CALLS])
 def test_a_corrupted_record_of_calls_does_not_follow(
     name: str, change: Callable[[Folder], Any], item: str, tmp_path: Path
 ) -> None:
-    campaign, store = called(name)
-    with adversary():
-        assert store.verdict is not None
-        write_results(tmp_path, campaign, store, summary(campaign, store, store.verdict))
-        write_evidence(tmp_path, campaign, store)
-        audited(tmp_path)
+    write_called(tmp_path, name)
+    audited(tmp_path)
     folder = Folder(tmp_path)
     change(folder)
     items = folder.items()

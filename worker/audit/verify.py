@@ -14,7 +14,7 @@ import numpy as np
 
 from campaigns.asked.spec import Campaign
 
-UNCHECKED = "words, quantiles, limits from the catalogue, basins, closest approaches, the simulations themselves"
+UNCHECKED = "words, quantiles, units, limits of the catalogue, basins, closest approaches, how many cases were repeated"
 OK, EXCLUDED = 0, 3  # how an evaluation ended; 1 is failed, 2 is timeout
 SEARCHED = {"global": 25, "local": 3}  # the fewest evaluations per parameter that count as a search, by kind of method
 ROUNDING = 1e-6  # differences below this fraction of what is compared are rounding
@@ -48,9 +48,8 @@ class Run:
 def counts(run: Run, here: Any) -> dict[str, Any]:
     """Of these evaluations; best is NaN if none is ok."""
     status, ok, excluded = run.status[here], run.status[here] == OK, run.status[here] == EXCLUDED
-    best = min(run.costs[here][ok].tolist(), default=math.nan)
-    failed = int((~ok & ~excluded).sum())
-    return {"evaluations": len(status), "failed": failed, "excluded": int(excluded.sum()), "best": best}
+    found = {"evaluations": len(status), "failed": int((~ok & ~excluded).sum()), "excluded": int(excluded.sum())}
+    return found | {"best": min(run.costs[here][ok].tolist(), default=math.nan)}
 
 
 def verify(run: Run) -> tuple[bool, list[str]]:
@@ -273,9 +272,8 @@ def conditions(run: Run) -> Iterator[tuple[str, bool]]:
     elif noise != "none" and run.campaign.scenario:
         given = run.campaign.scenario.realisations
         yield "noise", noise == "drawn" and not (given.combine == "mean" and len(given.seeds) > 1)
-    excluded = run.total["excluded"] / max(len(run.status), 1)
-    if excluded:
-        yield "exclusions", max(excluded, drawn.get("excluded_fraction", 0.0)) <= 0.1
+    if excluded := run.total["excluded"]:
+        yield "exclusions", max(excluded / len(run.status), drawn.get("excluded_fraction", 0.0)) <= 0.1
     if target is not None:
         yield "target", bound <= target and noise != "stated"
     elif "upper_bound" in drawn:
@@ -297,5 +295,5 @@ def agreement(run: Run) -> bool:
         searched = searched and not (kind == "local" and spent >= asked.evaluations)  # ended before it converged
         came[k] = searched and run.counts[k]["best"] - worst <= within and basins[k] in found
     globally = [came[k] for k, asked in methods.items() if kinds[asked.method] == "global"]
-    several = len({asked.method for k, asked in methods.items() if came[k]}) > 1
+    several = len({methods[k].method for k in came if came[k]}) > 1
     return bool(globally) and all(globally) and several and (not run.spread or worst < run.nominal)

@@ -23,7 +23,7 @@ DATABASES = Path(__file__).parents[1] / "api" / "stored"
 ROOM = Path(program.__file__)
 OTHERS = {
     "a changed bound of a stage", "another probability outside", "a changed quantile", "a changed order",
-    "a finding at no bound", "another parameter", "few spot checks", "unseen violations", "an encounter at the end",
+    "a finding at no bound", "another parameter", "few spot checks", "unseen violations",
     "a better best", "another end of a search", "a smaller spread",
 }  # fmt: skip
 """Corruptions that only the audit notices: statements that the verdict does not use, or that verify takes as stored."""
@@ -37,6 +37,7 @@ MORE: list[tuple[str, str, Callable[[Folder], Any]]] = [
     ("a cost of another type", "cleared", edit("result/worst/cost", "0.94")),
     ("a cost that is NaN", "cleared", edit("result/worst/cost", float("nan"))),
     ("no statistics", "cleared", edit("result/statistics", None)),
+    ("another seed, without the counts", "cleared", lambda f: (f.campaign.update(seed=9), f.result.pop("evaluations"))),
     ("no checks", "cleared", edit("result/checks", [])),
     ("no findings", "cleared", edit("result/findings", [])),
     ("a nominal case that is not evaluated again", "cleared", edit("evidence/results/5/nominal", None)),

@@ -14,7 +14,7 @@ import numpy as np
 
 from campaigns.asked.spec import Campaign
 
-UNCHECKED = "words, quantiles, units, limits of the catalogue, basins, closest approaches, how many cases were repeated"
+UNCHECKED = "words, quantiles, units, what the catalogue states, basins, traces, how many cases were evaluated again"
 OK, EXCLUDED = 0, 3  # how an evaluation ended; 1 is failed, 2 is timeout
 SEARCHED = {"global": 25, "local": 3}  # the fewest evaluations per parameter that count as a search, by kind of method
 ROUNDING = 1e-6  # differences below this fraction of what is compared are rounding
@@ -26,12 +26,8 @@ class Run:
     flaky: how many are ok only because a call of the simulator was tried again."""
 
     def __init__(self, campaign: Campaign, claims: Any, stage: Any, points: Any, costs: Any, status: Any, flaky: int):
-        self.campaign, self.claims, self.threshold, asked = (
-            campaign,
-            claims,
-            campaign.criterion.threshold,
-            campaign.simulator,
-        )
+        self.campaign, self.claims, asked = campaign, claims, campaign.simulator
+        self.threshold = campaign.criterion.threshold
         self.stage, self.points, self.costs, self.status, self.flaky = stage, points, costs[:, 0], status, flaky
         self.kinds = [given["kind"] for given in claims["stages"]]
         self.searches = [k for k, kind in enumerate(self.kinds) if kind == "search"]
@@ -57,7 +53,8 @@ def verify(run: Run) -> tuple[bool, list[str]]:
     wrong, unknown = list[str](), dict[str, None]()
     for rule in (evaluations, findings, cases, statistics, verdict):
         try:
-            wrong += [f"{what}: stated {a}, recomputed {b}" for what, a, b in rule(run) if not same(a, b)]
+            for what, stated, found in rule(run):  # what comes before a field that is not stored counts
+                wrong += [] if same(stated, found) else [f"{what}: stated {stated}, recomputed {found}"]
         except LookupError as field:
             unknown[f"{field.args[0]} is not stored by the version that made this run"] = None
             wrong += ["it is not known whether the verdict follows"] if rule is verdict else []
@@ -77,6 +74,7 @@ def same(stated: Any, found: Any) -> bool:
 def evaluations(run: Run) -> Compared:
     """An evaluation has a cost if and only if it is ok, and is within the bounds. The counts leave nothing out. The
     worst case is the minimum over every stored evaluation of every stage; nominal is the first evaluation."""
+    yield "digest of the campaign", run.claims["digest"], run.campaign.digest
     broken = ((run.status == OK) != np.isfinite(run.costs)) | (run.status > EXCLUDED)
     yield "evaluations whose status and cost contradict each other", 0, int(broken.sum())
     yield "evaluations outside the bounds", 0, int((~(np.abs(run.points - 0.5) <= 0.5 + 1e-9).all(axis=1)).sum())
@@ -94,7 +92,6 @@ def evaluations(run: Run) -> Compared:
         given = run.claims[name] or {"cost": None, "margin": None}
         yield f"{name}.cost", given["cost"], cost
         yield f"{name}.margin", given["margin"], cost - run.threshold
-    yield "digest of the campaign", run.claims["digest"], run.campaign.digest
 
 
 def findings(run: Run) -> Compared:
@@ -249,11 +246,14 @@ def checks(run: Run) -> Iterator[tuple[str, bool]]:
     yield "validation" if simulator is None else "repetition", compared and all(found["ok"] for found in first)
     yield "evaluations", run.total["failed"] == 0
     yield "influence", run.spread > 0 and not run.spread <= 10 * run.measured.get("deviation", 0.0)
-    if simulator is None:  # the encounter took place: with a manoeuvre, and the avoider matters
+    if simulator is None:  # the encounter took place: inside the horizon, with a manoeuvre, and the avoider matters
         moved, unseen = last["encounter"]["moved"] or 0.0, last["encounter"]["unseen"]["cost"]
         blind = math.nan if unseen is None else unseen
         yield "motion", moved > 0.01 * abs(run.nominal)
         yield "avoidance", run.nominal - blind > ROUNDING * max(abs(run.nominal), abs(blind))
+        known = [c for c in run.claims["components"]["components"] if c["name"] == run.campaign.criterion.component]
+        closest = [(c["closest"] or {}).get("at") == "inside" for c in (last["encounter"], *run.claims["findings"])]
+        yield from [("closest approach", all(closest)) for c in known if c["of"] == "obstacles"]
 
 
 def conditions(run: Run) -> Iterator[tuple[str, bool]]:
@@ -265,10 +265,10 @@ def conditions(run: Run) -> Iterator[tuple[str, bool]]:
         if asked.retries:
             yield "retries", run.flaky == 0
         single = asked.calls == 1 and not run.noisy and not spot["largest"]
-        same = single and all(given["again"]["difference"] == 0 for _, given, _ in again(run))
+        repeats = single and all(given["again"]["difference"] == 0 for _, given, _ in again(run))
         held = [found["agrees"] and found["ok"] for found in (case(run, given) for _, given, _ in again(run))]
         own = asked.calls > 1 and asked.combine == "worst" and noise == "drawn" and not run.measured["by_process"]
-        yield "noise of calls", spot["compared"] == spot["checked"] and (same or (own and all(held)))
+        yield "noise of calls", spot["compared"] == spot["checked"] and (repeats or (own and all(held)))
     elif noise != "none" and run.campaign.scenario:
         given = run.campaign.scenario.realisations
         yield "noise", noise == "drawn" and not (given.combine == "mean" and len(given.seeds) > 1)

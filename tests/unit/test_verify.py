@@ -12,12 +12,12 @@ import pytest
 import sqlalchemy as sa
 
 from tests.audited import shortly
-from tests.unit import test_audit as stored
-from tests.unit.test_audit import CALLS, CORRUPTIONS, FINDING, RUNS, Folder, edit, write_called, written
+from tests.unit.records import CALLS, CORRUPTIONS, FINDING, RUNS, Folder, edit, write_called, written
 from worker.audit import verify as program
 from worker.audit.binomial import upper_bound
 from worker.audit.verify import Run, verify
 from worker.cli import VIOLATED, WRONG_INPUT, invoke
+from worker.stages.parts import offered
 
 DATABASES = Path(__file__).parents[1] / "api" / "stored"
 ROOM = Path(program.__file__)
@@ -50,8 +50,8 @@ MORE: list[tuple[str, str, Callable[[Folder], Any]]] = [
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer simulations with the reference integrator, as in the tests of the audit."""
-    monkeypatch.setattr(stored.offered, "SPOT_CHECKS", 2)
-    monkeypatch.setattr(stored.offered, "AT_MOST", 3)
+    monkeypatch.setattr(offered, "SPOT_CHECKS", 2)
+    monkeypatch.setattr(offered, "AT_MOST", 3)
 
 
 @pytest.mark.parametrize("name", RUNS)

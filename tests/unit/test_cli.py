@@ -40,7 +40,7 @@ def test_wrong_usage_is_3_and_says_what_is_wrong(
 def test_help_is_0(capsys: pytest.CaptureFixture[str]) -> None:
     assert invoke(["--help"]) == 0
     shown = capsys.readouterr().out
-    for command in ("run", "audit", "submit", "follow", "validate", "serve", "worker", "token", "login-link"):
+    for command in ("run", "audit", "verify", "submit", "follow", "validate", "serve", "worker", "token", "login-link"):
         assert f" {command} " in shown
 
 

@@ -144,6 +144,7 @@ def test_every_command_shown_exists() -> None:
     assert {words[0] for words in shown} >= {
         "run",
         "audit",
+        "verify",
         "submit",
         "follow",
         "reproduce",

@@ -5,7 +5,7 @@ Start reading at `load_text`; how text becomes plain values is in `campaigns.ask
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,13 @@ __all__ = ["CampaignError", "Problem", "library", "load_document", "load_file", 
 
 LARGEST_FILE = 1_000_000
 """[bytes]"""
+
+CODE = frozenset(
+    "args arguments call class code command cwd entry_point environment exec executable expression file fmu folder"
+    " function import lambda memory model module package path program protocol python recycle results run script shell"
+    " slots source start step timeout trace url".split()
+)
+"""Keys with which somebody might try to give a simulator in a campaign."""
 
 LIBRARY = Path(__file__).parents[1] / "library"
 
@@ -85,12 +92,24 @@ def _problem(error: Any) -> Problem:
         del at[at.index("distribution") + 1]
     given = "" if kind in ("missing", "model_type") or not at else shown(error.get("input"))
     if kind == "extra_forbidden":
-        message = "unknown key; remove it or correct its spelling"
+        message = _unknown(at)
     elif kind == "missing":
         message = "this key is required"
     elif at and at[-1] == "[key]":
         message = "not the path of a parameter, such as vehicle.m or obstacles.0.position.x"
     return Problem(".".join(str(part) for part in at if part != "[key]"), given, message)
+
+
+def _unknown(at: Sequence[Any]) -> str:
+    """What to do about an unknown key; one that would run code has a sentence of its own."""
+    name = str(at[-1])
+    if name in CODE and (at[0] == "simulator" or len(at) == 1):
+        return (
+            "a campaign contains no code and no settings of a program; it only names a simulator of this installation, "
+            "as in `simulator: {name: drop}`. The operator installs one: a folder with simulator.yaml below a folder "
+            "that CLEARANCE_SIMULATORS lists, or a Python package (guide: Your own simulator)"
+        )
+    return "unknown key; remove it or correct its spelling"
 
 
 def _too_large() -> Problem:

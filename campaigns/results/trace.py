@@ -13,7 +13,8 @@ class TraceColumn(Result):
     name: str
     symbol: str
     unit: str
-    group: Literal["time", "pose", "state", "command", "separation"]
+    group: Literal["time", "pose", "state", "command", "separation", "signal"]
+    """`signal`: any quantity that a simulator returns over time."""
 
 
 class Closest(Result):

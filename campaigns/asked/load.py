@@ -21,11 +21,20 @@ LARGEST_FILE = 1_000_000
 """[bytes]"""
 
 CODE = frozenset(
-    "args arguments call class code command cwd entry_point environment exec executable expression file fmu folder"
-    " function import lambda memory model module package path program protocol python recycle results run script shell"
-    " slots source start step timeout trace url".split()
+    "class code command entry_point exec executable expression file fmu function import lambda module package program"
+    " python run script shell source url".split()
 )
-"""Keys with which somebody might try to give a simulator in a campaign."""
+"""Keys with which a campaign might try to give code."""
+SETTINGS = frozenset(
+    "args arguments cwd environment folder memory path protocol recycle results slots start step timeout trace".split()
+)
+"""Keys of a simulator's descriptor, which a campaign cannot give either."""
+
+INSTALLED = (
+    "it names what this installation has, as in `simulator: {name: drop}`. The operator installs a simulator: a folder "
+    "with simulator.yaml, or a Python file, in a folder that CLEARANCE_SIMULATORS lists, or a Python package (guide: "
+    "Your own simulator)"
+)
 
 LIBRARY = Path(__file__).parents[1] / "library"
 
@@ -93,6 +102,10 @@ def _problem(error: Any) -> Problem:
     given = "" if kind in ("missing", "model_type") or not at else shown(error.get("input"))
     if kind == "extra_forbidden":
         message = _unknown(at)
+    elif at == ["simulator"] and kind == "model_type":
+        message = f"a mapping with the key name is expected: a campaign {INSTALLED[3:]}"
+    elif at == ["simulator", "name"] and kind in ("string_pattern_mismatch", "string_type"):
+        message = f"not the name of a simulator, which has small letters, digits and _; a campaign {INSTALLED[3:]}"
     elif kind == "missing":
         message = "this key is required"
     elif at and at[-1] == "[key]":
@@ -101,14 +114,10 @@ def _problem(error: Any) -> Problem:
 
 
 def _unknown(at: Sequence[Any]) -> str:
-    """What to do about an unknown key; one that would run code has a sentence of its own."""
+    """What to do about an unknown key; one that would give code has a sentence of its own."""
     name = str(at[-1])
-    if name in CODE and (at[0] == "simulator" or len(at) == 1):
-        return (
-            "a campaign contains no code and no settings of a program; it only names a simulator of this installation, "
-            "as in `simulator: {name: drop}`. The operator installs one: a folder with simulator.yaml below a folder "
-            "that CLEARANCE_SIMULATORS lists, or a Python package (guide: Your own simulator)"
-        )
+    if name in CODE or (at[0] == "simulator" and name in SETTINGS):
+        return f"a campaign contains no code and no settings of a program; {INSTALLED}"
     return "unknown key; remove it or correct its spelling"
 
 

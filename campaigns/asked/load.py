@@ -21,12 +21,49 @@ LARGEST_FILE = 1_000_000
 """[bytes]"""
 
 CODE = frozenset(
-    "class code command entry_point exec executable expression file fmu function import lambda module package program"
-    " python run script shell source url".split()
+    {
+        "class",
+        "code",
+        "command",
+        "entry_point",
+        "exec",
+        "executable",
+        "expression",
+        "file",
+        "fmu",
+        "function",
+        "import",
+        "lambda",
+        "module",
+        "package",
+        "program",
+        "python",
+        "run",
+        "script",
+        "shell",
+        "source",
+        "url",
+    }
 )
 """Keys with which a campaign might try to give code."""
 SETTINGS = frozenset(
-    "args arguments cwd environment folder memory path protocol recycle results slots start step timeout trace".split()
+    {
+        "args",
+        "arguments",
+        "cwd",
+        "environment",
+        "folder",
+        "memory",
+        "path",
+        "protocol",
+        "recycle",
+        "results",
+        "slots",
+        "start",
+        "step",
+        "timeout",
+        "trace",
+    }
 )
 """Keys of a simulator's descriptor, which a campaign cannot give either."""
 

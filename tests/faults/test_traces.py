@@ -206,9 +206,7 @@ def test_the_nominal_case_and_every_finding_have_traces(monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize(("by", "reason"), [(1e-12, "the stored one"), (2.0, "no trace today")])
-def test_one_that_shows_something_else_is_not_stored(
-    monkeypatch: pytest.MonkeyPatch, by: float, reason: str
-) -> None:
+def test_one_that_shows_something_else_is_not_stored(monkeypatch: pytest.MonkeyPatch, by: float, reason: str) -> None:
     store = execution(monkeypatch, by=by)
     assert store.traces == {}
     assert sorted(untraced(store)) == sorted(["nominal", *(f.label for f in store.findings)])

@@ -63,9 +63,7 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         comparison=compare(context, named, found, basins),
         violations=violations,
         spot_checks=offered.spot_checks(context, everything),
-        encounter=encounter(
-            context, position, system.trace("nominal", {}) if flies else None, _curves(context, named)
-        ),
+        encounter=encounter(context, position, system.trace("nominal", {}) if flies else None, _curves(context, named)),
         incumbents=best,
         untraced=untraced,
     )

@@ -45,10 +45,14 @@ export function extentOf(curves: readonly Curve[], [from, to]: readonly [number,
   return low <= high ? [low, high] : null
 }
 
+/** All columns over time of a simulator's trace, in the order that it declares. */
+const signals = (trace: TraceInfo): TraceColumn[] => trace.columns.filter(({ group }) => group === 'signal')
+
 const SPEEDS = ['m/s', 'rad/s']
 
-/** All speeds and commands of a flight: speeds, then actuation, then demands. */
+/** All speeds and commands of a flight: speeds, then actuation, then demands; every column of a simulator's trace. */
 export function overTime(trace: TraceInfo | undefined): TraceColumn[] {
+  if (trace && signals(trace).length > 0) return signals(trace)
   const rank = ({ group, unit, name }: TraceColumn): number =>
     group === 'state' ? SPEEDS.indexOf(unit) : name.endsWith('_demand') ? SPEEDS.length + 1 : SPEEDS.length
   const found = (trace?.columns ?? []).filter(
@@ -65,6 +69,7 @@ export function shownColumns(all: readonly TraceColumn[], asked: string | undefi
   if (all.length <= MOST_COLUMNS) return [...all]
   const first = (column: TraceColumn) =>
     column.group === 'state' && all.find(({ group, unit }) => group === 'state' && unit === column.unit) === column
+  if (all.every(({ group }) => group === 'signal')) return all.slice(0, MOST_COLUMNS)
   const moving = all.filter((column) => first(column) || (column.group === 'command' && !column.name.endsWith('_demand')))
   return moving.slice(0, MOST_COLUMNS)
 }

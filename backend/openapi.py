@@ -39,6 +39,7 @@ _LEFT_OUT = {
     "Validation": ("again", "repeats"),
     "ValidateResult": ("incumbents", "untraced"),
     "NominalResult": ("measured", "untraced"),
+    "TraceColumn": ("text",),
     "Counts": ("flaky",),
     "Simulator": ("repeats", "retries"),
     "Repeats": ("quantile",),

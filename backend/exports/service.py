@@ -120,10 +120,10 @@ def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     flights = list(reader.scalars(sa.select(Trace.name).where(Trace.run_id == run_id)))
     found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
     if runs.campaign(reader, run_id).scenario is not None:
-        kinds = (*REPORTS, *FILES, _recording(flights))
-        return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in kinds]
-    kinds = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES))
-    return [_file(run, kind, _untraced(kind, bool(flights), bool(found))) for kind in kinds]
+        flown = (*REPORTS, *FILES, _recording(flights))
+        return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in flown]
+    simulated = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES))
+    return [_file(run, kind, _untraced(kind, bool(flights), bool(found))) for kind in simulated]
 
 
 def _untraced(kind: Kind, traced: bool, found: bool) -> str | None:

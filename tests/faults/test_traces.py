@@ -38,6 +38,8 @@ for line in sys.stdin:
             time.sleep(60)
         if act == "error":
             answer = {"error": "no trace today"}
+        elif act == "too long":
+            answer["trace"] = {"time": "y" * 17_000_000}
         elif act != "ignores":
             answer["trace"] = {"time": [0, 1], "x": [a, 2 * a]}
     print(json.dumps(answer), flush=True)
@@ -48,7 +50,7 @@ a = json.load(open(given))["a"]
 json.dump({"d": 2 * a}, open(results, "w"))
 json.dump({"time": [0, 1], "x": [a, 2 * a]}, open(trace, "w"))
 """
-COLUMNS = {"time": {"unit": "s"}, "x": {"unit": "m", "symbol": "x_1"}}
+COLUMNS = {"time": {"unit": "s"}, "x": {"unit": "m", "symbol": "x_1", "text": "Distance"}}
 CONSTANT = {"name": "traced", "results": {"d": {"unit": "m"}}, "slots": 1, "timeout": 5}
 
 
@@ -84,9 +86,9 @@ def test_a_program_returns_a_trace_on_request_alone(tmp_path: Path, protocol: st
     assert reasons == {}
     assert found is not None
     assert found.data.tolist() == [[0.0, 0.25], [1.0, 0.5]]
-    assert [(c.name, c.symbol, c.unit, c.group) for c in found.columns] == [
-        ("time", "time", "s", "time"),
-        ("x", "x_1", "m", "signal"),
+    assert [(c.name, c.symbol, c.unit, c.group, c.text) for c in found.columns] == [
+        ("time", "time", "s", "time", ""),
+        ("x", "x_1", "m", "signal", "Distance"),
     ]
     assert (found.name, found.meta.cost, found.meta.parameters) == ("F1", 0.5, {"simulator.a": 0.25})
     assert nominal is not None
@@ -101,6 +103,7 @@ def test_a_program_returns_a_trace_on_request_alone(tmp_path: Path, protocol: st
         ("dies", "its process ended with exit code 3"),
         ("hangs", "no answer within 0.4 s"),
         ("error", "no trace today"),
+        ("too long", "its answer is longer than 16000000 bytes"),
     ],
 )
 def test_a_trace_that_fails_costs_no_evaluation(tmp_path: Path, act: str, reason: str) -> None:

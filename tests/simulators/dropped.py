@@ -25,10 +25,10 @@ def install(folder: Path) -> Path:
     return folder
 
 
-def campaign(samples: int = 60, **changes: Any) -> dict[str, Any]:
+def campaign(samples: int = 20, **changes: Any) -> dict[str, Any]:
     """The example's campaign with small budgets."""
     found: dict[str, Any] = yaml.safe_load((EXAMPLES / "campaigns" / "drop.yaml").read_text(encoding="utf-8"))
-    methods = [{"method": name, "evaluations": 80} for name in ("direct", "differential_evolution")]
-    stages = {"sensitivity": {"points": 5}, "search": methods, "certify": {"samples": samples}}
-    small = {"findings": {"at_most": 2, "evaluations": 60}, "validate": {"neighbours": 10}}
+    methods = [{"method": name, "evaluations": 30} for name in ("direct", "differential_evolution")]
+    stages = {"sensitivity": {"points": 3}, "search": methods, "certify": {"samples": samples}}
+    small = {"findings": {"at_most": 1, "evaluations": 30}, "validate": {"neighbours": 3}}
     return found | {"stages": stages | small} | changes

@@ -135,7 +135,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5 wide" height={226} />}
         {timed && (
-          <div className={few || !flies ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few ? 220 : 380 }}>
+          <div className={few || !flies ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
             {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
           </div>
         )}

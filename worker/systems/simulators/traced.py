@@ -27,6 +27,8 @@ class Column(Protocol):
     def unit(self) -> str: ...
     @property
     def symbol(self) -> str: ...
+    @property
+    def text(self) -> str: ...
 
 
 def head(result: Result, value: float, values: Mapping[str, float]) -> TraceHead:
@@ -101,4 +103,4 @@ def _in_order(times: Floats) -> None:
 def _described(name: str, column: Column) -> TraceColumn:
     group: Literal["time", "signal"] = "time" if name == TIME else "signal"
     unit = "s" if name == TIME else column.unit
-    return TraceColumn(name=name, symbol=column.symbol or name, unit=unit, group=group)
+    return TraceColumn(name=name, symbol=column.symbol or name, unit=unit, group=group, text=column.text)

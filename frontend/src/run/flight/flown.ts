@@ -84,8 +84,9 @@ export function valueAt(curve: Curve, time: number): number | null {
   return y0 + ((y1 - y0) * (time - x0)) / (x1 - x0)
 }
 
-/** The information of the name beyond the symbol: `omega_demand` with the symbol ω_d is a demand. */
-export function wordsOf({ name, symbol }: Pick<TraceColumn, 'name' | 'symbol'>): string {
+/** The text of a simulator's column, else the information of the name beyond the symbol: `omega_demand` with the symbol ω_d is a demand. */
+export function wordsOf({ name, symbol, text }: Pick<TraceColumn, 'name' | 'symbol' | 'text'>): string {
+  if (text) return text
   const [first = '', ...rest] = name.split('_')
   const same = symbolText(first) === symbolText(symbol).split('_')[0]
   return (same ? rest : [first, ...rest]).join(' ').replace(/\bref\b/, 'reference')

@@ -85,14 +85,52 @@ FILES = (
     ),
 )
 
+SIMULATED = {
+    kind.file: kind
+    for kind in (
+        Kind(
+            "run.json",
+            "Everything, JSON",
+            "Campaign, simulator, stages with every evaluation, findings, traces, verdict, versions",
+            "application/json",
+        ),
+        Kind(
+            "findings.csv",
+            "Findings, CSV",
+            "Nominal case and every finding: result, parameters, validation",
+            "text/csv",
+            findings=True,
+        ),
+        Kind("traces.csv", "Traces, CSV", "Nominal case and every finding over time", "text/csv", flights=True),
+        Kind(
+            "traces.mat",
+            "Traces, MAT-file",
+            "Traces for MATLAB, Octave and SciPy (version 5)",
+            "application/x-matlab-data",
+            flights=True,
+        ),
+    )
+}
+"""Titles of the same files for a run that evaluates a simulator; it has no recording in 3D."""
+
 
 def files(reader: sa.Connection, run_id: int) -> list[ExportFile]:
     """The export files of a run; 404 if there is no such run."""
     run = runs.summary(reader, run_id)
     flights = list(reader.scalars(sa.select(Trace.name).where(Trace.run_id == run_id)))
     found = reader.scalar(sa.select(sa.func.count()).where(Finding.run_id == run_id))
-    kinds = (*REPORTS, *FILES, _recording(flights))
-    return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in kinds]
+    if runs.campaign(reader, run_id).scenario is not None:
+        flown = (*REPORTS, *FILES, _recording(flights))
+        return [_file(run, kind, _missing(kind, bool(flights), bool(found))) for kind in flown]
+    simulated = (*REPORTS, *(SIMULATED.get(kind.file, kind) for kind in FILES))
+    return [_file(run, kind, _untraced(kind, bool(flights), bool(found))) for kind in simulated]
+
+
+def _untraced(kind: Kind, traced: bool, found: bool) -> str | None:
+    """As `_missing`, of a run that evaluates a simulator."""
+    if kind.flights and not traced:
+        return "this run has no stored trace"
+    return "this run has no finding and no nominal case" if kind.findings and not (traced or found) else None
 
 
 def _recording(flights: list[str]) -> Kind:
@@ -156,7 +194,9 @@ def findings_csv(reader: sa.Connection, run_id: int) -> Iterator[bytes]:
     """One row for the nominal case and each finding, with every criterion's value, even without a stored flight."""
     asked = runs.detail(reader, run_id)
     found = {finding.label: finding for finding in results.findings(reader, run_id)}
-    flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)}
+    # A simulator's trace shows one call, which may differ from the stored evaluation.
+    flies = asked.campaign.get("scenario") is not None
+    flights = {flight.name: flight.meta for flight in results.traces(reader, run_id)} if flies else {}
     paths = list(asked.campaign["uncertain"])
     heads = [f"{name} [{unit}]" if unit else name for name, unit in headings(asked.criteria)]
     yield _lines([["flight", *heads, "margin", "closest at [s]", "speed there [m/s]", "validated", "found by", *paths]])

@@ -47,7 +47,7 @@ def case(reader: sa.Connection, run: str, given: FlightRequest) -> Case:
     run_id = number(run)
     asked = campaign(reader, run_id)
     if asked.scenario is None:
-        text = f"{run_name(run_id)} evaluates a simulator, which provides no trace: it has no flight to simulate"
+        text = f"{run_name(run_id)} evaluates a simulator: it has no flight to simulate"
         raise RefusedError(422, "not-flyable", text)
     catalogue = described(reader, run_id)
     base = _like(reader, run_id, given.like)

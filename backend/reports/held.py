@@ -110,7 +110,9 @@ def load(reader: sa.Connection, run_id: int) -> Held:
         stages=runs.stages(reader, run_id),
         findings=found,
         evaluations=evaluations.read(reader, run_id, 100, None),
-        cases=_cases(reader, run_id, [finding.label for finding in found], set(flown)),
+        cases=_cases(
+            reader, run_id, [finding.label for finding in found], set() if campaign.scenario is None else set(flown)
+        ),
         nominal=flown.get("nominal"),
         signoffs=signoffs.listed(reader, run_id),
         looks=Looks(kept, installed),

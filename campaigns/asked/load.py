@@ -5,7 +5,7 @@ Start reading at `load_text`; how text becomes plain values is in `campaigns.ask
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,59 @@ __all__ = ["CampaignError", "Problem", "library", "load_document", "load_file", 
 
 LARGEST_FILE = 1_000_000
 """[bytes]"""
+
+CODE = frozenset(
+    {
+        "class",
+        "code",
+        "command",
+        "entry_point",
+        "exec",
+        "executable",
+        "expression",
+        "file",
+        "fmu",
+        "function",
+        "import",
+        "lambda",
+        "module",
+        "package",
+        "program",
+        "python",
+        "run",
+        "script",
+        "shell",
+        "source",
+        "url",
+    }
+)
+"""Keys with which a campaign might try to give code."""
+SETTINGS = frozenset(
+    {
+        "args",
+        "arguments",
+        "cwd",
+        "environment",
+        "folder",
+        "memory",
+        "path",
+        "protocol",
+        "recycle",
+        "results",
+        "slots",
+        "start",
+        "step",
+        "timeout",
+        "trace",
+    }
+)
+"""Keys of a simulator's descriptor, which a campaign cannot give either."""
+
+INSTALLED = (
+    "it names what this installation has, as in `simulator: {name: drop}`. The operator installs a simulator: a folder "
+    "with simulator.yaml, or a Python file, in a folder that CLEARANCE_SIMULATORS lists, or a Python package (guide: "
+    "Your own simulator)"
+)
 
 LIBRARY = Path(__file__).parents[1] / "library"
 
@@ -85,12 +138,24 @@ def _problem(error: Any) -> Problem:
         del at[at.index("distribution") + 1]
     given = "" if kind in ("missing", "model_type") or not at else shown(error.get("input"))
     if kind == "extra_forbidden":
-        message = "unknown key; remove it or correct its spelling"
+        message = _unknown(at)
+    elif at == ["simulator"] and kind == "model_type":
+        message = f"a mapping with the key name is expected: a campaign {INSTALLED[3:]}"
+    elif at == ["simulator", "name"] and kind in ("string_pattern_mismatch", "string_type"):
+        message = f"not the name of a simulator, which has small letters, digits and _; a campaign {INSTALLED[3:]}"
     elif kind == "missing":
         message = "this key is required"
     elif at and at[-1] == "[key]":
         message = "not the path of a parameter, such as vehicle.m or obstacles.0.position.x"
     return Problem(".".join(str(part) for part in at if part != "[key]"), given, message)
+
+
+def _unknown(at: Sequence[Any]) -> str:
+    """What to do about an unknown key; one that would give code has a sentence of its own."""
+    name = str(at[-1])
+    if name in CODE or (at[0] == "simulator" and name in SETTINGS):
+        return f"a campaign contains no code and no settings of a program; {INSTALLED}"
+    return "unknown key; remove it or correct its spelling"
 
 
 def _too_large() -> Problem:

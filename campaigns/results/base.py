@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, computed_field, model_validator
 
@@ -18,6 +18,14 @@ from campaigns.claims.spans import Said
 
 Values = dict[str, float]
 """Values by the path of a parameter, in its unit."""
+
+
+def _nothing(given: object) -> bool:
+    return not given
+
+
+Untraced = Annotated[dict[str, str], Field(exclude_if=_nothing)]
+"""Of a simulator that gives traces: why there is none of a case, by its name; omitted if it is empty."""
 
 
 class Status(StrEnum):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from campaigns.results.base import StageResult, Status, Told, Values
+from campaigns.results.base import StageResult, Status, Told, Untraced, Values
 
 
 class Measured(Told):
@@ -51,3 +51,4 @@ class NominalResult(StageResult):
     parameters: Values = {}
     measured: Annotated[Measured | None, Field(exclude_if=lambda given: given is None)] = None
     """Of a simulator; omitted for a closed loop, which repeats by construction."""
+    untraced: Untraced = {}

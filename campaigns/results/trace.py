@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import operator
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from campaigns.results.base import Result, Status, Values
 
@@ -13,7 +16,10 @@ class TraceColumn(Result):
     name: str
     symbol: str
     unit: str
-    group: Literal["time", "pose", "state", "command", "separation"]
+    group: Literal["time", "pose", "state", "command", "separation", "signal"]
+    """`signal`: any quantity that a simulator returns over time."""
+    text: Annotated[str, Field(exclude_if=operator.not_)] = ""
+    """One line on a signal; omitted if it has none."""
 
 
 class Closest(Result):

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from campaigns.results.base import MethodKind, Result, StageResult, Status, Stop, Told, Values
+from campaigns.results.base import MethodKind, Result, StageResult, Status, Stop, Told, Untraced, Values
 from campaigns.results.finding import ClosestApproach, Validation
 
 
@@ -149,3 +149,4 @@ class ValidateResult(StageResult, Told):
     encounter: Encounter | None = None
     incumbents: Annotated[list[Incumbent], Field(exclude_if=lambda given: not given)] = []
     """The best of every search, called again if the simulator does not repeat; omitted otherwise."""
+    untraced: Untraced = {}

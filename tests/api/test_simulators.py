@@ -183,7 +183,7 @@ class TestEveryRoute:
             f["href"].rpartition("/")[2]: f["unavailable"] for f in client.get(f"/api/v1/runs/{run}/exports").json()
         }
         assert listed["findings.csv"] is None
-        assert listed["traces.mat"] == "this run has no stored flight"
+        assert listed["traces.mat"] == "this run has no stored trace"
 
     def test_its_socket_is_refused_and_nothing_goes_wrong_in_the_log(self, visit: Visit) -> None:
         client, run, data = visit
@@ -204,9 +204,7 @@ class TestEveryRoute:
         answer = client.post(f"/api/v1/runs/{run}/flights", json={"parameters": given})
         assert answer.status_code == 422
         assert answer.json()["type"].endswith("not-flyable")
-        assert answer.json()["detail"] == (
-            f"{run} evaluates a simulator, which provides no trace: it has no flight to simulate"
-        )
+        assert answer.json()["detail"] == (f"{run} evaluates a simulator: it has no flight to simulate")
 
     def test_it_is_signed_off_and_the_word_withdrawn(self, visit: Visit) -> None:
         client, run, _ = visit

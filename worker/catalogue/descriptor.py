@@ -51,6 +51,14 @@ class DescribedResult(Strict):
     text: str = ""
 
 
+class DescribedColumn(Strict):
+    """A quantity over time that the program returns with a trace."""
+
+    unit: str = ""
+    symbol: str = ""
+    text: str = ""
+
+
 class Descriptor(Basics):
     """What `simulator.yaml` states of a program.
 
@@ -61,6 +69,8 @@ class Descriptor(Basics):
     each evaluation, which reads parameters from one JSON file and writes results to another.
     step: the parameter that is its step; it is not offered to campaigns, passed with its nominal value, and halved when
     cases are confirmed.
+    trace: the quantities over time that the program returns on request, `time` [s] among them; with protocol "files"
+    `{trace}` in the command is the file for them.
     """
 
     command: Annotated[tuple[str, ...], Field(min_length=1)]
@@ -68,6 +78,29 @@ class Descriptor(Basics):
     parameters: Annotated[dict[Identifier, DescribedParameter], Field(min_length=1)]
     results: Annotated[dict[Identifier, DescribedResult], Field(min_length=1)]
     step: Identifier | None = None
+    trace: Annotated[dict[Identifier, DescribedColumn], Field(max_length=64)] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _trace_can_be_asked_for(self) -> Self:
+        placed = any("{trace}" in word for word in self.command)
+        if not self.trace:
+            if placed:
+                raise ValueError("command: {trace} is the file of a trace; declare its columns under the key trace")
+            return self
+        time = self.trace.get("time")
+        if time is None or len(self.trace) < 2:
+            raise ValueError(
+                f"trace: the column time and at least one other are expected, given {', '.join(self.trace)}"
+            )
+        if time.unit not in ("", "s"):
+            raise ValueError(f"trace: time is in s, given the unit {time.unit}")
+        if placed != (self.protocol == "files"):
+            raise ValueError(
+                "command: {trace}, the file for the trace, is missing"
+                if self.protocol == "files"
+                else "command: {trace} is only for the protocol files; with lines a trace is part of the answer"
+            )
+        return self
 
     @model_validator(mode="after")
     def _step_can_be_halved(self) -> Self:

@@ -13,6 +13,7 @@ from worker.stages.parts import noise
 from worker.stages.parts.base import Context, drive, once
 from worker.stages.parts.outcome import Outcome, Stage
 from worker.stages.parts.store import Columns
+from worker.stages.parts.traced import traced
 from worker.systems.base import CampaignUnusable
 
 
@@ -40,7 +41,12 @@ def run(context: Context, position: int) -> Outcome[NominalResult]:
         parameters={r.path: r.nominal for r in problem.ranges},
         measured=measured,
     )
-    shown = problem.system.trace("nominal", {})
+    if simulator is None:
+        shown = problem.system.trace("nominal", {})
+    else:
+        exact = simulator.calls == 1 and measured is not None and measured.repeats
+        shown, why = traced(problem.system, "nominal", {}, cost, exact)
+        result = result.model_copy(update={"untraced": {"nominal": why} if why else {}})
     return Outcome(result, traces=() if shown is None else (shown,))
 
 

@@ -26,6 +26,7 @@ from worker.stages.parts.confirm import Case, cases
 from worker.stages.parts.encounter import encounter
 from worker.stages.parts.outcome import Outcome, Stage
 from worker.stages.parts.store import Trace
+from worker.stages.parts.traced import traced
 from worker.systems.base import Words
 
 
@@ -47,8 +48,9 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
     basins = [labels[id(f)] for f in polished]
     shown = [_labelled(f, labels[id(f)]) for f in order]
     system = context.problem.system
-    flights = [system.trace(f.label, f.parameters, f.realisation) for f in shown]
-    named = tuple(_closest(f, t) for f, t in zip(shown, flights, strict=True))
+    flies = context.campaign.scenario is not None
+    flights, untraced = _flights(context, shown) if flies else _traces(context, shown)
+    named = tuple(_closest(f, t if flies else None) for f, t in zip(shown, flights, strict=True))
     tolerance = context.campaign.stages.validate_.tolerance
     validated = [nominal, *(f.validation for f in named if f.validation is not None)]
     ok, said = repeated.agreement(validated) if noise.noisy(context) else _agreement(system.words, validated)
@@ -61,10 +63,25 @@ def run(context: Context, position: int) -> Outcome[ValidateResult]:
         comparison=compare(context, named, found, basins),
         violations=violations,
         spot_checks=offered.spot_checks(context, everything),
-        encounter=encounter(context, position, system.trace("nominal", {}), _curves(context, named)),
+        encounter=encounter(context, position, system.trace("nominal", {}) if flies else None, _curves(context, named)),
         incumbents=best,
+        untraced=untraced,
     )
     return Outcome(result, named, tuple(t for t in flights if t is not None))
+
+
+Traces = tuple[list[Trace | None], dict[str, str]]
+"""Of each finding, and by its label why a simulator gave none."""
+
+
+def _flights(context: Context, shown: Sequence[Finding]) -> Traces:
+    return [context.problem.system.trace(f.label, f.parameters, f.realisation) for f in shown], {}
+
+
+def _traces(context: Context, shown: Sequence[Finding]) -> Traces:
+    exact = not noise.noisy(context)
+    found = [traced(context.problem.system, f.label, f.parameters, f.cost, exact) for f in shown]
+    return [trace for trace, _ in found], {f.label: why for f, (_, why) in zip(shown, found, strict=True) if why}
 
 
 def _closest(finding: Finding, flight: Trace | None) -> Finding:

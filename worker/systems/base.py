@@ -40,6 +40,10 @@ class CampaignUnusable(ValueError):
         super().__init__("the campaign cannot be run here: " + "; ".join(map(str, problems)))
 
 
+class NoTrace(Exception):
+    """There is no trace of this case, although the system gives traces; the message says why."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """An input of a system: path in a campaign, unit, nominal value, limits, one line of text, and the printed symbol,
@@ -261,7 +265,8 @@ class System(ABC):
     def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
         """Time histories of one case; None for a system without traces.
 
-        values: parameters by path; missing ones are nominal. Raises KeyError for an unknown path.
+        values: parameters by path; missing ones are nominal. Raises KeyError for an unknown path, and NoTrace if it
+        cannot be given for this case.
         """
         return None
 

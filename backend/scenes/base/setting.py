@@ -105,7 +105,7 @@ def drawable(reader: sa.Connection, run_id: int) -> Campaign:
     """The campaign of a run with a scenario; 404 if it has none."""
     asked = campaign(reader, run_id)
     if asked.scenario is None:
-        text = f"{run_name(run_id)} evaluates a simulator, which provides no trace: it has no 3D view"
+        text = f"{run_name(run_id)} evaluates a simulator: it has no 3D view"
         raise RefusedError(404, "not-found", text)
     return asked
 

@@ -1,7 +1,7 @@
 /* A parachute drop past a mast: a program of JSON lines. Build: cc -O2 -o drop drop.c -lm
 
    Each line of standard input is {"parameters": {"mass": 1.9, "wind": 2.0}}; each line of standard output the results,
-   or an error. A point mass falls 100 m with drag F = 0.5 rho A C v |v - w|; the mast stands 12 m downwind. */
+   or an error. With "trace": true in the line, the answer also has the trace, a row every 0.05 s. A point mass falls 100 m with drag F = 0.5 rho A C v |v - w|; the mast stands 12 m downwind. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +14,10 @@ static int number(const char *line, const char *name, double *value) {
     return at && sscanf(at + strlen(key), "%lf", value) == 1;
 }
 
+enum { ROWS = 10000 };
+static double trace[ROWS][4];
+static const char *columns[] = {"time", "x", "z", "descent"};
+
 int main(void) {
     char line[4096];
     while (fgets(line, sizeof line, stdin)) {
@@ -23,8 +27,13 @@ int main(void) {
             fflush(stdout);
             continue;
         }
+        int traced = strstr(line, "\"trace\": true") != NULL, rows = 0, step = 0;
         double x = 0, z = 100, u = 0, w = 0, least = 1e9, dt = 1e-3;
         while (z > 0) {
+            if (traced && step++ % 50 == 0 && rows < ROWS) {
+                double row[] = {dt * (step - 1), x, z, -w};
+                memcpy(trace[rows++], row, sizeof row);
+            }
             double ru = u - wind, speed = sqrt(ru * ru + w * w), drag = 0.5 * 1.225 * 0.8 * 1.3 * speed / mass;
             u += dt * (-drag * ru);
             w += dt * (-drag * w - 9.81);
@@ -33,7 +42,17 @@ int main(void) {
             double distance = fabs(x - 12.0) + (z > 30.0 ? z - 30.0 : 0.0);
             if (distance < least) least = distance;
         }
-        printf("{\"results\": {\"separation\": %.17g, \"impact\": %.17g}}\n", least, -w);
+        printf("{\"results\": {\"separation\": %.17g, \"impact\": %.17g}", least, -w);
+        if (traced) {
+            printf(", \"trace\": {");
+            for (int column = 0; column < 4; column++) {
+                printf("%s\"%s\": [", column ? ", " : "", columns[column]);
+                for (int row = 0; row < rows; row++) printf("%s%.17g", row ? ", " : "", trace[row][column]);
+                printf("]");
+            }
+            printf("}");
+        }
+        printf("}\n");
         fflush(stdout); /* without this, every evaluation times out */
     }
     return 0;

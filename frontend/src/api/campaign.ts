@@ -38,6 +38,13 @@ export interface Published {
   source?: string
 }
 
+/** Several calls of a simulator for each evaluation. */
+export interface Repeats {
+  count?: Raw
+  combine?: string
+  quantile?: Raw | null
+}
+
 export interface Campaign {
   version?: number
   name: string
@@ -59,7 +66,7 @@ export interface Campaign {
     step: Raw
   }
   /** Instead of a scenario. */
-  simulator?: { name: string; parameters?: Record<string, Raw> }
+  simulator?: { name: string; parameters?: Record<string, Raw>; repeats?: Repeats | null; retries?: Raw }
   uncertain: Record<string, Uncertain>
   correlations?: Correlation[]
   criterion: { component: string; result?: string; parameters?: Record<string, Raw>; threshold: Raw; from_centre?: boolean }
@@ -83,6 +90,12 @@ export interface Campaign {
 }
 
 export const asCampaign = (document: unknown): Campaign => document as Campaign
+
+/** Whether it has a scenario, in which something moves; a simulator returns values, and at most columns over time. */
+export const hasScenario = (campaign: Campaign): boolean => !campaign.simulator
+
+/** The word for what is evaluated: a flight, or a case of a simulator. */
+export const caseWord = (campaign: Campaign): 'flight' | 'case' => (hasScenario(campaign) ? 'flight' : 'case')
 
 /** The parts of a scenario that may occur any number of times. */
 export const LISTS = ['obstacles', 'environment', 'faults'] as const

@@ -1,6 +1,6 @@
 // Shared data of the cards of the compare page: each run with its letter, dash pattern and data. Start at `useCompared`.
 import { useQueries } from '@tanstack/react-query'
-import { asCampaign } from '../api/campaign'
+import { asCampaign, hasScenario } from '../api/campaign'
 import { componentsQuery, evaluationsQuery, findingsQuery, runQuery, stagesQuery, traceQuery } from '../api/queries'
 import { resultOf } from '../api/stages'
 import type { Catalogue, Evaluations, FindingDetail, RunDetail, Sample, StageDetail, TraceData } from '../client'
@@ -35,7 +35,7 @@ export function useCompared(ids: readonly string[]): Comparison {
   const stages = useQueries({ queries: known.map(stagesQuery) })
   const findings = useQueries({ queries: known.map(findingsQuery) })
   const evaluations = useQueries({ queries: known.map(evaluationsQuery) })
-  const traced = known.filter((id) => !asCampaign(runs[ids.indexOf(id)]?.data?.campaign).simulator)
+  const traced = known.filter((id) => hasScenario(asCampaign(runs[ids.indexOf(id)]?.data?.campaign)))
   const nominal = useQueries({ queries: known.map((id) => traceOf(id, 'nominal', traced.includes(id))) })
   const worst = useQueries({ queries: known.map((id) => traceOf(id, 'F1', traced.includes(id))) })
   const components = useQueries({ queries: known.map(componentsQuery) })

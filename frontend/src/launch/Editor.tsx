@@ -5,7 +5,7 @@ import { useNavigate } from '@tanstack/react-router'
 import { clsx } from 'clsx'
 import { useMemo, useRef, useState } from 'react'
 import { checkCampaign, submitRun } from '../api/calls'
-import { asCampaign } from '../api/campaign'
+import { asCampaign, hasScenario } from '../api/campaign'
 import { type FieldProblem, Refusal } from '../api/problems'
 import type { Catalogue, Draft, LibraryCampaign } from '../client'
 import { Seg } from '../ui/Card'
@@ -189,7 +189,7 @@ export function Editor(props: EditorProps) {
               onForm={toForm}
               onText={toText}
             />
-            {(draft.readable || start.readable) && !draft.campaign.simulator && (
+            {(draft.readable || start.readable) && hasScenario(draft.campaign) && (
               <PreviewCard
                 campaign={draft.campaign}
                 catalogue={catalogue}

@@ -1,6 +1,7 @@
 // A run that has ended: the verdict and its evidence, by sections.
 import { clsx } from 'clsx'
 import { lazy, Suspense, useCallback, useDeferredValue, useMemo } from 'react'
+import { caseWord, hasScenario } from '../api/campaign'
 import { resultOf } from '../api/stages'
 import { SignoffsCard } from '../signoffs/SignoffsCard'
 import { useCalm } from '../ui/useCalm'
@@ -30,6 +31,7 @@ import { type Section, SectionTabs } from './SectionTabs'
 import { SensitivityCard as Sensitivity } from './parameters/SensitivityCard'
 import { SeparationCard } from './flight/SeparationCard'
 import { StageStrip } from './search/StageStrip'
+import { Untraced } from './flight/Untraced'
 import { Tornado } from './parameters/Tornado'
 import { casesOf } from './data/validated'
 import { ValidationCard } from './verdict/ValidationCard'
@@ -66,7 +68,8 @@ export function Finished({ data }: { data: RunData }) {
   const methods = run.stages.filter((stage) => stage.kind === 'search').length
   // Without a validated finding the page shows the lowest evaluation, labelled as not validated.
   const lowest = data.findings.length > 0 ? null : bestOf(data)
-  const flown = data.nominalTrace !== undefined
+  const flies = hasScenario(data.campaign)
+  const flown = flies && data.nominalTrace !== undefined
   // Two charts fit next to the separation; more need their own row.
   const few = sensitivity !== null && sensitivity.curves.length <= 2 && flown
   // Next to the flight there is room below a short table.
@@ -75,12 +78,13 @@ export function Finished({ data }: { data: RunData }) {
   const raised = sensitivity !== null && short && shown
   // With many parameters the minima by start need their own row.
   const many = data.parameters.length > 3
-  const timed = data.nominalTrace !== undefined && overTime(data.nominalTrace).length > 0
+  // A finding may have a trace although the nominal case has none.
+  const timed = overTime(data.nominalTrace ?? (flies ? undefined : data.findingTrace)).length > 0
   const sections: Section[] = [
     ...(flown ? [{ id: 'flight', name: 'Flight' }] : []),
     ...(data.findings.length ? [{ id: 'findings', name: 'Findings', count: data.findings.length }] : []),
     ...(flown ? [{ id: 'separation', name: 'Separation' }] : []),
-    ...(timed ? [{ id: 'motion', name: 'Speeds and commands' }] : []),
+    ...(timed ? [{ id: 'motion', name: flies ? 'Speeds and commands' : 'Trace' }] : []),
     ...(sensitivity ? [{ id: 'sensitivity', name: 'Sensitivity', count: sensitivity.curves.length }] : []),
     ...(searched ? [{ id: 'methods', name: 'Methods', count: methods }] : []),
     ...(space ? [{ id: 'space', name: 'Parameter space' }] : []),
@@ -110,11 +114,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {run.state === 'failed' && <WhatToDo run={run} className={shown ? 'c12' : 'c5'} />}
         {flown && <Flight data={data} view={view} whatIf={whatIf} className="c8" />}
-        {data.campaign.simulator && (
-          <p className="note c12" id="trace">
-            This system provides no trace: only the values of its results can be shown.
-          </p>
-        )}
+        {!flies && <Untraced data={data} className="c12" />}
         {shown && (
           <div className={flown ? clsx('stack', styles.pair, 'c4') : clsx('stack', styles.pair, 'c6')}>
             {flown && <WhatIfCard data={data} state={whatIf} className="" />}
@@ -135,7 +135,7 @@ export function Finished({ data }: { data: RunData }) {
         )}
         {few && <Sensitivity data={data} result={sensitivity} validation={validation} className="c5 wide" height={226} />}
         {timed && (
-          <div className={few ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few ? 220 : 380 }}>
+          <div className={few || !flies ? clsx('stack', styles.filled, 'c12') : clsx('stack', styles.filled, 'c5 wide')} id="motion" style={{ minHeight: few || !flies ? 220 : 380 }}>
             {calm && <MotionCard data={data} onCross={cross} standing={view} className="" />}
           </div>
         )}
@@ -200,8 +200,8 @@ export function Finished({ data }: { data: RunData }) {
   )
 }
 
-function titleOf({ chosen, finding }: RunData): string {
-  if (chosen === NOMINAL) return 'Nominal flight'
+function titleOf({ campaign, chosen, finding }: RunData): string {
+  if (chosen === NOMINAL) return `Nominal ${caseWord(campaign)}`
   return finding ? `Nominal against ${chosen === 'F1' ? 'worst' : chosen}` : 'Nominal and lowest evaluation'
 }
 

@@ -1,7 +1,7 @@
 // The 3D view of a run in its own window with all controls, also for an active run.
 import { Link, useParams, useSearch } from '@tanstack/react-router'
 import { useEffect, useMemo, useState } from 'react'
-import { asCampaign } from '../api/campaign'
+import { asCampaign, hasScenario } from '../api/campaign'
 import { Refusal } from '../api/problems'
 import { isLive } from '../api/queries'
 import type { RunDetail } from '../client'
@@ -24,7 +24,7 @@ export function FlightPage() {
   if (query.error instanceof Refusal && query.error.status === 410) return <Purged id={id} said={query.error.message} />
   if (query.isError && !query.data) return <Trouble error={query.error} retry={() => void query.refetch()} />
   if (!query.data) return <Loading what={id} />
-  if (asCampaign(query.data.campaign).simulator) return <NoTrace run={query.data} />
+  if (!hasScenario(asCampaign(query.data.campaign))) return <NoTrace run={query.data} />
   return <Page key={id} run={query.data} />
 }
 
@@ -32,7 +32,10 @@ function NoTrace({ run }: { run: RunDetail }) {
   return (
     <div className="card centre">
       <h1>There is no flight to show</h1>
-      <p>This system provides no trace: only the values of its results can be shown.</p>
+      <p>
+        This run evaluates a simulator, of which Clearance knows no positions: there is no 3D view and no what-if. Its
+        results, and its trace over time if it returns one, are on the page of the run.
+      </p>
       <div className="acts">
         <Link to="/runs/$id" params={{ id: run.id }} className="btn">
           {run.id}

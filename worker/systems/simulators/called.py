@@ -5,12 +5,13 @@ Start reading at `Called.evaluate`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 from functools import partial
 
 import numpy as np
 
+from backend.db.records import Trace
 from campaigns.asked.spec import Simulator
 from campaigns.claims.spans import Said
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
@@ -80,6 +81,10 @@ class Called(Simulated):
         costs = np.array([one.costs for one in found]).reshape(len(found), batch.costs.shape[1])
         why = {k: one.reason for k, one in enumerate(found) if one.reason}
         return Batch(costs, np.array([one.status for one in found], dtype=np.uint8)), why
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        """Of one further call, not tried again."""
+        return self.inner.trace(name, values, seed)
 
     def warm(self) -> None:
         self.inner.warm()

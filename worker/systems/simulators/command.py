@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from backend.db.records import Trace
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
-from worker.systems.base import Floats
+from worker.systems.base import Floats, NoTrace
+from worker.systems.simulators import traced
 from worker.systems.simulators.cluster.address import chosen
 from worker.systems.simulators.slots import files
 from worker.systems.simulators.slots.outcome import Limits, Outcome
@@ -99,6 +102,22 @@ class CommandSimulator(Slotted):
             return Program(command, "lines", d.environment, folder)
         child = [sys.executable, str(files.CHILD), f"{files.__file__}:evaluate"]
         return Program(child, "framed", {**d.environment, files.COMMAND: files.packed(command)}, folder)
+
+    def trace(self, name: str, values: Mapping[str, float], seed: int | None = None) -> Trace | None:
+        columns = self.described.descriptor.trace if isinstance(self.described, DescribedProgram) else {}
+        if not columns:
+            return None
+        vector = self.nominal.copy()
+        for path, value in values.items():
+            vector[self.names[path]] = value
+        outcome = self._opened().submit({"parameters": self._request(vector), "trace": True}).result()
+        value, reason = self._read(outcome)
+        if reason:
+            raise NoTrace(f"the evaluation that was to return it has no result: {reason}")
+        return traced.read(name, columns, outcome.answer, traced.head(self.results[0], value, self._by_path(vector)))
+
+    def _by_path(self, vector: Floats) -> dict[str, float]:
+        return {p.path: float(value) for p, value in zip(self.parameters, vector, strict=True)}
 
     def _read(self, outcome: Outcome) -> tuple[float, str]:
         """The result that decides, or why there is none."""

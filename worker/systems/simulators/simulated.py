@@ -19,7 +19,7 @@ FRESH = "a fresh evaluation"
 
 
 class Simulated(System):
-    """A simulator with its own parameters; it draws no seeds, and has no trace and no evidence of an encounter.
+    """A simulator with its own parameters; it draws no seeds and gives no evidence of an encounter.
 
     Costs have one column, the result that the campaign names. Cases are confirmed one by one with the simulator that
     `fresh` returns: this shows whether results repeat, not that the model is correct.

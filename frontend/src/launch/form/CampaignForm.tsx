@@ -3,6 +3,7 @@ import type { Catalogue } from '../../client'
 import { AboutForm } from './AboutForm'
 import { CriterionForm } from './CriterionForm'
 import { MethodsTable } from './MethodsTable'
+import { hasScenario } from '../../api/campaign'
 import type { Parameter } from '../campaign/parameters'
 import { ScenarioForm } from './ScenarioForm'
 import { SettingsForm } from './SettingsForm'
@@ -21,17 +22,17 @@ export function CampaignForm({ draft, catalogue, parameters }: CampaignFormProps
   return (
     <>
       <UncertainTable campaign={campaign} parameters={parameters} set={set} />
-      {campaign.simulator ? (
-        <ResultForm campaign={campaign} catalogue={catalogue} set={set} />
-      ) : (
+      {hasScenario(campaign) ? (
         <CriterionForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      ) : (
+        <ResultForm campaign={campaign} catalogue={catalogue} set={set} />
       )}
       <MethodsTable campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
       <SettingsForm campaign={campaign} set={set} />
-      {campaign.simulator ? (
-        <SimulatorForm campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
-      ) : (
+      {hasScenario(campaign) ? (
         <ScenarioForm campaign={campaign} catalogue={catalogue} set={set} remove={remove} />
+      ) : (
+        <SimulatorForm campaign={campaign} catalogue={catalogue} parameters={parameters} set={set} />
       )}
       <AboutForm campaign={campaign} set={set} />
     </>

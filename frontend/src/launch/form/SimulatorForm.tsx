@@ -6,6 +6,7 @@ import { Docstring } from '../../help/Docstring'
 import { Card } from '../../ui/Card'
 import { Sign } from '../../ui/Sign'
 import { unitText } from '../../format/units'
+import { Calls } from './Calls'
 import { type Parameter, simulatorOf } from '../campaign/parameters'
 import { ParameterGrid, type SetValue } from '../fields/PartCard'
 import { FieldErrors, idOf } from '../fields/problems'
@@ -41,6 +42,7 @@ export function SimulatorForm({ campaign, catalogue, parameters, set }: Simulato
           <FieldErrors field="simulator" />
           <FieldErrors field="simulator.name" />
           <ParameterGrid parameters={parameters} set={set} />
+          <Calls campaign={campaign} set={set} />
           {entry && (
             <details>
               <summary>Description</summary>

@@ -2,6 +2,7 @@
 import { IconCircleCheck, IconHelpCircle } from '@tabler/icons-react'
 import { clsx } from 'clsx'
 import { Fragment, type MouseEvent } from 'react'
+import { hasScenario } from '../../api/campaign'
 import type { FindingDetail, Gathered, Span, ValidateResult } from '../../client'
 import { count, decimalsApart, fixed, NONE, percent, signed } from '../../format/numbers'
 import { sentence, words } from '../../format/said'
@@ -35,7 +36,7 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
   useHotkeys({ j: () => step(1), k: () => step(-1) })
   const decimals = decimalsApart([run.nominal_cost, ...findings.map((finding) => finding.cost)], 4, 6)
   const shared = { data, decimals, choose }
-  const flown = fliesIn(data)
+  const flown = hasScenario(data.campaign)
   return (
     <Card
       title="Findings"
@@ -87,9 +88,6 @@ export function FindingsCard({ data, result, className }: FindingsProps) {
   )
 }
 
-/** Whether there are flights: a simulator provides values alone. */
-const fliesIn = ({ campaign }: RunData): boolean => !campaign.simulator
-
 interface RowProps {
   data: RunData
   decimals: number
@@ -103,7 +101,7 @@ function Row({ data, decimals, choose, on, finding }: RowProps & { finding: Find
   return (
     <tr {...picking(label, on, choose)} data-finding={label}>
       <Name name={label} on={on} choose={choose} />
-      {fliesIn(data) && <Picture data={data} name={label} />}
+      {hasScenario(data.campaign) && <Picture data={data} name={label} />}
       <td className="num b">{fixed(cost, decimals)}</td>
       <td className={margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
       <Met data={data} name={label} values={finding.values} />
@@ -137,7 +135,7 @@ function Nominal({ data, decimals, choose, on }: RowProps) {
   return (
     <tr {...picking(NOMINAL, on, choose)} data-finding={NOMINAL}>
       <Name name={NOMINAL} on={on} choose={choose} />
-      {fliesIn(data) && <Picture data={data} name={NOMINAL} />}
+      {hasScenario(data.campaign) && <Picture data={data} name={NOMINAL} />}
       <td className="num">{fixed(run.nominal_cost, decimals)}</td>
       <td className={margin !== null && margin <= 0 ? 'num b bad-t' : 'num'}>{signed(margin, decimals)}</td>
       <Met data={data} name={NOMINAL} values={valuesOf(data.nominalTrace)} />
@@ -182,7 +180,7 @@ function Met({ data, name, values }: { data: RunData; name: string; values: Reco
   const closest = data.traces.find((trace) => trace.name === name)?.meta.closest
   return (
     <>
-      {fliesIn(data) && (
+      {hasScenario(data.campaign) && (
         <>
           <td className="num sec">{fixed(closest?.time, 2)}</td>
           <td className="num sec">{fixed(closest?.speed, 2)}</td>

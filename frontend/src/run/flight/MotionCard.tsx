@@ -8,6 +8,7 @@ import { Plot, type Standing } from '../../charts/Plot'
 import { linesOn, union } from '../../charts/series'
 import type { PlotSpec } from '../../charts/spec'
 import { padded } from '../../charts/ticks'
+import { hasScenario } from '../../api/campaign'
 import type { TraceColumn } from '../../client'
 import { decimalsFor, fixed } from '../../format/numbers'
 import { unitText } from '../../format/units'
@@ -47,6 +48,7 @@ export function MotionCard({ data, className, onCross, standing }: MotionProps) 
   const { run, nominalTrace, findingTrace, chosen } = data
   const [address, change] = useAddress(run.id)
   const [shown] = useShown(run.id)
+  const flies = hasScenario(data.campaign)
   const [hidden, toggle] = useHidden()
   const [holder, width] = useWidth(540)
   const flights = useMemo(
@@ -60,20 +62,20 @@ export function MotionCard({ data, className, onCross, standing }: MotionProps) 
       spanOf(
         flights.map(({ trace }) => trace),
         run.threshold,
-        shown,
+        flies ? shown : 'all',
       ),
-    [flights, run.threshold, shown],
+    [flights, run.threshold, shown, flies],
   )
   if (all.length === 0) return null
   const across = acrossOf(columns.length, Math.max(1, Math.floor((width + 16) / (LEAST + 16))))
   return (
     <ChartCard
-      title="Speeds and commands"
+      title={flies ? 'Speeds and commands' : 'Trace over time'}
       note={columns.length < all.length ? `${columns.length} of ${all.length}` : undefined}
       className={className}
       run={run.id}
-      data={() => tableOf(columns, flights)}
-      footer="Dotted: the closest approaches. Values under the crosshair are next to each name; the separation chart shares the crosshair."
+      data={() => tableOf(columns, flights, flies ? 'speeds-and-commands' : 'trace')}
+      footer={flies ? FOOTER : <Called data={data} flights={flights} />}
       right={
         <>
           <Legend keys={flights} hidden={hidden} onToggle={toggle} />
@@ -130,7 +132,7 @@ function Small({ column, flights, span, hidden, onCross, standing, last }: Small
       return time === undefined ? [] : [{ key, colour, time, value }]
     })
     return {
-      label: `${said || symbolText(symbol)} over time, ${flights.map(({ label }) => label.toLowerCase()).join(' and ')} flight`,
+      label: `${said || symbolText(symbol)} over time, ${flights.map(({ label }) => label.toLowerCase()).join(' and ')}${column.group === 'signal' ? '' : ' flight'}`,
       x: xs,
       lines: drawn.map(({ key, label, colour, curve }) => ({ key, label, colour, y: linesOn(xs, curve), width: 1.5 })),
       points: near.flatMap(({ key, colour, time, value }) => (value === null ? [] : [{ x: time, y: value, colour, line: key }])),
@@ -198,7 +200,22 @@ function Choice({ all, shown, chosen, onChange }: ChoiceProps) {
   )
 }
 
-function tableOf(columns: readonly TraceColumn[], flights: readonly Flown[]) {
+const FOOTER =
+  'Dotted: the closest approaches. Values under the crosshair are next to each name; the separation chart shares the crosshair.'
+
+/** What the traces of a simulator show: the stored evaluation, or one more call with a value of its own. */
+function Called({ data, flights }: { data: RunData; flights: readonly Flown[] }) {
+  const { run, finding } = data
+  const others = flights.flatMap(({ key, label, trace }) => {
+    const stored = key === 'nominal' ? run.nominal_cost : (finding?.cost ?? null)
+    const { cost } = trace.meta
+    return cost === stored || cost === null ? [] : [`${label} ${fixed(cost, decimalsFor([cost, stored]))} ${run.unit}`]
+  })
+  if (others.length === 0) return <>As the simulator returned them, in evaluations with the stored values.</>
+  return <>As the simulator returned them. They show one more call each, with its own value: {others.join(', ')}.</>
+}
+
+function tableOf(columns: readonly TraceColumn[], flights: readonly Flown[], name: string) {
   const curves = columns.flatMap((column) =>
     flights.map(({ label, trace }) => ({
       head: `${symbolText(column.symbol)} ${label.toLowerCase()}${column.unit && `, ${unitText(column.unit)}`}`,
@@ -208,7 +225,7 @@ function tableOf(columns: readonly TraceColumn[], flights: readonly Flown[]) {
   const xs = union(curves.map(({ curve }) => curve))
   const values = curves.map(({ curve }) => linesOn(xs, curve))
   return {
-    name: 'speeds-and-commands',
+    name,
     columns: ['time since start, s', ...curves.map(({ head }) => head)],
     rows: xs.map((x, i) => [x, ...values.map((column) => column[i] ?? null)]),
   }

@@ -45,10 +45,14 @@ export function extentOf(curves: readonly Curve[], [from, to]: readonly [number,
   return low <= high ? [low, high] : null
 }
 
+/** All columns over time of a simulator's trace, in the order that it declares. */
+const signals = (trace: TraceInfo): TraceColumn[] => trace.columns.filter(({ group }) => group === 'signal')
+
 const SPEEDS = ['m/s', 'rad/s']
 
-/** All speeds and commands of a flight: speeds, then actuation, then demands. */
+/** All speeds and commands of a flight: speeds, then actuation, then demands; every column of a simulator's trace. */
 export function overTime(trace: TraceInfo | undefined): TraceColumn[] {
+  if (trace && signals(trace).length > 0) return signals(trace)
   const rank = ({ group, unit, name }: TraceColumn): number =>
     group === 'state' ? SPEEDS.indexOf(unit) : name.endsWith('_demand') ? SPEEDS.length + 1 : SPEEDS.length
   const found = (trace?.columns ?? []).filter(
@@ -65,6 +69,7 @@ export function shownColumns(all: readonly TraceColumn[], asked: string | undefi
   if (all.length <= MOST_COLUMNS) return [...all]
   const first = (column: TraceColumn) =>
     column.group === 'state' && all.find(({ group, unit }) => group === 'state' && unit === column.unit) === column
+  if (all.every(({ group }) => group === 'signal')) return all.slice(0, MOST_COLUMNS)
   const moving = all.filter((column) => first(column) || (column.group === 'command' && !column.name.endsWith('_demand')))
   return moving.slice(0, MOST_COLUMNS)
 }
@@ -79,8 +84,9 @@ export function valueAt(curve: Curve, time: number): number | null {
   return y0 + ((y1 - y0) * (time - x0)) / (x1 - x0)
 }
 
-/** The information of the name beyond the symbol: `omega_demand` with the symbol ω_d is a demand. */
-export function wordsOf({ name, symbol }: Pick<TraceColumn, 'name' | 'symbol'>): string {
+/** The text of a simulator's column, else the information of the name beyond the symbol: `omega_demand` with the symbol ω_d is a demand. */
+export function wordsOf({ name, symbol, text }: Pick<TraceColumn, 'name' | 'symbol' | 'text'>): string {
+  if (text) return text
   const [first = '', ...rest] = name.split('_')
   const same = symbolText(first) === symbolText(symbol).split('_')[0]
   return (same ? rest : [first, ...rest]).join(' ').replace(/\bref\b/, 'reference')

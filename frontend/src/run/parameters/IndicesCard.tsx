@@ -1,4 +1,5 @@
 // Global sensitivity: Morris' elementary effects and Sobol indices, one row per parameter.
+import { caseWord } from '../../api/campaign'
 import type { SensitivityResult } from '../../client'
 import { count, NONE, percent, plain } from '../../format/numbers'
 import { words } from '../../format/said'
@@ -21,6 +22,7 @@ interface Column {
 export function IndicesCard({ data, result, className }: IndicesCardProps) {
   const { run, parameters } = data
   const { morris, sobol } = result
+  const word = caseWord(data.campaign)
   const effects = (name: 'mu' | 'mu_star' | 'sigma') =>
     new Map((morris?.indices ?? []).map((row) => [row.path, plain(row[name], 3)]))
   const shares = (name: 'first' | 'total') =>
@@ -44,8 +46,8 @@ export function IndicesCard({ data, result, className }: IndicesCardProps) {
     <Card
       title="Sensitivity indices"
       note={[
-        morris && `Morris, ${count(morris.evaluations)} flights`,
-        sobol && `Sobol, ${count(sobol.evaluations)} flights`,
+        morris && `Morris, ${count(morris.evaluations)} ${word}s`,
+        sobol && `Sobol, ${count(sobol.evaluations)} ${word}s`,
       ]
         .filter(Boolean)
         .join('; ')}

@@ -2,7 +2,8 @@
 
 Requests and answers travel on pipes of their own, so the function may print. The number of evaluations begun stands in
 memory shared with the parent: an evaluation that was never begun is not blamed for the death of its process. If the
-function has an attribute `prepare`, that is called first, before the process is ready.
+function has an attribute `prepare`, that is called first, before the process is ready. A request for a trace calls its
+attribute `traced`, if it has one, which returns an object with `results` and `trace`.
 """
 
 from __future__ import annotations
@@ -73,6 +74,8 @@ def answered(evaluate: Any, request: dict[str, Any]) -> dict[str, Any]:
     An error may carry its own line, `sentence`, and end the process after the answer, `retire`.
     """
     try:
+        if request.get("trace") is True and (traced := getattr(evaluate, "traced", None)):
+            return dict(plain(traced(**request["parameters"])))
         return {"results": plain(evaluate(**request["parameters"]))}
     except MemoryError:
         traceback.print_exc()

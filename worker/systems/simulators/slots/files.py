@@ -10,7 +10,7 @@ from typing import Any
 
 CHILD = Path(__file__).with_name("child.py")
 COMMAND = "CLEARANCE_COMMAND"
-PARAMETERS, RESULTS = "parameters.json", "results.json"
+PARAMETERS, RESULTS, TRACE = "parameters.json", "results.json", "trace.json"
 
 
 def packed(command: list[str]) -> str:
@@ -18,7 +18,25 @@ def packed(command: list[str]) -> str:
     return json.dumps(command)
 
 
-def evaluate(**parameters: float) -> Any:
+class Evaluate:
+    """Evaluates by a process of its own; `traced` also asks for the trace, whose file is the null device otherwise."""
+
+    def __call__(self, /, **parameters: float) -> Any:
+        return _run(parameters, os.devnull)
+
+    def traced(self, /, **parameters: float) -> dict[str, Any]:
+        file = Path(TRACE).resolve()
+        file.unlink(missing_ok=True)
+        results = _run(parameters, str(file))
+        if not file.exists():
+            return {"results": results}
+        return {"results": results, "trace": json.loads(file.read_text(encoding="utf-8"))}
+
+
+evaluate = Evaluate()
+
+
+def _run(parameters: dict[str, float], trace: str) -> Any:
     """The results that the program wrote; raises an error that names what is missing.
 
     The program's output goes to that of the slot.
@@ -26,7 +44,7 @@ def evaluate(**parameters: float) -> Any:
     given, written = Path(PARAMETERS).resolve(), Path(RESULTS).resolve()
     written.unlink(missing_ok=True)
     given.write_text(json.dumps(parameters), encoding="utf-8")
-    places = {"{parameters}": str(given), "{results}": str(written)}
+    places = {"{parameters}": str(given), "{results}": str(written), "{trace}": trace}
     command = [_placed(word, places) for word in json.loads(os.environ[COMMAND])]
     done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL)
     if done.returncode != 0:

@@ -1,0 +1,101 @@
+// How often a simulator is called for each evaluation, and how often a call that failed is tried again.
+import { Select } from '@mantine/core'
+import type { Campaign, Raw } from '../../api/campaign'
+import { Fold } from '../fields/Fold'
+import { NumberCell } from '../fields/NumberCell'
+import type { SetValue } from '../fields/PartCard'
+import { FieldErrors, idOf } from '../fields/problems'
+import styles from './form.module.css'
+
+const REPEATS = 'simulator.repeats'
+const RETRIES = 'simulator.retries'
+/** Of a new quantile. */
+const LOW = 0.1
+
+/** A short summary: one call; 5 calls, the worst counts; retries. */
+export function callsOf(campaign: Campaign): string {
+  const { repeats, retries } = campaign.simulator ?? {}
+  const calls = repeats ? `${repeats.count ?? 5} calls, ${HOW[repeats.combine ?? 'worst'] ?? repeats.combine ?? ''}` : 'one call'
+  return `${calls} for every evaluation${retries ? `; a failed call is tried again up to ${retries} times` : ''}`
+}
+
+const HOW: Record<string, string> = { worst: 'the worst counts', mean: 'their average counts', quantile: 'a quantile counts' }
+
+export function Calls({ campaign, set }: { campaign: Campaign; set: SetValue }) {
+  const { repeats, retries } = campaign.simulator ?? {}
+  const calls = (value: Raw | null) => {
+    if (value === null) set(['simulator', 'repeats'], undefined)
+    else set(['simulator', 'repeats'], { ...repeats, count: value })
+  }
+  const combine = (how: string | null) => {
+    const { quantile, ...rest } = repeats ?? {}
+    set(['simulator', 'repeats'], { ...rest, combine: how ?? 'worst', ...(how === 'quantile' && { quantile: quantile ?? LOW }) })
+  }
+  return (
+    <Fold title="Calls" digest={callsOf(campaign)} fields={[REPEATS, RETRIES]}>
+      <div className={styles.fields}>
+        <div>
+          <label className="lbl" htmlFor={idOf(`${REPEATS}.count`)}>
+            Repeats
+          </label>
+          <NumberCell
+            field={`${REPEATS}.count`}
+            label="Calls of the simulator for every evaluation"
+            value={repeats ? (repeats.count ?? 5) : null}
+            onChange={calls}
+            optional
+            placeholder="1"
+          />
+          <small>Calls for every evaluation, for a simulator that does not repeat; empty: one</small>
+          <FieldErrors field={REPEATS} deep />
+        </div>
+        {repeats && (
+          <div>
+            <Select
+              id={idOf(`${REPEATS}.combine`)}
+              label="Which counts"
+              labelProps={{ className: 'lbl' }}
+              size="xs"
+              data={[
+                { value: 'worst', label: 'The worst of them' },
+                { value: 'mean', label: 'Their average (never cleared)' },
+                { value: 'quantile', label: 'A quantile (never cleared)' },
+              ]}
+              value={repeats.combine ?? 'worst'}
+              allowDeselect={false}
+              onChange={combine}
+            />
+          </div>
+        )}
+        {repeats?.combine === 'quantile' && (
+          <div>
+            <label className="lbl" htmlFor={idOf(`${REPEATS}.quantile`)}>
+              Quantile
+            </label>
+            <NumberCell
+              field={`${REPEATS}.quantile`}
+              label="Quantile of the calls"
+              value={repeats.quantile}
+              onChange={(value) => set(['simulator', 'repeats', 'quantile'], value)}
+            />
+          </div>
+        )}
+        <div>
+          <label className="lbl" htmlFor={idOf(RETRIES)}>
+            Retries
+          </label>
+          <NumberCell
+            field={RETRIES}
+            label="Retries of a failed call"
+            value={retries}
+            onChange={(value) => set(['simulator', 'retries'], value ?? undefined)}
+            optional
+            placeholder="0"
+          />
+          <small>An evaluation that needed a retry bars &quot;cleared&quot;</small>
+          <FieldErrors field={RETRIES} />
+        </div>
+      </div>
+    </Fold>
+  )
+}

@@ -1,0 +1,30 @@
+// Below the verdict of a run that evaluates a simulator: what it does not show, and why a case has no trace.
+import { resultOf } from '../../api/stages'
+import { calledOf, NOMINAL } from '../data/chosen'
+import type { RunData } from '../data/data'
+
+/** The reasons why cases have no trace, by name; the nominal one first. */
+export function untracedOf(data: Pick<RunData, 'stages'>): [string, string][] {
+  const nominal = resultOf(data.stages.find(({ kind }) => kind === 'nominal'), 'nominal')
+  const validated = resultOf(data.stages.find(({ kind }) => kind === 'validate'), 'validate')
+  // Omitted from the results if there are none.
+  return Object.entries({ ...(nominal?.untraced ?? {}), ...(validated?.untraced ?? {}) })
+}
+
+export function Untraced({ data, className }: { data: RunData; className: string }) {
+  const reasons = untracedOf(data)
+  const shown = reasons.filter(([name]) => name === NOMINAL || name === data.chosen)
+  const traced = data.traces.length > 0
+  return (
+    <div className={`note ${className}`} id="trace">
+      {traced
+        ? 'This run evaluates a simulator: there is no 3D view and no what-if.'
+        : `This system provides no trace: only the values of its results can be shown.${reasons.length > 0 ? ' It declares one, but returned none that could be stored.' : ''}`}
+      {shown.map(([name, reason]) => (
+        <p key={name}>
+          No trace of {name === NOMINAL ? 'the nominal case' : calledOf(name)}: {reason}.
+        </p>
+      ))}
+    </div>
+  )
+}

@@ -1,0 +1,34 @@
+"""The example docs/examples/drop, compiled into a folder as an operator installs it, and its campaign."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from tests.faults.processes import REPOSITORY
+
+EXAMPLES = REPOSITORY / "docs" / "examples"
+
+
+def install(folder: Path) -> Path:
+    """The folder that CLEARANCE_SIMULATORS names; skips without a C compiler."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    shutil.copytree(EXAMPLES / "drop", folder / "drop")
+    subprocess.run([compiler, "-O2", "-o", folder / "drop/drop", folder / "drop/drop.c", "-lm"], check=True)
+    return folder
+
+
+def campaign(samples: int = 20, **changes: Any) -> dict[str, Any]:
+    """The example's campaign with small budgets."""
+    found: dict[str, Any] = yaml.safe_load((EXAMPLES / "campaigns" / "drop.yaml").read_text(encoding="utf-8"))
+    methods = [{"method": name, "evaluations": 30} for name in ("direct", "differential_evolution")]
+    stages = {"sensitivity": {"points": 3}, "search": methods, "certify": {"samples": samples}}
+    small = {"findings": {"at_most": 1, "evaluations": 30}, "validate": {"neighbours": 3}}
+    return found | {"stages": stages | small} | changes

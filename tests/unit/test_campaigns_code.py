@@ -1,0 +1,64 @@
+"""A campaign names a simulator and never contains one: what gives code is refused, with the way that there is."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from campaigns.asked.load import CampaignError, load_document
+from tests.simulators import package
+
+WAY = "CLEARANCE_SIMULATORS"
+GIVEN: dict[str, tuple[Any, str]] = {
+    "a command": ({"command": ["sh", "-c", "true"]}, "simulator.command"),
+    "a name and a command": ({"name": "drop", "command": "rm -r /"}, "simulator.command"),
+    "an FMU": ({"name": "drop", "fmu": "model.fmu"}, "simulator.fmu"),
+    "Python": ({"name": "drop", "python": "import os"}, "simulator.python"),
+    "a limit": ({"name": "drop", "timeout": 1e9}, "simulator.timeout"),
+    "an environment": ({"name": "drop", "environment": {"LD_PRELOAD": "x.so"}}, "simulator.environment"),
+    "a text": ("python drop.py", "simulator"),
+    "a list": (["python", "drop.py"], "simulator"),
+    "a command as the name": ({"name": "python drop.py"}, "simulator.name"),
+    "a path as the name": ({"name": "../drop"}, "simulator.name"),
+    "a mapping as the name": ({"name": {"command": "x"}}, "simulator.name"),
+}
+
+
+@pytest.mark.parametrize("case", GIVEN)
+def test_a_simulator_given_as_code_is_refused_with_the_way_to_install_one(case: str) -> None:
+    given, field = GIVEN[case]
+    with pytest.raises(CampaignError) as refused:
+        load_document(package.campaign(simulator=given))
+    said = [problem.message for problem in refused.value.problems if problem.field == field]
+    assert len(said) == 1, refused.value
+    assert WAY in said[0]
+
+
+@pytest.mark.parametrize("changes", [{"code": "1 + 1"}, {"command": ["sh"]}])
+def test_code_elsewhere_is_refused(changes: dict[str, Any]) -> None:
+    with pytest.raises(CampaignError, match="a campaign contains no code"):
+        load_document(package.campaign(**changes))
+
+
+def test_another_unknown_key_is_only_unknown() -> None:
+    with pytest.raises(CampaignError, match="unknown key; remove it") as refused:
+        load_document(package.campaign(simulator={"name": "drop", "nmae": 1}, timeout=3))
+    assert WAY not in str(refused.value)
+
+
+def test_the_command_line_says_it(tmp_path: Path) -> None:
+    file = tmp_path / "campaign.yaml"
+    file.write_text("name: x\nsimulator: {command: [sh, -c, 'touch made']}\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "worker.cli", "run", str(file)],
+        capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60,
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
+    )  # fmt: skip
+    assert done.returncode == 3, done.stderr
+    assert WAY in done.stderr.replace("\n", " ")
+    assert not (tmp_path / "made").exists()

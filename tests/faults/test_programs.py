@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import yaml
 
+from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
 from tests.simulators import unrepeatable
 from worker.catalogue.descriptor import read
@@ -33,15 +31,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(EXAMPLES, made, dirs_exist_ok=True)
     subprocess.run([compiler, "-O2", "-o", made / "drop/drop", made / "drop/drop.c", "-lm"], check=True)
     return made
-
-
-def run(folder: Path, campaign: Path, timeout: float = 250) -> tuple[int, Any, str]:
-    done = subprocess.run(
-        [sys.executable, "-m", "worker.cli", "run", str(campaign), "--json"],
-        env=os.environ | {"CLEARANCE_SIMULATORS": str(folder)}, capture_output=True, text=True, check=False,
-        cwd=REPOSITORY, timeout=timeout,
-    )  # fmt: skip
-    return done.returncode, json.loads(done.stdout) if done.stdout.startswith("{") else None, done.stderr
 
 
 def test_a_program_of_json_lines(folder: Path) -> None:

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from campaigns.results.base import FAILED, OK
+from tests.faults.launched import run
 from tests.faults.processes import REPOSITORY
-from tests.faults.test_programs import run
 from worker.catalogue.descriptor import read
 from worker.catalogue.simulator import Opening
 from worker.systems.simulators.command import CommandSimulator

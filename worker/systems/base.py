@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.db.records import Trace
+from backend.db.records import Trace as Trace
 from campaigns.asked.problem import Problem as Wrong
 from campaigns.claims.spans import Said
 from campaigns.results.finding import ClosestApproach

@@ -11,12 +11,11 @@ from functools import partial
 
 import numpy as np
 
-from backend.db.records import Trace
 from campaigns.asked.spec import Simulator
 from campaigns.claims.spans import Said
 from campaigns.results.base import EXCLUDED, FAILED, FLAKY, OK, TIMEOUT
 from worker.search.base import Batch
-from worker.systems.base import Evaluated, Floats, Reasons, Scope, Seeds, System, Words
+from worker.systems.base import Evaluated, Floats, Reasons, Scope, Seeds, System, Trace, Words
 from worker.systems.simulators.simulated import Simulated
 from worker.systems.simulators.slotted import batch_of, gathered
 

@@ -13,11 +13,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from backend.db.records import Trace
 from worker.catalogue.described import Described
 from worker.catalogue.descriptor import DescribedProgram
 from worker.catalogue.simulator import Opening
-from worker.systems.base import Floats, NoTrace
+from worker.systems.base import Floats, NoTrace, Trace
 from worker.systems.simulators import traced
 from worker.systems.simulators.cluster.address import chosen
 from worker.systems.simulators.slots import files

@@ -11,10 +11,9 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from backend.db.records import Trace
 from campaigns.results.base import Status
 from campaigns.results.trace import TraceColumn, TraceHead
-from worker.systems.base import Floats, NoTrace, Result
+from worker.systems.base import Floats, NoTrace, Result, Trace
 
 MOST_ROWS = 100_000
 TIME = "time"

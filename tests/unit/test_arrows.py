@@ -66,7 +66,6 @@ MAY: dict[str, tuple[str, ...]] = {
         *("worker.systems.base", "worker.systems.threads", "worker.search.base"),
         *("worker.catalogue.simulator", "worker.catalogue.described", "worker.catalogue.descriptor"),
         *("worker.catalogue.function", "worker.catalogue.fmu", "worker.catalogue.folder", "campaigns"),
-        "backend.db.records",
     ),
     # The slots know programs and JSON, nothing of campaigns.
     "worker.systems.simulators.slots": (),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import socket
 from collections.abc import Sequence
 
 import sqlalchemy as sa
+from pydantic import ValidationError
 
 from backend.db import codes
 from backend.db.engine import insert, now
@@ -52,12 +54,17 @@ def arrive(connection: sa.Connection, name: str) -> None:
 
 
 def simulators(connection: sa.Connection, within: float = LIVE) -> list[SimulatorEntry]:
-    """The published simulators that a live worker has."""
+    """The published simulators that a live worker has; without those of which another version published an entry that
+    this one cannot read."""
     known = connection.execute(sa.select(Worker.simulators).where(Worker.beat > now(connection) - within)).scalars()
     had = {version for versions in known for version in versions}
-    document = connection.scalar(sa.select(CatalogueDocument.document))
-    listed = [] if document is None else Catalogue.model_validate(document).simulators
-    return [entry for entry in listed if entry.version in had]
+    document = connection.scalar(sa.select(CatalogueDocument.document)) or {}
+    found = []
+    for given in document.get("simulators", []):
+        with contextlib.suppress(ValidationError):
+            entry = SimulatorEntry.model_validate(given)
+            found += [entry] if entry.version in had else []
+    return found
 
 
 def beat(connection: sa.Connection, name: str, run_id: int | None, simulators: Sequence[str] = ()) -> None:

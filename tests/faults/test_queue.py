@@ -12,7 +12,7 @@ from backend.db import workers
 from backend.db.engine import now
 from backend.db.queue import Claim, LostLease, Queue, request_cancel, submit
 from backend.db.store import RunStore
-from backend.db.tables import Campaign, Run, Worker
+from backend.db.tables import Campaign, CatalogueDocument, Run, Worker
 from backend.runs import waiting
 from campaigns import Catalogue
 from campaigns.asked.load import load_document
@@ -269,6 +269,9 @@ def test_the_catalogue_keeps_the_simulators_of_other_live_workers(database: sa.E
         workers.beat(connection, "with", None, [ENTRY.version])
         workers.publish(connection, HAS)
         workers.publish(connection, HAS.model_copy(update={"simulators": []}))
+        assert [entry.name for entry in workers.simulators(connection)] == [ENTRY.name]
+        other = {"simulators": [{"name": "of another version"}, ENTRY.model_dump(mode="json")]}
+        connection.execute(sa.update(CatalogueDocument).values(document=other))
         assert [entry.name for entry in workers.simulators(connection)] == [ENTRY.name]
         workers.leave(connection, "with")
         workers.publish(connection, HAS.model_copy(update={"simulators": []}))

@@ -97,7 +97,7 @@ def test_every_act_is_in_the_table() -> None:
 
 def test_what_it_started_is_killed_with_it(simulator: CommandSimulator) -> None:
     simulator.evaluate(points("grandchild"))
-    assert not sleeping()
+    until(lambda: not sleeping(), "what was killed is gone", 20)
 
 
 def sleeping() -> list[str]:

@@ -177,10 +177,21 @@ class Slot:
 
 
 def _sweep(tag: str) -> None:
-    """Kill what left the session and still carries the tag."""
-    sought = f"{TAG}={tag}".encode()
-    for entry in os.listdir("/proc"):
-        if entry.isdigit():
+    """Kill what left the session and still carries the tag; looked for again while there was any, which may have
+    started more meanwhile."""
+    sought, killed = f"{TAG}={tag}".encode(), set[str]()
+    while True:
+        found = {entry for entry in os.listdir("/proc") if entry.isdigit() and _carries(entry, sought)} - killed
+        if not found:
+            return
+        killed |= found
+        for entry in found:
             with contextlib.suppress(OSError):
-                if sought in Path("/proc", entry, "environ").read_bytes().split(b"\0"):
-                    os.kill(int(entry), signal.SIGKILL)
+                os.kill(int(entry), signal.SIGKILL)
+
+
+def _carries(entry: str, sought: bytes) -> bool:
+    try:
+        return sought in Path("/proc", entry, "environ").read_bytes().split(b"\0")
+    except OSError:
+        return False

@@ -82,6 +82,7 @@ def test_a_descriptor_that_is_gone_is_refused_with_a_sentence(folder: Path, tmp_
     assert "simulator.name" in errors
 
 
+@pytest.mark.nightly  # the whole way of two cases of tests/faults/test_noise.py
 @pytest.mark.parametrize(
     ("how", "reason"),
     [
